@@ -1,0 +1,1 @@
+//! Meshes that the benches share.

@@ -1,0 +1,3 @@
+//! The `garnet` command.
+
+fn main() {}

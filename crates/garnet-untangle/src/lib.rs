@@ -1,0 +1,1 @@
+//! Frees a garment of penetrations with a smooth displacement, verifies and reports.

@@ -1,0 +1,1 @@
+//! Pictures: shaded PNG of meshes.

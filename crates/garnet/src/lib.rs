@@ -1,0 +1,1 @@
+//! Drapes a garment mesh on a body mesh: bind once, drape many.

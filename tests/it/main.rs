@@ -1,0 +1,1 @@
+//! Whole pipelines on small generated scenes, and the rules of the workspace.
