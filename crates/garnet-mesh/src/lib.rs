@@ -1,12 +1,61 @@
 //! Triangle meshes: OBJ in and lossless out, topology, normals, areas, curvatures, comparison.
+//!
+//! Values are checked once, where they enter: [`ObjFile`] and [`TriMesh`] hold only finite
+//! coordinates and faces that name existing vertices. Everything else takes positions and faces
+//! as slices, so that many poses share one [`Topology`].
+//!
+//! ```
+//! use garnet_mesh::{Topology, diagnose, mean_curvatures, tube};
+//!
+//! let sleeve = tube(0.06, 0.25, 32, 20);
+//! assert_eq!(diagnose(&sleeve).boundary_loops.len(), 2);
+//!
+//! let topology = Topology::new(sleeve.num_vertices(), sleeve.faces());
+//! let curvatures = mean_curvatures(sleeve.positions(), &topology);
+//! let halfway_up = curvatures[10 * 32];
+//! assert!((halfway_up - 1.0 / (2.0 * 0.06)).abs() < 0.05);
+//! ```
 
+mod atomic;
+mod boundary;
+mod compare;
+mod curvature;
+mod diagnosis;
+mod edges;
 mod error;
+mod foreign;
+mod lists;
+mod normals;
+mod obj_error;
+mod obj_file;
+mod obj_normals;
+mod obj_output;
+mod obj_parse;
+mod obj_scan;
+mod obj_words;
+mod primitives;
 mod topology;
 mod tri_mesh;
+mod units;
 
+pub use atomic::{WriteError, write_atomically};
+pub use compare::{
+    Spread, StretchSummary, distance_error, edge_stretch, edge_stretches, normal_angles,
+    normal_error, share_below, vertex_distances,
+};
+pub use curvature::{
+    MAX_COTANGENT, gaussian_curvatures, mean_curvature_normals, mean_curvatures, mixed_areas,
+};
+pub use diagnosis::{Bounds, MeshDiagnosis, diagnose};
 pub use error::MeshError;
-pub use topology::Topology;
+pub use normals::{face_areas, face_normals, vertex_normals};
+pub use obj_error::{ObjElement, ObjError, ObjLineProblem, ObjParseError};
+pub use obj_file::ObjFile;
+pub use obj_output::write_obj;
+pub use primitives::{capsule, cone_skirt, cuboid, grid, icosphere, tube, uv_sphere};
+pub use topology::{Hinge, Topology};
 pub use tri_mesh::TriMesh;
+pub use units::{Unit, UnitError, UpAxis, guess_body_unit, guess_garment_units, guess_up_axis};
 
 /// A point in space, in metres.
 pub type Point3 = nalgebra::Point3<f32>;

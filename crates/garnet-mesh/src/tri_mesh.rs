@@ -93,7 +93,7 @@ impl TriMesh {
     }
 }
 
-fn check_finite(positions: &[Point3]) -> Result<(), MeshError> {
+pub(crate) fn check_finite(positions: &[Point3]) -> Result<(), MeshError> {
     for (vertex, position) in positions.iter().enumerate() {
         if let Some(&value) = position.iter().find(|value| !value.is_finite()) {
             return Err(MeshError::NonFiniteCoordinate { vertex, value });
