@@ -1,1 +1,62 @@
 //! Pictures: shaded PNG of meshes.
+//!
+//! A small software renderer for looking at cloth on bodies: several meshes from several sides in
+//! one picture, lit like clay, with creases darkened so that folds, contact and skin that pokes
+//! through cloth are seen at once. Values per vertex (an error, a penetration depth, a strain)
+//! become colors with a bar beside them. The same picture gives the same bytes on every run, with
+//! any number of threads.
+//!
+//! # Examples
+//!
+//! ```
+//! use garnet_mesh::{Point3, TriMesh};
+//! use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+//! let positions = corners.map(|[x, y]| Point3::new(x, y, 0.0)).to_vec();
+//! let mesh = TriMesh::new(positions, vec![[0, 1, 2]])?;
+//! let image = render(&Picture {
+//!     layers: vec![Layer { paint: Paint::Plain(palette::GARMENT), ..Layer::new(&mesh) }],
+//!     views: vec![View::new(Camera::front()), View::new(Camera::three_quarter())],
+//!     ..Picture::new(320, 160)
+//! })?;
+//! image.write_png(&std::env::temp_dir().join("garnet-view-example.png"))?;
+//! # Ok(())
+//! # }
+//! ```
+
+mod camera;
+mod clip;
+mod color_bar;
+mod color_map;
+mod error;
+mod font;
+mod image;
+mod layer;
+mod layout;
+mod lens;
+mod lighting;
+mod normals;
+mod occlusion;
+pub mod palette;
+mod picture;
+mod prepared;
+mod raster;
+mod render;
+mod resolve;
+mod rgb;
+mod scene;
+mod text;
+
+#[cfg(test)]
+mod shapes;
+
+pub use camera::{Camera, Projection};
+pub use color_map::ColorMap;
+pub use error::ViewError;
+pub use image::Image;
+pub use layer::{BackSide, Heat, Layer, Paint, Shading};
+pub use picture::{MAX_SIZE, MAX_SUPERSAMPLING, Picture, View};
+pub use render::render;
+pub use rgb::Rgb;

@@ -1,0 +1,180 @@
+//! The finished picture and its file.
+
+use std::{
+    io::{self, Write},
+    path::Path,
+};
+
+use ::image::{
+    ExtendedColorType, ImageEncoder,
+    codecs::png::{CompressionType, FilterType, PngEncoder},
+};
+
+use crate::{Rgb, ViewError};
+
+/// Pixels in sRGB, row by row from the upper left.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Image {
+    width: u32,
+    height: u32,
+    pixels: Vec<u8>,
+}
+
+impl Image {
+    /// An image of one color.
+    pub(crate) fn filled(width: u32, height: u32, color: Rgb) -> Self {
+        let num_pixels = width as usize * height as usize;
+        Self {
+            width,
+            height,
+            pixels: color.channels().repeat(num_pixels),
+        }
+    }
+
+    /// Width in pixels.
+    pub const fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub const fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Red, green and blue of each pixel.
+    ///
+    /// # Shapes
+    ///
+    /// - output: `[height, width, 3]`
+    pub fn pixels(&self) -> &[u8] {
+        &self.pixels
+    }
+
+    /// The color at column `x` and row `y`, or nothing outside.
+    pub fn pixel(&self, x: u32, y: u32) -> Option<Rgb> {
+        let start = self.start(x, y)?;
+        let channels = self.pixels.get(start..start + 3)?;
+        Some(Rgb::new(channels[0], channels[1], channels[2]))
+    }
+
+    /// Paints the part of a rectangle that lies inside.
+    pub(crate) fn fill(&mut self, rect: Rect, color: Rgb) {
+        let right = rect.x.saturating_add(rect.width).min(self.width);
+        let bottom = rect.y.saturating_add(rect.height).min(self.height);
+        for y in rect.y..bottom {
+            for x in rect.x..right {
+                if let Some(start) = self.start(x, y) {
+                    self.pixels[start..start + 3].copy_from_slice(&color.channels());
+                }
+            }
+        }
+    }
+
+    /// The bytes of the rows `from..to`.
+    pub(crate) fn rows_mut(&mut self, from: u32, to: u32) -> &mut [u8] {
+        let row = 3 * self.width as usize;
+        let to = to.min(self.height) as usize;
+        &mut self.pixels[(from as usize).min(to) * row..to * row]
+    }
+
+    fn start(&self, x: u32, y: u32) -> Option<usize> {
+        let inside = x < self.width && y < self.height;
+        inside.then(|| 3 * (y as usize * self.width as usize + x as usize))
+    }
+
+    /// Packs the image as PNG.
+    ///
+    /// # Errors
+    ///
+    /// [`ViewError::Encode`].
+    pub fn to_png_bytes(&self) -> Result<Vec<u8>, ViewError> {
+        let mut bytes = Vec::new();
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive)
+            .write_image(
+                &self.pixels,
+                self.width,
+                self.height,
+                ExtendedColorType::Rgb8,
+            )
+            .map_err(|source| ViewError::Encode { source })?;
+        Ok(bytes)
+    }
+
+    /// Writes the image as PNG; an interrupted or failed write leaves what was there before.
+    ///
+    /// # Errors
+    ///
+    /// [`ViewError::Encode`] or [`ViewError::Write`].
+    pub fn write_png(&self, path: &Path) -> Result<(), ViewError> {
+        let bytes = self.to_png_bytes()?;
+        replace_file(path, &bytes).map_err(|source| ViewError::Write {
+            path: path.to_owned(),
+            source,
+        })
+    }
+}
+
+/// Part of an image, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Rect {
+    pub(crate) x: u32,
+    pub(crate) y: u32,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
+fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        // A temporary file is private by default; a picture is as readable as any new file.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder
+        .prefix(".garnet-")
+        .suffix(".png")
+        .tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.persist(path)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_written_picture_reads_back_the_same() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.png");
+        let mut image = Image::filled(7, 5, Rgb::new(1, 2, 3));
+        let rect = Rect {
+            x: 5,
+            y: 1,
+            width: 9,
+            height: 1,
+        };
+        image.fill(rect, Rgb::new(200, 100, 50));
+        image.write_png(&path).unwrap();
+        let read = ::image::open(&path).unwrap().to_rgb8();
+        assert_eq!(read.dimensions(), (7, 5));
+        assert_eq!(read.as_raw(), image.pixels());
+        assert_eq!(image.pixel(6, 1), Some(Rgb::new(200, 100, 50)));
+        assert_eq!(image.pixel(7, 1), None);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("taken")).unwrap();
+        let image = Image::filled(1, 1, Rgb::new(0, 0, 0));
+        let error = image.write_png(&folder.path().join("taken")).unwrap_err();
+        assert!(matches!(error, ViewError::Write { .. }));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}
