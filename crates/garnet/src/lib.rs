@@ -1,1 +1,55 @@
 //! Drapes a garment mesh on a body mesh: bind once, drape many.
+//!
+//! A garment lies on a body in its rest pose. [`Garment::bind`] computes once what does not depend
+//! on the pose; [`Draper::drape`] then takes milliseconds for each pose: it warps the garment by
+//! dual-quaternion skinning and frees it of every penetration.
+//!
+//! ```
+//! use garnet::{
+//!     Body, Draper, Garment, Joint, Point3, Pose, Skeleton, SkinWeights, UnitQuaternion, Vector3,
+//!     primitives,
+//! };
+//!
+//! // An arm of two bones along y, bent at the elbow, in a sleeve.
+//! let arm = primitives::capsule(0.05, 0.6, 24, 24);
+//! let joint = |name: &str, parent, y| Joint {
+//!     name: name.to_owned(),
+//!     parent,
+//!     rest_position: Point3::new(0.0, y, 0.0),
+//! };
+//! let skeleton = Skeleton::new(vec![joint("shoulder", None, -0.3), joint("elbow", Some(0), 0.0)])?;
+//! let forearm = |p: &Point3| (0.5 + p.y / 0.1).clamp(0.0, 1.0);
+//! let rows = arm.positions().iter().map(|p| [(0, 1.0 - forearm(p)), (1, forearm(p))]);
+//! let weights = SkinWeights::from_influences(2, rows)?;
+//! let body = Body::new(arm, skeleton, weights)?;
+//! let sleeve = primitives::tube(0.06, 0.4, 32, 30);
+//!
+//! let garment = Garment::new(sleeve).bind(&body)?;
+//! let mut pose = Pose::rest(2);
+//! pose.rotations[1] = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 1.2);
+//! let drape = Draper::new().drape(&garment, &body.posed(&pose)?)?;
+//!
+//! assert_eq!(drape.positions.len(), garment.mesh().num_vertices());
+//! assert_eq!(drape.report.map(|report| report.inside), Some(0));
+//! # Ok::<(), garnet::Error>(())
+//! ```
+
+pub mod io;
+
+mod draper;
+mod error;
+mod garment;
+
+pub use draper::{Drape, DrapeOptions, Draper, Warped};
+pub use error::Error;
+pub use garment::{BoundGarment, Garment};
+pub use garnet_mesh::{
+    Bounds, MeshDiagnosis, Point3, StretchSummary, TriMesh, Unit, UpAxis, Vector3, diagnose,
+    edge_stretch, primitives,
+};
+pub use garnet_skin::{
+    Body, Joint, Method, Pose, PosedBody, Rig, Skeleton, SkinError, SkinWeights, TransferOptions,
+    Warp,
+};
+pub use garnet_untangle::{UntangleOptions, UntangleReport};
+pub use nalgebra::{Isometry3, UnitQuaternion};

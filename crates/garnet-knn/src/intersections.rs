@@ -1,0 +1,284 @@
+//! Which triangles of two surfaces, or of one, intersect.
+
+use crate::aabb::Aabb;
+use crate::bvh::{Block, Bvh, Child};
+use crate::bvh_build::{NONE, STACK_SIZE};
+use crate::lanes::{Lanes3, NUM_LANES, splat3};
+use crate::pair_filter::{Probe, separation};
+use crate::surface::Surface;
+use crate::triangle_pair::{neighbors_intersect, triangles_intersect};
+use rayon::prelude::*;
+
+/// Blocks that one task compares with the other surface.
+const BLOCKS_PER_TASK: usize = 64;
+/// Faces that one task of [`Surface::faces_crossing`] compares with the other surface.
+const FACES_PER_TASK: usize = 256;
+
+impl Surface {
+    /// The pairs `[face of self, face of other]` of triangles that intersect, sorted.
+    ///
+    /// Exact: no pair is missed or made up by rounding. Triangles are closed, so touching in a
+    /// point counts; triangles without area count as the segment or point that they are.
+    pub fn intersections(&self, other: &Self) -> Vec<[u32; 2]> {
+        let tasks = self.bvh().blocks.par_chunks(BLOCKS_PER_TASK);
+        sorted(tasks.flat_map_iter(|blocks| {
+            let mut pairs = Vec::new();
+            for block in blocks {
+                let lanes = (0..NUM_LANES).filter(|&lane| block.faces[lane] != NONE);
+                let probes: Vec<(u32, Candidate)> = lanes
+                    .map(|lane| (block.faces[lane], Candidate::new(block.triangle(lane))))
+                    .collect();
+                visit_blocks(other.bvh(), &block.bounds(), |_, other_block| {
+                    let boxes = other_block.lane_bounds();
+                    for (face, candidate) in &probes {
+                        candidate.intersected(other_block, &boxes, |other_face| {
+                            pairs.push([*face, other_face]);
+                        });
+                    }
+                });
+            }
+            pairs
+        }))
+    }
+
+    /// [`Surface::intersections`] of some faces only. Faces that do not exist are passed over, and
+    /// repeated ones count once.
+    pub fn faces_crossing(&self, other: &Self, candidate_faces: &[u32]) -> Vec<[u32; 2]> {
+        let tasks = candidate_faces.par_chunks(FACES_PER_TASK);
+        sorted(tasks.flat_map_iter(|faces| {
+            let mut pairs = Vec::new();
+            for &face in faces {
+                let Some(triangle) = self.triangle(face) else {
+                    continue;
+                };
+                let candidate = Candidate::new(triangle);
+                visit_blocks(other.bvh(), &Aabb::of_points(triangle), |_, other_block| {
+                    let boxes = other_block.lane_bounds();
+                    candidate.intersected(other_block, &boxes, |other_face| {
+                        pairs.push([face, other_face]);
+                    });
+                });
+            }
+            pairs
+        }))
+    }
+
+    /// The pairs of faces of this surface that intersect, the smaller number first, sorted.
+    ///
+    /// Exact, with touching counted. Of faces that share a corner (by number or by place) only what
+    /// they have in common beyond it counts: with one shared corner the opposite edge of one must
+    /// meet the other, with two the faces must be coplanar and folded onto each other. Faces
+    /// without area are left out: their edges are those of their neighbors.
+    pub fn self_intersections(&self) -> Vec<[u32; 2]> {
+        let bvh = self.bvh();
+        let tasks = bvh.blocks.par_chunks(BLOCKS_PER_TASK).enumerate();
+        sorted(tasks.flat_map_iter(|(task, blocks)| {
+            let mut pairs = Vec::new();
+            for (offset, block) in blocks.iter().enumerate() {
+                let index = task * BLOCKS_PER_TASK + offset;
+                visit_blocks(bvh, &block.bounds(), |other_index, other_block| {
+                    if other_index >= index {
+                        let is_same = other_index == index;
+                        neighbor_pairs(block, other_block, is_same, &mut pairs);
+                    }
+                });
+            }
+            pairs
+        }))
+    }
+}
+
+fn sorted(pairs: impl ParallelIterator<Item = [u32; 2]>) -> Vec<[u32; 2]> {
+    let mut pairs: Vec<[u32; 2]> = pairs.collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+/// A triangle with what is needed to compare it quickly.
+struct Candidate {
+    triangle: [[f32; 3]; 3],
+    probe: Probe,
+}
+
+impl Candidate {
+    fn new(triangle: [[f32; 3]; 3]) -> Self {
+        Self {
+            probe: Probe::new(&triangle),
+            triangle,
+        }
+    }
+
+    /// Tells the faces of a block that the triangle intersects.
+    #[inline]
+    fn intersected(&self, block: &Block, boxes: &(Lanes3, Lanes3), mut found: impl FnMut(u32)) {
+        let passed = self.probe.may_intersect(block, boxes);
+        for (lane, (passed, &face)) in passed.into_iter().zip(&block.faces).enumerate() {
+            if passed && face != NONE && triangles_intersect(&self.triangle, &block.triangle(lane))
+            {
+                found(face);
+            }
+        }
+    }
+}
+
+/// Adds the intersecting pairs of faces in two blocks of one surface, or in one.
+fn neighbor_pairs(block: &Block, other: &Block, is_same: bool, pairs: &mut Vec<[u32; 2]>) {
+    let boxes = other.lane_bounds();
+    for lane in (0..NUM_LANES).filter(|&lane| block.faces[lane] != NONE) {
+        let triangle = block.triangle(lane);
+        let face = block.faces[lane];
+        let passed = Probe::new(&triangle).may_intersect(other, &boxes);
+        let first = if is_same { lane + 1 } else { 0 };
+        for (other_lane, &other_face) in other.faces.iter().enumerate().skip(first) {
+            if passed[other_lane]
+                && other_face != NONE
+                && neighbors_intersect(&triangle, &other.triangle(other_lane))
+            {
+                pairs.push([face.min(other_face), face.max(other_face)]);
+            }
+        }
+    }
+}
+
+/// Visits every block whose box touches `bounds`, with its number.
+fn visit_blocks(bvh: &Bvh, bounds: &Aabb, mut visit: impl FnMut(usize, &Block)) {
+    let (min, max) = (splat3(bounds.min), splat3(bounds.max));
+    let mut stack = [0_u32; STACK_SIZE];
+    let mut size = 1;
+    while size > 0 {
+        size -= 1;
+        let child = stack[size];
+        match bvh.child(child) {
+            Child::Node(node) => {
+                let apart = separation((&min, &max), (&node.min, &node.max)).0;
+                for (&distance, &child) in apart.iter().zip(&node.children) {
+                    if distance <= 0.0 && child != NONE {
+                        stack[size] = child;
+                        size += 1;
+                    }
+                }
+            }
+            Child::Block(block) => visit(Bvh::block_index(child), block),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::{both, cube, grid, soup, sphere, surface, torus};
+    use proptest::prelude::*;
+
+    fn brute_force(a: &Surface, b: &Surface) -> Vec<[u32; 2]> {
+        let mut pairs = Vec::new();
+        for i in 0..a.faces().len() as u32 {
+            for j in 0..b.faces().len() as u32 {
+                if triangles_intersect(&a.triangle(i).unwrap(), &b.triangle(j).unwrap()) {
+                    pairs.push([i, j]);
+                }
+            }
+        }
+        pairs
+    }
+
+    fn brute_force_self(surface: &Surface) -> Vec<[u32; 2]> {
+        let mut pairs = Vec::new();
+        for i in 0..surface.faces().len() as u32 {
+            for j in i + 1..surface.faces().len() as u32 {
+                let [a, b] = [i, j].map(|face| surface.triangle(face).unwrap());
+                if neighbors_intersect(&a, &b) {
+                    pairs.push([i, j]);
+                }
+            }
+        }
+        pairs
+    }
+
+    /// Coarse coordinates make touching, coplanar and flat triangles; fine ones the general case.
+    fn corners() -> impl Strategy<Value = Vec<[f32; 3]>> {
+        let coarse = (-3_i8..4).prop_map(f32::from);
+        let coordinate = prop_oneof![coarse, -3.0_f32..3.0];
+        prop::collection::vec(prop::array::uniform3(coordinate), 3..90)
+    }
+
+    proptest! {
+        #[test]
+        fn the_tree_finds_the_pairs_of_brute_force(a in corners(), b in corners()) {
+            let (a, b) = (surface(soup(&a)), surface(soup(&b)));
+            let pairs = brute_force(&a, &b);
+            prop_assert_eq!(a.intersections(&b), pairs.clone());
+            let all: Vec<u32> = (0..a.faces().len() as u32).collect();
+            prop_assert_eq!(a.faces_crossing(&b, &all), pairs);
+            prop_assert_eq!(a.self_intersections(), brute_force_self(&a));
+        }
+
+        #[test]
+        fn tiny_and_huge_triangles_lose_no_pairs(a in corners(), power in -46_i32..37) {
+            let scale = 10.0_f32.powi(power);
+            let scaled: Vec<[f32; 3]> = a.iter().map(|corner| corner.map(|x| x * scale)).collect();
+            let a = surface(soup(&scaled));
+            prop_assert_eq!(a.intersections(&a), brute_force(&a, &a));
+        }
+    }
+
+    #[test]
+    fn simple_shapes_do_not_intersect_themselves() {
+        for shape in [
+            torus(30, 17),
+            sphere([0.0; 3], 1.0, 13, 17),
+            cube(0.0, 1.0, 5),
+            grid(9),
+        ] {
+            assert_eq!(surface(shape).self_intersections(), [[0; 2]; 0]);
+        }
+    }
+
+    #[test]
+    fn spheres_that_overlap_intersect_along_a_band() {
+        let (a, b) = (
+            sphere([0.0; 3], 1.0, 13, 17),
+            sphere([1.0, 0.1, 0.2], 1.0, 11, 19),
+        );
+        let num_faces = a.1.len() as u32;
+        let between = surface(a.clone()).intersections(&surface(b.clone()));
+        let within = surface(both(a, b)).self_intersections();
+        let shifted: Vec<[u32; 2]> = between.iter().map(|&[i, j]| [i, j + num_faces]).collect();
+        assert_eq!(within, shifted);
+        assert!(between.len() > 20);
+    }
+
+    #[test]
+    fn faces_that_do_not_exist_cross_nothing() {
+        let surface = surface(grid(2));
+        assert_eq!(
+            surface.faces_crossing(&surface, &[99, u32::MAX]),
+            [[0; 2]; 0]
+        );
+        let once = surface.faces_crossing(&surface, &[3]);
+        assert_eq!(surface.faces_crossing(&surface, &[3, 3]), once);
+    }
+
+    #[test]
+    fn answers_do_not_depend_on_the_number_of_threads() {
+        let (a, b) = (
+            surface(torus(60, 40)),
+            surface(sphere([0.9, 0.0, 0.0], 0.7, 40, 60)),
+        );
+        let answers = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| {
+                let points = a.positions();
+                (
+                    a.intersections(&b),
+                    b.closest_all(points),
+                    b.contains_all(points),
+                )
+            })
+        };
+        assert_eq!(answers(1), answers(3));
+    }
+}

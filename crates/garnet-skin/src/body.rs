@@ -1,0 +1,210 @@
+//! Bodies: a rest mesh on a skeleton.
+
+use garnet_knn::Surface;
+use garnet_mesh::TriMesh;
+use nalgebra::Isometry3;
+
+use crate::{
+    Method, Point3, Pose, Skeleton, SkinError, SkinWeights, skin_dual_quaternion, skin_linear,
+};
+
+/// What a rig file holds: a skeleton and weights, and the rest mesh if the file has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rig {
+    /// The rest mesh, if the file has it.
+    pub rest: Option<TriMesh>,
+    /// The skeleton, at rest in the rest mesh.
+    pub skeleton: Skeleton,
+    /// The weights of the rest mesh's vertices.
+    pub weights: SkinWeights,
+    /// The pose that garments of this body are modelled on, where it is not the pose of the rest
+    /// mesh.
+    pub rest_pose: Option<Pose>,
+}
+
+impl Rig {
+    /// Makes a body of the rig and its own rest mesh.
+    ///
+    /// # Errors
+    ///
+    /// [`SkinError::NoRestMesh`] and those of [`Body::new`].
+    pub fn into_body(self) -> Result<Body, SkinError> {
+        let rest = self.rest.ok_or(SkinError::NoRestMesh)?;
+        Body::new(rest, self.skeleton, self.weights)
+    }
+
+    /// Makes a body of the rig and a rest mesh from elsewhere, which must have the vertices that the
+    /// weights are for.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Body::new`].
+    pub fn into_body_with(self, rest: TriMesh) -> Result<Body, SkinError> {
+        Body::new(rest, self.skeleton, self.weights)
+    }
+}
+
+impl From<Body> for Rig {
+    fn from(body: Body) -> Self {
+        Self {
+            rest: Some(body.rest),
+            skeleton: body.skeleton,
+            weights: body.weights,
+            rest_pose: None,
+        }
+    }
+}
+
+/// A rest mesh whose vertices follow the joints of a skeleton.
+#[derive(Debug, Clone)]
+pub struct Body {
+    rest: TriMesh,
+    skin: Surface,
+    skeleton: Skeleton,
+    weights: SkinWeights,
+}
+
+impl Body {
+    /// Checks that mesh, skeleton and weights fit together.
+    ///
+    /// # Errors
+    ///
+    /// [`SkinError::VertexCount`] or [`SkinError::JointCount`].
+    pub fn new(rest: TriMesh, skeleton: Skeleton, weights: SkinWeights) -> Result<Self, SkinError> {
+        if weights.num_vertices() != rest.num_vertices() {
+            return Err(SkinError::VertexCount {
+                weights: weights.num_vertices(),
+                mesh: rest.num_vertices(),
+            });
+        }
+        check_joint_count(&skeleton, &weights)?;
+        Ok(Self {
+            skin: Surface::new(&rest),
+            rest,
+            skeleton,
+            weights,
+        })
+    }
+
+    /// The mesh at rest.
+    pub fn rest(&self) -> &TriMesh {
+        &self.rest
+    }
+
+    /// The mesh at rest, ready for proximity queries.
+    pub fn skin(&self) -> &Surface {
+        &self.skin
+    }
+
+    /// The skeleton at rest.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    /// The weights of the vertices.
+    pub fn weights(&self) -> &SkinWeights {
+        &self.weights
+    }
+
+    /// Positions `[vertex]` in a pose, in metres.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Skeleton::transforms`].
+    pub fn posed_positions(&self, pose: &Pose, method: Method) -> Result<Vec<Point3>, SkinError> {
+        let posed_from_rest = self.skeleton.transforms(pose)?;
+        Ok(self.transformed_positions(&posed_from_rest, method))
+    }
+
+    /// Positions `[vertex]` moved by one rigid transform a joint, in metres.
+    ///
+    /// # Panics
+    ///
+    /// If there is another number of transforms than joints.
+    pub fn transformed_positions(
+        &self,
+        posed_from_rest: &[Isometry3<f32>],
+        method: Method,
+    ) -> Vec<Point3> {
+        let positions = self.rest.positions();
+        match method {
+            Method::DualQuaternion => {
+                skin_dual_quaternion(positions, &self.weights, posed_from_rest)
+            }
+            Method::Linear => skin_linear(positions, &self.weights, posed_from_rest),
+        }
+    }
+}
+
+/// Checks that weights are for as many joints as the skeleton has.
+pub(crate) fn check_joint_count(
+    skeleton: &Skeleton,
+    weights: &SkinWeights,
+) -> Result<(), SkinError> {
+    if weights.num_joints() == skeleton.num_joints() {
+        return Ok(());
+    }
+    Err(SkinError::JointCount {
+        weights: weights.num_joints(),
+        skeleton: skeleton.num_joints(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Joint;
+
+    fn rig(num_vertices: usize, num_weight_joints: usize) -> Rig {
+        let joint = Joint {
+            name: "root".to_owned(),
+            parent: None,
+            rest_position: Point3::origin(),
+        };
+        let mesh = TriMesh::new(vec![Point3::origin(); 3], vec![[0, 1, 2]]).unwrap();
+        Rig {
+            rest: Some(mesh),
+            skeleton: Skeleton::new(vec![joint]).unwrap(),
+            weights: SkinWeights::from_dense(
+                num_weight_joints,
+                &vec![1.0; num_vertices * num_weight_joints],
+            )
+            .unwrap(),
+            rest_pose: None,
+        }
+    }
+
+    #[test]
+    fn counts_that_do_not_fit_are_told_both() {
+        let error = rig(4, 1).into_body().unwrap_err();
+        assert_eq!(
+            error,
+            SkinError::VertexCount {
+                weights: 4,
+                mesh: 3
+            }
+        );
+        let error = rig(3, 2).into_body().unwrap_err();
+        assert_eq!(
+            error,
+            SkinError::JointCount {
+                weights: 2,
+                skeleton: 1
+            }
+        );
+        let mut without_mesh = rig(3, 1);
+        without_mesh.rest = None;
+        assert_eq!(without_mesh.into_body().unwrap_err(), SkinError::NoRestMesh);
+    }
+
+    #[test]
+    fn a_shifted_root_moves_every_vertex() {
+        let body = rig(3, 1).into_body().unwrap();
+        let mut pose = Pose::rest(1);
+        pose.root_translation.y = 2.0;
+        for method in [Method::DualQuaternion, Method::Linear] {
+            let moved = body.posed_positions(&pose, method).unwrap();
+            assert!(moved.iter().all(|point| (point.y - 2.0).abs() < 1e-6));
+        }
+    }
+}

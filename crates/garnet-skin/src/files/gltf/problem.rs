@@ -1,0 +1,84 @@
+//! What can be wrong with a glTF file.
+
+/// What can be wrong with a glTF file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GltfProblem {
+    /// The GLB container ends early or contradicts itself.
+    #[error("the GLB container is cut off or damaged: {what}")]
+    Container {
+        /// What does not fit.
+        what: &'static str,
+    },
+    /// Another version than 2.
+    #[error("the version is {found}, expected 2")]
+    Version {
+        /// The version of the file.
+        found: String,
+    },
+    /// An extension without which the mesh cannot be read.
+    #[error("it needs the extension `{name}`, which is not read; export without mesh compression")]
+    Extension {
+        /// Name of the extension.
+        name: String,
+    },
+    /// No node has a mesh and a skin.
+    #[error("no mesh has a skin")]
+    NoSkin,
+    /// Something names a part that does not exist.
+    #[error("{user} names {part} {index}, but there are {count}")]
+    OutOfRange {
+        /// What names it.
+        user: String,
+        /// What kind of part it is.
+        part: &'static str,
+        /// Its number, from 0.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A buffer cannot be had.
+    #[error("buffer {buffer}: {what}")]
+    Buffer {
+        /// Number of the buffer, from 0.
+        buffer: usize,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// An accessor reads outside its buffer or is of the wrong type.
+    #[error("accessor {accessor}: {what}")]
+    Accessor {
+        /// Number of the accessor, from 0.
+        accessor: usize,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// A primitive cannot be read.
+    #[error("primitive {primitive} of the skinned mesh: {what}")]
+    Primitive {
+        /// Number of the primitive, from 0.
+        primitive: usize,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// The nodes are no forest.
+    #[error("node {node} (`{name}`) is its own ancestor, or a child of two nodes")]
+    CyclicNodes {
+        /// Number of the node, from 0.
+        node: usize,
+        /// Its name.
+        name: String,
+    },
+    /// The skin says nothing of its rest pose, or something impossible.
+    #[error("the skin: {what}")]
+    Skin {
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// The inverse bind matrix of a joint has no inverse.
+    #[error("the inverse bind matrix of joint `{joint}` has no inverse")]
+    SingularBindMatrix {
+        /// Name of the joint.
+        joint: String,
+    },
+}

@@ -1,0 +1,217 @@
+//! Garments, and garments bound to a body: everything that is computed once.
+
+use garnet_knn::{ClosestPoint, Surface};
+use garnet_mesh::{Point3, Topology, TriMesh};
+
+use crate::pieces::Pieces;
+use crate::shape::offsets_at_skin;
+use crate::transfer::{transfer_screening, transferred_weights};
+use crate::{
+    Body, ClothGraph, PosedBody, ScreenedPoisson, SkinError, SkinWeights, TransferOptions, Weld,
+    skin_dual_quaternion, skin_linear,
+};
+
+/// Length over which the body's change of shape is smoothed on the cloth, in metres.
+const SHAPE_LENGTH: f64 = 0.05;
+
+/// The same for pieces that sit on other cloth and follow it.
+const PIECE_LENGTH: f64 = 10.0;
+
+/// How a garment is brought from rest to the target body before cloth is considered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Warp {
+    /// Linear blend skinning.
+    Linear,
+    /// Dual-quaternion skinning: the paper's baseline, which knows the pose only.
+    DualQuaternion,
+    /// Dual-quaternion skinning after the garment was carried along with the body's shape.
+    #[default]
+    Shape,
+}
+
+/// A garment that lies on a body in its rest pose.
+#[derive(Debug, Clone)]
+pub struct Garment {
+    mesh: TriMesh,
+    transfer: TransferOptions,
+}
+
+impl Garment {
+    /// A garment as modelled on the rest body.
+    pub fn new(mesh: TriMesh) -> Self {
+        Self {
+            mesh,
+            transfer: TransferOptions::default(),
+        }
+    }
+
+    /// The same with other lengths of weight smoothing.
+    #[must_use]
+    pub fn with_transfer(mut self, transfer: TransferOptions) -> Self {
+        self.transfer = transfer;
+        self
+    }
+
+    /// The mesh at rest.
+    pub fn mesh(&self) -> &TriMesh {
+        &self.mesh
+    }
+
+    /// Binds the garment to the rest body that it lies on: finds the skin under each vertex and
+    /// takes the weights from it.
+    ///
+    /// # Errors
+    ///
+    /// [`SkinError::Singular`] for a garment too degenerate to be smoothed.
+    pub fn bind(self, body: &Body) -> Result<BoundGarment, SkinError> {
+        let weld = Weld::new(self.mesh.positions());
+        let rest = weld.gather(self.mesh.positions());
+        let faces = weld.faces(&self.mesh);
+        let topology = Topology::new(rest.len(), &faces);
+        let plain = ClothGraph::new(&rest, &faces, &topology, &[]);
+        let areas: Vec<f64> = plain.node_areas().iter().map(|&a| f64::from(a)).collect();
+        let pieces = Pieces::new(&rest, &topology, &areas)?;
+        let graph = if pieces.stitches.is_empty() {
+            plain
+        } else {
+            ClothGraph::new(&rest, &faces, &topology, &pieces.stitches)
+        };
+        let skin = body.skin().closest_all(&rest);
+        let screening = transfer_screening(&graph, &skin, &pieces.is_piece, self.transfer);
+        let transfer_system = ScreenedPoisson::new(&graph, screening)?;
+        let body_faces = body.rest().faces();
+        let weights = transferred_weights(body.weights(), body_faces, &skin, &transfer_system)?;
+        let shape_screening = (0..rest.len())
+            .map(|node| {
+                let length = if pieces.is_piece[node] {
+                    PIECE_LENGTH
+                } else {
+                    SHAPE_LENGTH
+                };
+                areas[node] / (length * length)
+            })
+            .collect();
+        let shape_system = transfer_system.rescreened(&graph, shape_screening)?;
+        Ok(BoundGarment {
+            mesh: self.mesh,
+            weld,
+            rest,
+            faces,
+            topology,
+            graph,
+            is_piece: pieces.is_piece,
+            skin,
+            weights,
+            shape_system,
+            rest_skin: body.skin().clone(),
+        })
+    }
+}
+
+/// A garment with everything that does not depend on the target body.
+///
+/// Vertices at one place are one *node* inside; see [`Weld`].
+#[derive(Debug, Clone)]
+pub struct BoundGarment {
+    mesh: TriMesh,
+    weld: Weld,
+    rest: Vec<Point3>,
+    faces: Vec<[u32; 3]>,
+    topology: Topology,
+    graph: ClothGraph,
+    is_piece: Vec<bool>,
+    skin: Vec<ClosestPoint>,
+    weights: SkinWeights,
+    shape_system: ScreenedPoisson,
+    rest_skin: Surface,
+}
+
+impl BoundGarment {
+    /// The mesh at rest.
+    pub fn mesh(&self) -> &TriMesh {
+        &self.mesh
+    }
+
+    /// Which vertices are one node.
+    pub fn weld(&self) -> &Weld {
+        &self.weld
+    }
+
+    /// Rest positions `[node]`, in metres.
+    pub fn rest(&self) -> &[Point3] {
+        &self.rest
+    }
+
+    /// Faces between nodes.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// Topology of the faces between nodes.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// The cloth as a graph between nodes.
+    pub fn graph(&self) -> &ClothGraph {
+        &self.graph
+    }
+
+    /// Whether each node belongs to a loose piece that sits on other cloth `[node]`.
+    pub fn is_piece(&self) -> &[bool] {
+        &self.is_piece
+    }
+
+    /// The closest point of the rest skin `[node]`.
+    pub fn skin(&self) -> &[ClosestPoint] {
+        &self.skin
+    }
+
+    /// Weights `[node]`.
+    pub fn weights(&self) -> &SkinWeights {
+        &self.weights
+    }
+
+    /// The skin of the rest body.
+    pub fn rest_skin(&self) -> &Surface {
+        &self.rest_skin
+    }
+
+    /// A factored smoothing system of the garment's graph, to be used with other screenings.
+    pub fn system(&self) -> &ScreenedPoisson {
+        &self.shape_system
+    }
+
+    /// Positions `[node]` of the garment warped to a posed body, in metres.
+    ///
+    /// # Errors
+    ///
+    /// [`SkinError::TransformCount`] or [`SkinError::TargetCount`] if `body` is not of the body
+    /// that the garment was bound to.
+    pub fn warped(&self, body: &PosedBody, warp: Warp) -> Result<Vec<Point3>, SkinError> {
+        let found = body.posed_from_rest().len();
+        let expected = self.weights.num_joints();
+        if found != expected {
+            return Err(SkinError::TransformCount { found, expected });
+        }
+        let found = body.skin().positions().len();
+        let expected = self.rest_skin.positions().len();
+        if found != expected {
+            return Err(SkinError::TargetCount { found, expected });
+        }
+        let transforms = body.posed_from_rest();
+        Ok(match (warp, body.shape_offsets()) {
+            (Warp::Linear, _) => skin_linear(&self.rest, &self.weights, transforms),
+            (Warp::Shape, Some(offsets)) => {
+                let at_skin = offsets_at_skin(offsets, self.rest_skin.faces(), &self.skin);
+                let smooth = self.shape_system.smoothed_vectors(&at_skin);
+                let shaped: Vec<Point3> =
+                    self.rest.iter().zip(&smooth).map(|(x, d)| x + d).collect();
+                skin_dual_quaternion(&shaped, &self.weights, transforms)
+            }
+            (Warp::DualQuaternion | Warp::Shape, _) => {
+                skin_dual_quaternion(&self.rest, &self.weights, transforms)
+            }
+        })
+    }
+}

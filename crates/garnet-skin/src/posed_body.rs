@@ -1,0 +1,121 @@
+//! A body that garments are draped on: posed skin, the transforms that posed it, its shape.
+
+use garnet_knn::Surface;
+use garnet_mesh::{Point3, Vector3};
+use nalgebra::Isometry3;
+
+use crate::shape::shape_offsets;
+use crate::{Body, Method, Pose, SkinError, recover_pose};
+
+/// A target closer than this to the posed rest shape has the rest shape, in metres.
+const SAME_SHAPE: f32 = 5e-4;
+
+/// A body in a pose, ready for proximity queries.
+#[derive(Debug, Clone)]
+pub struct PosedBody {
+    skin: Surface,
+    posed_from_rest: Vec<Isometry3<f32>>,
+    shape_offsets: Option<Vec<Vector3>>,
+    max_residual: f32,
+}
+
+impl PosedBody {
+    /// The posed skin.
+    pub fn skin(&self) -> &Surface {
+        &self.skin
+    }
+
+    /// The rigid transform of each joint from rest to pose.
+    pub fn posed_from_rest(&self) -> &[Isometry3<f32>] {
+        &self.posed_from_rest
+    }
+
+    /// Rest-space offset of each skin vertex from the rest shape, if the shape is another one.
+    pub fn shape_offsets(&self) -> Option<&[Vector3]> {
+        self.shape_offsets.as_deref()
+    }
+
+    /// How far the posed rest shape lies from this body's skin at most, in metres.
+    pub fn max_residual(&self) -> f32 {
+        self.max_residual
+    }
+}
+
+impl Body {
+    /// This body in a pose, its skin moved by dual-quaternion skinning.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Skeleton::transforms`](crate::Skeleton::transforms).
+    pub fn posed(&self, pose: &Pose) -> Result<PosedBody, SkinError> {
+        let positions = self.posed_positions(pose, Method::DualQuaternion)?;
+        Ok(PosedBody {
+            skin: self.skin().moved(positions)?,
+            posed_from_rest: self.skeleton().transforms(pose)?,
+            shape_offsets: None,
+            max_residual: 0.0,
+        })
+    }
+
+    /// A target given as positions `[vertex]` of the same topology, in another pose and perhaps
+    /// another shape: the pose is recovered, what it does not explain is the shape.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`recover_pose`].
+    pub fn fitted(&self, target: &[Point3]) -> Result<PosedBody, SkinError> {
+        let recovered = recover_pose(self, target)?;
+        self.fitted_by(target, recovered.transforms)
+    }
+
+    /// [`Body::fitted`] with the rigid transform of each joint from rest to target given.
+    ///
+    /// # Errors
+    ///
+    /// [`SkinError::TargetCount`], [`SkinError::TransformCount`] or
+    /// [`SkinError::NonFiniteTarget`].
+    pub fn fitted_by(
+        &self,
+        target: &[Point3],
+        posed_from_rest: Vec<Isometry3<f32>>,
+    ) -> Result<PosedBody, SkinError> {
+        let expected = self.rest().num_vertices();
+        if target.len() != expected {
+            return Err(SkinError::TargetCount {
+                found: target.len(),
+                expected,
+            });
+        }
+        let joints = self.skeleton().num_joints();
+        if posed_from_rest.len() != joints {
+            return Err(SkinError::TransformCount {
+                found: posed_from_rest.len(),
+                expected: joints,
+            });
+        }
+        let skin = self.skin().moved(target.to_vec())?;
+        let (method, max_residual) = [Method::Linear, Method::DualQuaternion]
+            .map(|method| {
+                let posed = self.transformed_positions(&posed_from_rest, method);
+                (method, max_distance(&posed, target))
+            })
+            .into_iter()
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((Method::Linear, 0.0));
+        let shape_offsets = (max_residual > SAME_SHAPE).then(|| {
+            let rest = self.rest().positions();
+            shape_offsets(rest, target, self.weights(), &posed_from_rest, method)
+        });
+        Ok(PosedBody {
+            skin,
+            posed_from_rest,
+            shape_offsets,
+            max_residual,
+        })
+    }
+}
+
+fn max_distance(a: &[Point3], b: &[Point3]) -> f32 {
+    let distances = a.iter().zip(b).map(|(a, b)| (a - b).norm());
+    distances.fold(0.0, f32::max)
+}

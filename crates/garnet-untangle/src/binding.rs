@@ -1,0 +1,163 @@
+//! What untangling needs of a bound garment and computes once.
+
+use garnet_knn::{KnnError, Surface, VertexTree};
+use garnet_mesh::{MeshError, Point3, TriMesh, Vector3, face_normals, vertex_normals};
+use garnet_skin::{BoundGarment, ScreenedPoisson, SkinError};
+use rayon::prelude::*;
+
+/// Skin this near to the skin that a node lies on, at rest, is its own even for tight cloth, in
+/// metres.
+const OWN_RADIUS: f32 = 0.08;
+
+/// The own skin of loose cloth reaches farther: this much of its distance is added.
+const OWN_RADIUS_PER_DISTANCE: f32 = 2.0;
+
+/// How far from the skin cloth is loose in that sense, in metres.
+const LOOSE_DISTANCE: f32 = 0.015;
+
+/// Skin counts as covered if it is this near to the skin under some node, at rest, in metres.
+const COVER_DISTANCE: f32 = 0.03;
+
+/// Length over which the warp holds its place while its strain is relaxed, in metres.
+const RELAX_LENGTH: f64 = 0.2;
+
+/// What can go wrong before untangling starts.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum UntangleError {
+    /// The smoothing system of the garment cannot be factored.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
+    /// The garment or the body cannot be searched.
+    #[error(transparent)]
+    Knn(#[from] KnnError),
+    /// The garment has no face of non-zero extent.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The posed body is not of the body that the garment was bound to.
+    #[error("the body has {found} faces, the garment was bound to a body of {expected}")]
+    BodyFaces {
+        /// Faces of the posed body.
+        found: usize,
+        /// Faces of the rest body.
+        expected: usize,
+    },
+    /// Another number of warped positions than the garment has nodes.
+    #[error("there are {found} warped positions for {expected} nodes")]
+    PositionCount {
+        /// Positions given.
+        found: usize,
+        /// Nodes of the garment.
+        expected: usize,
+    },
+}
+
+/// A garment made ready for untangling: which skin belongs to which cloth.
+///
+/// In armpits, at the crotch and where an arm rests on the torso, the nearest skin may belong to
+/// the wrong limb. The rest pose tells: skin near the skin that a node lay on at rest is the node's
+/// *own*, all other is *foreign*. Cloth stays outside its own skin, facing it with its inner side.
+/// Foreign skin is either *under* the cloth (the other thigh under a skirt) or *over* it (an arm on
+/// a torso): under, if the garment covers it at rest and it lies behind the cloth there.
+#[derive(Debug, Clone)]
+pub struct Binding {
+    pub(crate) surface: Surface,
+    pub(crate) relax_system: ScreenedPoisson,
+    /// 1 or -1 `[node]`: turns the normals of the faces to the outside of the garment.
+    pub(crate) orientation: Vec<f32>,
+    rest: Vec<Point3>,
+    rest_normals: Vec<Vector3>,
+    skin_points: Vec<Point3>,
+    own_radius: Vec<f32>,
+    skin_centers: Vec<Point3>,
+    is_covered: Vec<bool>,
+}
+
+impl Binding {
+    /// Classifies the skin of the rest body for every node of the garment.
+    ///
+    /// # Errors
+    ///
+    /// [`UntangleError::Skin`] or [`UntangleError::Mesh`] for a garment too degenerate to be
+    /// smoothed or searched.
+    pub fn new(garment: &BoundGarment) -> Result<Self, UntangleError> {
+        let rest = garment.rest().to_vec();
+        let mesh = TriMesh::new(rest.clone(), garment.faces().to_vec())?;
+        let body = garment.rest_skin();
+        let body_normals = face_normals(body.positions(), body.faces());
+        let mut rest_normals = vertex_normals(&rest, garment.faces());
+        let orientation = orientation(garment, &rest_normals, &body_normals);
+        for (normal, sign) in rest_normals.iter_mut().zip(&orientation) {
+            *normal *= *sign;
+        }
+        let skin_points: Vec<Point3> = garment.skin().iter().map(|skin| skin.point).collect();
+        let own_radius = garment.skin().iter().map(|skin| {
+            let loose = (skin.distance_squared.sqrt() - LOOSE_DISTANCE).max(0.0);
+            OWN_RADIUS + OWN_RADIUS_PER_DISTANCE * loose
+        });
+        let own_radius = own_radius.collect();
+        let center = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(|vertex| body.positions()[vertex as usize].coords);
+            Point3::from((a + b + c) / 3.0)
+        };
+        let skin_centers: Vec<Point3> = body.faces().iter().map(center).collect();
+        let tree = VertexTree::new(&skin_points)?;
+        let is_covered = skin_centers
+            .par_iter()
+            .map(|&center| {
+                let nearest = tree.nearest(center);
+                nearest.is_some_and(|n| n.distance_squared < COVER_DISTANCE * COVER_DISTANCE)
+            })
+            .collect();
+        let screening = garment.graph().node_areas().iter().map(|&area| {
+            f64::from(area) / (RELAX_LENGTH * RELAX_LENGTH)
+        });
+        let relax_system = garment.system().rescreened(garment.graph(), screening.collect())?;
+        Ok(Self {
+            surface: Surface::new(&mesh),
+            relax_system,
+            orientation,
+            rest,
+            rest_normals,
+            skin_points,
+            own_radius,
+            skin_centers,
+            is_covered,
+        })
+    }
+
+    /// Whether a face of the skin was near the skin that a node lay on at rest.
+    pub(crate) fn is_near_at_rest(&self, node: usize, face: u32) -> bool {
+        let offset = self.skin_centers[face as usize] - self.skin_points[node];
+        offset.norm_squared() < self.own_radius[node] * self.own_radius[node]
+    }
+
+    /// Whether foreign skin belongs under the cloth at a node.
+    pub(crate) fn is_under(&self, node: usize, face: u32) -> bool {
+        let offset = self.skin_centers[face as usize] - self.rest[node];
+        self.is_covered[face as usize] && offset.dot(&self.rest_normals[node]) < 0.0
+    }
+}
+
+/// For each node 1, or -1 if most of its component's faces turn their normals to the skin.
+fn orientation(
+    garment: &BoundGarment,
+    normals: &[Vector3],
+    body_normals: &[Vector3],
+) -> Vec<f32> {
+    let components = garment.topology().components();
+    let mut votes = vec![0.0_f64; garment.topology().num_components()];
+    for (node, skin) in garment.skin().iter().enumerate() {
+        let agreement = normals[node].dot(&body_normals[skin.face as usize]);
+        let area = garment.graph().node_areas()[node];
+        votes[components[node] as usize] += f64::from(agreement * area);
+    }
+    let sign = |&component: &u32| {
+        if votes[component as usize] < 0.0 {
+            -1.0
+        } else {
+            1.0
+        }
+    };
+    components.iter().map(sign).collect()
+}

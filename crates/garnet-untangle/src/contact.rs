@@ -1,0 +1,166 @@
+//! Which skin a node of the cloth must stay in front of.
+
+use garnet_knn::{ClosestPoint, Feature, Surface};
+use garnet_mesh::{Point3, Vector3};
+
+use crate::Binding;
+use crate::embedded::EmbeddedSkin;
+use crate::skin_normals::SkinNormals;
+
+/// Own skin is looked for no farther than this, in metres.
+const OWN_REACH: f32 = 0.10;
+
+/// Own skin turned farther away from the cloth than this cosine is the far side of a limb.
+const OWN_COSINE: f32 = -0.6;
+
+/// Beyond this distance from the skin the direction to it is the normal, in metres.
+const MIN_DIRECTION: f32 = 2e-4;
+
+/// A half space that a node must stay in: `normal · x >= offset + clearance`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plane {
+    pub(crate) normal: Vector3,
+    pub(crate) offset: f32,
+}
+
+impl Plane {
+    /// Distance of a point in front of the plane.
+    pub(crate) fn height(&self, point: Point3) -> f32 {
+        self.normal.dot(&point.coords) - self.offset
+    }
+}
+
+/// What holds at a node until it has moved too far from where it was found.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Contact {
+    /// Where the node was when its contacts were found.
+    pub(crate) position: Point3,
+    /// The closest skin of all.
+    pub(crate) closest: ClosestPoint,
+    /// Signed distance to it where that has a meaning: negative inside the body.
+    pub(crate) distance: f32,
+    /// Its own skin, if near.
+    pub(crate) own: Option<Plane>,
+    /// Skin of another part of the body, if near.
+    pub(crate) foreign: Option<Plane>,
+    /// Inside how many parts of the body the node is that it does not belong to.
+    pub(crate) foreign_parts: i32,
+    /// Inside how many parts the node is after leaving those.
+    pub(crate) own_parts: i32,
+    /// From the node to the side of the foreign parts that it belongs to.
+    pub(crate) home: Vector3,
+}
+
+/// What the contacts of all nodes are found with.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ContactFinder<'a> {
+    pub(crate) binding: &'a Binding,
+    pub(crate) skin: &'a Surface,
+    pub(crate) embedded: &'a EmbeddedSkin,
+    pub(crate) normals: &'a SkinNormals,
+}
+
+impl ContactFinder<'_> {
+    /// Finds the contacts of a node at `position`, whose cloth faces outwards by `normal`.
+    ///
+    /// Skin farther than `reach` is left out. `hint` is a face that may be near.
+    pub(crate) fn find(
+        &self,
+        node: usize,
+        position: Point3,
+        normal: Vector3,
+        reach: f32,
+        hint: u32,
+    ) -> Contact {
+        let closest = self.skin.closest_from(position, hint);
+        let distance = closest.distance_squared.sqrt();
+        let mut contact = Contact {
+            position,
+            closest,
+            distance,
+            own: None,
+            foreign: None,
+            foreign_parts: 0,
+            own_parts: 0,
+            home: Vector3::zeros(),
+        };
+        let is_own = |face: u32| self.is_own(node, face, normal);
+        let closest_is_own = is_own(closest.face);
+        let is_embedded = self.embedded.is_embedded(closest.face);
+        let side = self.side(position, &closest);
+        if !is_embedded {
+            contact.distance *= side;
+            if closest_is_own {
+                let is_near = distance < reach || side < 0.0;
+                contact.own = is_near.then(|| self.plane(position, &closest, side));
+                return contact;
+            }
+            if distance > reach && side > 0.0 {
+                return contact;
+            }
+        }
+        let own = self.skin.closest_where(position, OWN_REACH, is_own);
+        let own_side = own.map_or(1.0, |own| self.side(position, &own));
+        contact.own = own
+            .filter(|own| own_side < 0.0 || own.distance_squared < reach * reach)
+            .map(|own| self.plane(position, &own, own_side));
+        let winding = self.winding(position);
+        contact.own_parts = i32::from(own_side < 0.0);
+        contact.foreign_parts = (winding - contact.own_parts).max(0);
+        if winding > 0 {
+            contact.distance = -distance;
+        }
+        if contact.foreign_parts > 0 {
+            contact.home = if self.binding.is_under(node, closest.face) {
+                normal
+            } else {
+                -normal
+            };
+        } else if !closest_is_own && distance < reach && side > 0.0 {
+            contact.foreign = Some(self.plane(position, &closest, side));
+        }
+        contact
+    }
+
+    /// The node's own skin nearest to `position`, wherever it is.
+    fn is_own(&self, node: usize, face: u32, normal: Vector3) -> bool {
+        self.binding.is_near_at_rest(node, face)
+            && self.normals.face(face).dot(&normal) > OWN_COSINE
+    }
+
+    /// 1 in front of the skin, -1 behind it (Bærentzen and Aanæs 2005).
+    fn side(&self, position: Point3, closest: &ClosestPoint) -> f32 {
+        let normal = match closest.feature {
+            Feature::Face => self.normals.face(closest.face),
+            Feature::Edge(_) | Feature::Vertex(_) => self.skin.pseudonormal(closest),
+        };
+        if (position - closest.point).dot(&normal) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        }
+    }
+
+    /// Inside how many parts of the body a point is.
+    pub(crate) fn winding(&self, position: Point3) -> i32 {
+        if self.skin.is_closed() {
+            self.skin.winding_number(position)
+        } else {
+            self.skin.generalized_winding_number(position).round() as i32
+        }
+    }
+
+    /// The half space in front of the skin at `closest`.
+    fn plane(&self, position: Point3, closest: &ClosestPoint, side: f32) -> Plane {
+        let offset = position - closest.point;
+        let normal = if side > 0.0 && offset.norm() > MIN_DIRECTION {
+            offset.normalize()
+        } else {
+            self.normals.smooth(self.skin, closest)
+        };
+        Plane {
+            normal,
+            offset: normal.dot(&closest.point.coords),
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Triangles of cloth that cross the skin though their corners are outside.
+//!
+//! Long edges cut through a round limb. Such triangles are sampled, and their corners asked to keep
+//! as much more clearance as the deepest sample needs.
+
+use garnet_knn::Surface;
+use garnet_mesh::{Point3, Vector3};
+use rayon::prelude::*;
+
+use crate::contact::{Contact, ContactFinder};
+
+/// Samples along each side of a crossing triangle.
+const SIDE_SAMPLES: usize = 4;
+
+/// Samples of a crossing triangle are lifted to this height over the skin, in metres.
+const SAMPLE_CLEARANCE: f32 = 4e-4;
+
+/// A corner is lifted by at least and at most this in one round, in metres.
+const LIFT_RANGE: [f32; 2] = [3e-4, 5e-3];
+
+/// The garment's faces that cross the skin, sorted.
+pub(crate) fn crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
+    let mut faces: Vec<u32> = garment
+        .intersections(skin)
+        .into_iter()
+        .map(|[face, _]| face)
+        .collect();
+    faces.dedup();
+    faces
+}
+
+/// Raises `clearances` `[node]` at the corners of crossing faces, to `limit` at most.
+pub(crate) fn raise_clearances(
+    finder: &ContactFinder<'_>,
+    crossing: &[[u32; 3]],
+    positions: &[Point3],
+    normals: &[Vector3],
+    contacts: &[Contact],
+    clearances: &mut [f32],
+    limit: f32,
+) {
+    let lift = |corners: &[u32; 3]| {
+        let depth = deepest_sample(finder, *corners, positions, normals, contacts);
+        (SAMPLE_CLEARANCE - depth).clamp(LIFT_RANGE[0], LIFT_RANGE[1])
+    };
+    let lifts: Vec<f32> = crossing.par_iter().map(lift).collect();
+    let mut raised: Vec<(u32, f32)> = Vec::with_capacity(3 * crossing.len());
+    for (corners, lift) in crossing.iter().zip(lifts) {
+        raised.extend(corners.map(|node| (node, lift)));
+    }
+    raised.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    raised.dedup_by_key(|(node, _)| *node);
+    for (node, lift) in raised {
+        let clearance = &mut clearances[node as usize];
+        *clearance = (*clearance + lift).min(limit.max(*clearance));
+    }
+}
+
+/// The smallest signed distance of samples on a triangle, as its corner with the largest share
+/// sees the skin.
+fn deepest_sample(
+    finder: &ContactFinder<'_>,
+    corners: [u32; 3],
+    positions: &[Point3],
+    normals: &[Vector3],
+    contacts: &[Contact],
+) -> f32 {
+    let mut deepest = f32::INFINITY;
+    for i in 0..=SIDE_SAMPLES {
+        for j in 0..=SIDE_SAMPLES - i {
+            let counts = [i, j, SIDE_SAMPLES - i - j];
+            if counts.contains(&SIDE_SAMPLES) {
+                continue;
+            }
+            let shares = counts.map(|count| count as f32 / SIDE_SAMPLES as f32);
+            let mut sample = Vector3::zeros();
+            let mut normal = Vector3::zeros();
+            let mut main = (0.0, corners[0]);
+            for (share, node) in shares.into_iter().zip(corners) {
+                sample += share * positions[node as usize].coords;
+                normal += share * normals[node as usize];
+                if share > main.0 {
+                    main = (share, node);
+                }
+            }
+            let node = main.1 as usize;
+            let hint = contacts[node].closest.face;
+            let sample = Point3::from(sample);
+            let contact = finder.find(node, sample, normal, SAMPLE_CLEARANCE, hint);
+            for plane in [contact.own, contact.foreign].into_iter().flatten() {
+                deepest = deepest.min(plane.height(sample));
+            }
+        }
+    }
+    deepest
+}

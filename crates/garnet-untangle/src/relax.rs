@@ -1,0 +1,76 @@
+//! Relaxing the strain of the warp.
+//!
+//! Skinning stretches cloth where limbs spread. The relaxed cloth has the edges of the warp, those
+//! that are too long or too short brought to the limit, as nearly as one set of positions can have
+//! them: a screened Poisson equation, solved a few times with the edges clamped anew.
+
+use garnet_mesh::{Point3, Vector3};
+use garnet_skin::{ClothGraph, ScreenedPoisson};
+use rayon::prelude::*;
+
+/// Edges that one task handles. Results do not depend on it, nor on the number of threads.
+const CHUNK: usize = 4096;
+
+/// Lengths below this have no direction, in metres.
+const MIN_LENGTH: f32 = 1e-9;
+
+/// The range of edge lengths over rest lengths that cloth is relaxed to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StretchRange {
+    pub(crate) min: f32,
+    pub(crate) max: f32,
+}
+
+/// The edges `[edge]` at `positions`, with lengths brought into the range.
+pub(crate) fn clamped_edges(
+    graph: &ClothGraph,
+    positions: &[Point3],
+    range: StretchRange,
+) -> Vec<Vector3> {
+    let clamped = |(&[a, b], &rest_length): (&[u32; 2], &f32)| {
+        let edge = positions[b as usize] - positions[a as usize];
+        let length = edge.norm().max(MIN_LENGTH);
+        let (low, high) = (range.min * rest_length, range.max * rest_length);
+        edge * (length.clamp(low, high.max(low)) / length)
+    };
+    let rest_lengths = graph.rest_lengths().par_iter();
+    let edges = graph.edges().par_iter().zip(rest_lengths);
+    edges.with_min_len(CHUNK).map(clamped).collect()
+}
+
+/// The largest stretch of the cloth's own edges.
+pub(crate) fn worst_stretch(graph: &ClothGraph, positions: &[Point3]) -> f32 {
+    let edges = graph.edges()[..graph.num_cloth_edges()].iter();
+    edges
+        .zip(graph.rest_lengths())
+        .filter(|&(_, &rest_length)| rest_length > MIN_LENGTH)
+        .map(|(&[a, b], rest_length)| {
+            (positions[b as usize] - positions[a as usize]).norm() / rest_length
+        })
+        .fold(0.0, f32::max)
+}
+
+/// One step of relaxation: the positions nearest to having the clamped edges of `positions`, held
+/// in place by `warped`.
+pub(crate) fn relaxed(
+    graph: &ClothGraph,
+    system: &ScreenedPoisson,
+    warped: &[Point3],
+    positions: &[Point3],
+    range: StretchRange,
+) -> Vec<Point3> {
+    let edges = clamped_edges(graph, positions, range);
+    let right_side = |node: usize| {
+        let mut sum = warped[node].coords * system.screening()[node] as f32;
+        for half in graph.half_edges(node) {
+            sum -= half.weight * half.sign * edges[half.edge as usize];
+        }
+        sum
+    };
+    let right_side: Vec<Vector3> = (0..graph.num_nodes())
+        .into_par_iter()
+        .with_min_len(CHUNK)
+        .map(right_side)
+        .collect();
+    system.solve(&right_side).into_iter().map(Point3::from).collect()
+}

@@ -1,0 +1,170 @@
+//! Leaving a part of the body that cloth does not belong to.
+//!
+//! Where an arm reaches through a skirt, the nearest skin would send one node to the front of the
+//! arm and its neighbour to the back, and tear the cloth. So nodes that hang together leave together,
+//! in one direction.
+
+use garnet_mesh::{Point3, Vector3};
+use garnet_skin::ClothGraph;
+use rayon::prelude::*;
+
+use crate::contact::{Contact, ContactFinder, Plane};
+
+/// No way out is longer than this, in metres.
+const MAX_LENGTH: f32 = 0.08;
+
+/// Steps in which a way out is probed, in metres.
+const STEP: f32 = 0.005;
+
+/// Halvings of the step in which a way out ends.
+const HALVINGS: usize = 4;
+
+/// A node that finds no way out in a direction counts as if it had this way, in metres.
+const NO_WAY_LENGTH: f32 = 0.16;
+
+/// At most this many nodes of a patch are asked for the direction.
+const MAX_SAMPLES: usize = 24;
+
+/// How much longer a way may be that leads straight to the side the cloth belongs to, than one that
+/// leads straight away from it.
+const HOME_PREFERENCE: f32 = 4.0;
+
+/// The skin at the end of the way is left along its own normal if that deviates from the way by no
+/// less than this cosine, else along the way.
+const MIN_COSINE: f32 = 0.2;
+
+/// Gives every node inside foreign parts a direction to leave them by, one for each connected patch
+/// of such nodes, and its half space. `directions` `[node]` are kept from round to round.
+pub(crate) fn find_ways_out(
+    finder: &ContactFinder<'_>,
+    graph: &ClothGraph,
+    contacts: &mut [Contact],
+    positions: &[Point3],
+    directions: &mut [Option<Vector3>],
+) {
+    let mut is_seen = vec![false; contacts.len()];
+    for start in 0..contacts.len() {
+        if is_seen[start] || contacts[start].foreign_parts == 0 {
+            continue;
+        }
+        let patch = patch_from(start, graph, contacts, &mut is_seen);
+        let direction = patch_direction(finder, &patch, contacts, positions, directions);
+        let planes: Vec<Option<Plane>> = patch
+            .par_iter()
+            .map(|&node| way_out(finder, positions[node], direction, contacts[node].own_parts))
+            .collect();
+        for (&node, plane) in patch.iter().zip(planes) {
+            directions[node] = Some(direction);
+            contacts[node].foreign = plane;
+        }
+    }
+}
+
+/// The nodes inside foreign parts that are connected to `start`.
+fn patch_from(
+    start: usize,
+    graph: &ClothGraph,
+    contacts: &[Contact],
+    is_seen: &mut [bool],
+) -> Vec<usize> {
+    let mut patch = vec![start];
+    is_seen[start] = true;
+    let mut next = 0;
+    while let Some(&node) = patch.get(next) {
+        next += 1;
+        for half in graph.half_edges(node) {
+            let other = half.node as usize;
+            if !is_seen[other] && contacts[other].foreign_parts > 0 {
+                is_seen[other] = true;
+                patch.push(other);
+            }
+        }
+    }
+    patch
+}
+
+/// The direction kept from before, or the one with the shortest ways out, with a preference for
+/// the side that the cloth belongs to.
+fn patch_direction(
+    finder: &ContactFinder<'_>,
+    patch: &[usize],
+    contacts: &[Contact],
+    positions: &[Point3],
+    directions: &[Option<Vector3>],
+) -> Vector3 {
+    let kept: Vector3 = patch.iter().filter_map(|&node| directions[node]).sum();
+    if let Some(kept) = kept.try_normalize(0.5) {
+        return kept;
+    }
+    let home: Vector3 = patch.iter().map(|&node| contacts[node].home).sum();
+    let home = home.try_normalize(f32::MIN_POSITIVE).unwrap_or_else(Vector3::x);
+    let stride = patch.len().div_ceil(MAX_SAMPLES);
+    let samples: Vec<usize> = patch.iter().step_by(stride).copied().collect();
+    let cost = |direction: &Vector3| {
+        let lengths = samples.iter().map(|&node| {
+            let parts = contacts[node].own_parts;
+            way_out_length(finder, positions[node], *direction, parts).unwrap_or(NO_WAY_LENGTH)
+        });
+        let squares: f32 = lengths.map(|length| length * length).sum();
+        let away = 0.5 * (1.0 - direction.dot(&home));
+        squares * (1.0 + (HOME_PREFERENCE - 1.0) * away).powi(2)
+    };
+    let mut candidates = vec![home];
+    candidates.extend(all_round());
+    let costs: Vec<f32> = candidates.par_iter().map(cost).collect();
+    let best = (0..candidates.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]));
+    best.map_or(home, |best| candidates[best])
+}
+
+/// The 26 directions from the middle of a cube to its faces, edges and corners.
+fn all_round() -> impl Iterator<Item = Vector3> {
+    let steps = [-1.0_f32, 0.0, 1.0];
+    let grid = steps.into_iter().flat_map(move |x| {
+        let plane = move |y| steps.into_iter().map(move |z| Vector3::new(x, y, z));
+        steps.into_iter().flat_map(plane)
+    });
+    grid.filter_map(|direction| direction.try_normalize(0.5))
+}
+
+/// How far a node must move along `direction` to be in no more than `parts` parts of the body.
+fn way_out_length(
+    finder: &ContactFinder<'_>,
+    position: Point3,
+    direction: Vector3,
+    parts: i32,
+) -> Option<f32> {
+    let num_steps = (MAX_LENGTH / STEP) as usize;
+    (1..=num_steps)
+        .map(|count| count as f32 * STEP)
+        .find(|&length| finder.winding(position + length * direction) <= parts)
+}
+
+/// The half space that a node inside foreign parts reaches along `direction`.
+pub(crate) fn way_out(
+    finder: &ContactFinder<'_>,
+    position: Point3,
+    direction: Vector3,
+    parts: i32,
+) -> Option<Plane> {
+    let mut outside = way_out_length(finder, position, direction, parts)?;
+    let mut inside = outside - STEP;
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (inside + outside);
+        if finder.winding(position + middle * direction) <= parts {
+            outside = middle;
+        } else {
+            inside = middle;
+        }
+    }
+    let exit = finder.skin.closest(position + outside * direction);
+    let skin_normal = finder.normals.smooth(finder.skin, &exit);
+    let normal = if skin_normal.dot(&direction) > MIN_COSINE {
+        skin_normal
+    } else {
+        direction
+    };
+    Some(Plane {
+        normal,
+        offset: normal.dot(&exit.point.coords),
+    })
+}

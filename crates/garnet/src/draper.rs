@@ -1,0 +1,118 @@
+//! Draping: warp, then untangle.
+
+use garnet_mesh::Point3;
+use garnet_skin::{PosedBody, Warp};
+use garnet_untangle::{UntangleOptions, UntangleReport, untangle};
+
+use crate::{BoundGarment, Error};
+
+/// How a garment is draped.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DrapeOptions {
+    /// How the garment is brought to the target body.
+    pub warp: Warp,
+    /// How it is freed of penetrations; `None` leaves the warp as it is.
+    pub untangle: Option<UntangleOptions>,
+}
+
+/// A draped garment.
+#[derive(Debug, Clone)]
+pub struct Drape {
+    /// Positions `[vertex]`, in metres, in the order of the garment's mesh.
+    pub positions: Vec<Point3>,
+    /// What untangling found and left; `None` if it was not asked for.
+    pub report: Option<UntangleReport>,
+}
+
+/// Drapes bound garments on posed bodies.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Draper {
+    options: DrapeOptions,
+}
+
+/// A garment warped to a body, not yet untangled.
+#[derive(Debug, Clone)]
+pub struct Warped {
+    /// Positions `[node]`, in metres; see [`garnet_skin::Weld`].
+    nodes: Vec<Point3>,
+}
+
+impl Draper {
+    /// Warps by pose and shape and untangles with the default clearance.
+    pub fn new() -> Self {
+        Self::with_options(DrapeOptions {
+            warp: Warp::Shape,
+            untangle: Some(UntangleOptions::default()),
+        })
+    }
+
+    /// Drapes as `options` say.
+    pub fn with_options(options: DrapeOptions) -> Self {
+        Self { options }
+    }
+
+    /// How this draper drapes.
+    pub fn options(&self) -> &DrapeOptions {
+        &self.options
+    }
+
+    /// Drapes a garment on a posed body.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Skin`] or [`Error::Untangle`] if `body` is not of the body that the garment was
+    /// bound to.
+    pub fn drape(&self, garment: &BoundGarment, body: &PosedBody) -> Result<Drape, Error> {
+        let warped = self.warp(garment, body)?;
+        self.finish(garment, body, &warped)
+    }
+
+    /// Drapes a garment on one body after the other.
+    ///
+    /// # Errors
+    ///
+    /// Each item as [`Draper::drape`].
+    pub fn drape_all<'a>(
+        &'a self,
+        garment: &'a BoundGarment,
+        bodies: impl IntoIterator<Item = PosedBody> + 'a,
+    ) -> impl Iterator<Item = Result<Drape, Error>> + 'a {
+        let bodies = bodies.into_iter();
+        bodies.map(move |body| self.drape(garment, &body))
+    }
+
+    /// The first half of [`Draper::drape`], for those who time the halves.
+    ///
+    /// # Errors
+    ///
+    /// As [`Draper::drape`].
+    pub fn warp(&self, garment: &BoundGarment, body: &PosedBody) -> Result<Warped, Error> {
+        let nodes = garment.cloth.warped(body, self.options.warp)?;
+        Ok(Warped { nodes })
+    }
+
+    /// The second half of [`Draper::drape`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Draper::drape`].
+    pub fn finish(
+        &self,
+        garment: &BoundGarment,
+        body: &PosedBody,
+        warped: &Warped,
+    ) -> Result<Drape, Error> {
+        let weld = garment.cloth.weld();
+        let Some(options) = &self.options.untangle else {
+            return Ok(Drape {
+                positions: weld.scatter(&warped.nodes),
+                report: None,
+            });
+        };
+        let untangled = untangle(&garment.cloth, &garment.binding, body, &warped.nodes, options)?;
+        Ok(Drape {
+            positions: weld.scatter(&untangled.positions),
+            report: Some(untangled.report),
+        })
+    }
+}

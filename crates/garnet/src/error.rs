@@ -1,0 +1,50 @@
+//! What can go wrong between files and a drape.
+
+use garnet_mesh::{Bounds, MeshError, ObjError};
+use garnet_skin::{FileError, SkinError};
+use garnet_untangle::UntangleError;
+
+/// What can go wrong between files and a drape.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// An OBJ file cannot be read or written.
+    #[error(transparent)]
+    Obj(#[from] ObjError),
+    /// A rig, pose or scene file cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A mesh is not usable.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A body, a pose or weights do not fit together.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
+    /// Untangling cannot start.
+    #[error(transparent)]
+    Untangle(#[from] UntangleError),
+    /// The garment does not lie on the body.
+    #[error(
+        "the garment is {distance:.3} m from the rest body at its nearest vertex and does not lie \
+         on it"
+    )]
+    NotOnBody {
+        /// Distance of the nearest vertex to the skin, in metres.
+        distance: f32,
+        /// The box of the garment, in metres.
+        garment: Bounds,
+        /// The box of the rest body, in metres.
+        body: Bounds,
+    },
+    /// The garment is much larger or smaller than the body.
+    #[error(
+        "the garment is {garment_size:.3} m in size and the rest body {body_size:.3} m: they seem \
+         to be in different units"
+    )]
+    DifferentUnits {
+        /// Diagonal of the garment's box, in metres.
+        garment_size: f32,
+        /// Diagonal of the rest body's box, in metres.
+        body_size: f32,
+    },
+}

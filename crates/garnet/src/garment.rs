@@ -1,0 +1,108 @@
+//! Garments: bound once, draped many times.
+
+use garnet_mesh::{Bounds, Point3, TriMesh};
+use garnet_skin::{Body, PosedBody, TransferOptions, Warp};
+use garnet_untangle::Binding;
+
+use crate::Error;
+
+/// A garment whose nearest vertex is farther from the body does not lie on it, in metres.
+const MAX_DISTANCE: f32 = 0.3;
+
+/// Beyond these ratios of sizes garment and body are in different units.
+const SIZE_RATIO: [f32; 2] = [0.02, 4.0];
+
+/// A garment that lies on a body in its rest pose.
+#[derive(Debug, Clone)]
+pub struct Garment {
+    mesh: TriMesh,
+    transfer: TransferOptions,
+}
+
+impl Garment {
+    /// A garment as modelled on the rest body, in metres.
+    pub fn new(mesh: TriMesh) -> Self {
+        Self {
+            mesh,
+            transfer: TransferOptions::default(),
+        }
+    }
+
+    /// The same with other lengths of weight smoothing.
+    #[must_use]
+    pub fn with_transfer(mut self, transfer: TransferOptions) -> Self {
+        self.transfer = transfer;
+        self
+    }
+
+    /// The mesh at rest.
+    pub fn mesh(&self) -> &TriMesh {
+        &self.mesh
+    }
+
+    /// Computes all that does not depend on the target body: weights taken from the rest body, and
+    /// which skin belongs to which cloth.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotOnBody`] or [`Error::DifferentUnits`] if the garment does not lie on the body;
+    /// [`Error::Skin`] or [`Error::Untangle`] for a garment too degenerate to be smoothed.
+    pub fn bind(self, body: &Body) -> Result<BoundGarment, Error> {
+        let bounds_of = |mesh: &TriMesh| {
+            Bounds::of(mesh.positions()).expect("a mesh has faces, so it has vertices")
+        };
+        let garment_bounds = bounds_of(&self.mesh);
+        let body_bounds = bounds_of(body.rest());
+        let (garment_size, body_size) = (garment_bounds.diagonal(), body_bounds.diagonal());
+        let ratio = garment_size / body_size.max(f32::MIN_POSITIVE);
+        if !(SIZE_RATIO[0]..=SIZE_RATIO[1]).contains(&ratio) {
+            return Err(Error::DifferentUnits {
+                garment_size,
+                body_size,
+            });
+        }
+        let cloth = garnet_skin::Garment::new(self.mesh)
+            .with_transfer(self.transfer)
+            .bind(body)?;
+        let squared = cloth.skin().iter().map(|skin| skin.distance_squared);
+        let distance = squared.fold(f32::INFINITY, f32::min).sqrt();
+        if distance > MAX_DISTANCE {
+            return Err(Error::NotOnBody {
+                distance,
+                garment: garment_bounds,
+                body: body_bounds,
+            });
+        }
+        let binding = Binding::new(&cloth)?;
+        Ok(BoundGarment { cloth, binding })
+    }
+}
+
+/// A garment bound to a body: everything that is computed once.
+#[derive(Debug, Clone)]
+pub struct BoundGarment {
+    pub(crate) cloth: garnet_skin::BoundGarment,
+    pub(crate) binding: Binding,
+}
+
+impl BoundGarment {
+    /// The mesh at rest.
+    pub fn mesh(&self) -> &TriMesh {
+        self.cloth.mesh()
+    }
+
+    /// The cloth inside: nodes, weights and the skin below them.
+    pub fn cloth(&self) -> &garnet_skin::BoundGarment {
+        &self.cloth
+    }
+
+    /// Positions `[vertex]` of the garment warped to a posed body, in metres.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Skin`] if `body` is not of the body that the garment was bound to.
+    pub fn warped(&self, body: &PosedBody, warp: Warp) -> Result<Vec<Point3>, Error> {
+        let nodes = self.cloth.warped(body, warp)?;
+        Ok(self.cloth.weld().scatter(&nodes))
+    }
+}
