@@ -7,7 +7,7 @@ use crate::error::{KnnError, check_finite};
 use crate::solid_angle::FarField;
 use garnet_mesh::{Point3, TriMesh};
 use nalgebra::Vector3;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A triangle mesh with a hierarchy of boxes over its faces, ready for closest points, signed
 /// distances, winding numbers and intersections.
@@ -33,8 +33,9 @@ pub struct Surface {
     connectivity: Arc<Connectivity>,
     positions: Vec<Point3>,
     bvh: Bvh,
-    /// Only of surfaces that are not closed: the others count crossings.
-    far_field: Option<FarField>,
+    /// Made when a winding number of a surface that is not closed is asked for: the others count
+    /// crossings.
+    far_field: OnceLock<FarField>,
 }
 
 /// What moving the vertices leaves alone.
@@ -53,12 +54,11 @@ impl Surface {
             || Bvh::new(&positions, &faces),
             || Adjacency::new(positions.len(), &faces),
         );
-        let far_field = (!adjacency.is_closed()).then(|| FarField::new(&bvh));
         Self {
             connectivity: Arc::new(Connectivity { faces, adjacency }),
             positions,
             bvh,
-            far_field,
+            far_field: OnceLock::new(),
         }
     }
 
@@ -75,7 +75,7 @@ impl Surface {
             connectivity: Arc::clone(&self.connectivity),
             positions,
             bvh: self.bvh.clone(),
-            far_field: None,
+            far_field: OnceLock::new(),
         };
         moved.fit();
         Ok(moved)
@@ -103,7 +103,7 @@ impl Surface {
 
     fn fit(&mut self) {
         self.bvh.refit(&self.positions, &self.connectivity.faces);
-        self.far_field = (!self.is_closed()).then(|| FarField::new(&self.bvh));
+        self.far_field = OnceLock::new();
     }
 
     /// Positions `[vertex]`, in metres.
@@ -139,8 +139,11 @@ impl Surface {
         &self.bvh
     }
 
+    /// The dipoles of a surface that is not closed. Making them uses one thread, so that threads
+    /// that wait for them cannot wait for each other.
     pub(crate) fn far_field(&self) -> Option<&FarField> {
-        self.far_field.as_ref()
+        let make = || FarField::new(&self.bvh);
+        (!self.is_closed()).then(|| self.far_field.get_or_init(make))
     }
 
     /// The corners of a face in double precision; `None` if there is no such face.

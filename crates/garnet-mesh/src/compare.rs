@@ -236,7 +236,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{Topology, Vector3, icosphere};
+    use crate::primitives::icosphere;
+    use crate::{Topology, Vector3};
 
     /// Bound on closed forms in `f32`.
     const ROUNDING: f64 = 1e-5;

@@ -190,7 +190,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{TriMesh, capsule, cuboid, face_areas, grid, icosphere, tube};
+    use crate::primitives::{capsule, cuboid, grid, icosphere, tube};
+    use crate::{TriMesh, face_areas};
 
     /// Bound on identities that hold exactly.
     const ROUNDING: f32 = 1e-4;

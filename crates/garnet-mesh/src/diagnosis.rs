@@ -114,7 +114,7 @@ impl MeshDiagnosis {
 /// # Examples
 ///
 /// ```
-/// let diagnosis = garnet_mesh::diagnose(&garnet_mesh::tube(0.1, 0.6, 12, 4));
+/// let diagnosis = garnet_mesh::diagnose(&garnet_mesh::primitives::tube(0.1, 0.6, 12, 4));
 /// assert_eq!(diagnosis.boundary_loops.len(), 2);
 /// assert!(diagnosis.is_clean() && !diagnosis.is_closed);
 /// ```
@@ -187,7 +187,7 @@ fn mean_length(positions: &[Point3], edges: &[[u32; 2]]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{capsule, cuboid, tube};
+    use crate::primitives::{capsule, cuboid, tube};
 
     #[test]
     fn a_clean_closed_mesh_has_nothing_to_tell() {

@@ -5,7 +5,8 @@
 //! as slices, so that many poses share one [`Topology`].
 //!
 //! ```
-//! use garnet_mesh::{Topology, diagnose, mean_curvatures, tube};
+//! use garnet_mesh::primitives::tube;
+//! use garnet_mesh::{Topology, diagnose, mean_curvatures};
 //!
 //! let sleeve = tube(0.06, 0.25, 32, 20);
 //! assert_eq!(diagnose(&sleeve).boundary_loops.len(), 2);

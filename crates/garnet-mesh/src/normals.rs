@@ -111,7 +111,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{cuboid, icosphere};
+    use crate::primitives::{cuboid, icosphere};
 
     /// Bound on closed forms in `f32`.
     const ROUNDING: f32 = 1e-5;

@@ -264,7 +264,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{grid, icosphere, tube};
+    use crate::primitives::{grid, icosphere, tube};
 
     fn topology_of(mesh: &crate::TriMesh) -> Topology {
         Topology::new(mesh.num_vertices(), mesh.faces())

@@ -5,8 +5,8 @@
 #[non_exhaustive]
 pub enum SkinError {
     /// A garment's smoothing system has no factor: its edges are too degenerate.
-    #[error("the garment is too degenerate to be smoothed")]
-    Singular,
+    #[error("the garment is too degenerate to be smoothed ({0})")]
+    Singular(String),
     /// A mesh cannot be searched.
     #[error(transparent)]
     Knn(#[from] garnet_knn::KnnError),

@@ -34,7 +34,7 @@ impl ScreenedPoisson {
     pub fn new(graph: &ClothGraph, screening: Vec<f64>) -> Result<Self, SkinError> {
         let matrix = system(graph, &screening)?;
         let symbolic = SymbolicLlt::try_new(matrix.symbolic(), Side::Lower)
-            .map_err(|_| SkinError::Singular)?;
+            .map_err(|error| SkinError::Singular(format!("{error:?}")))?;
         Self::factored(screening, symbolic, &matrix)
     }
 
@@ -54,7 +54,7 @@ impl ScreenedPoisson {
         matrix: &SparseColMat<usize, f64>,
     ) -> Result<Self, SkinError> {
         let factor = Llt::try_new_with_symbolic(symbolic.clone(), matrix.as_ref(), Side::Lower)
-            .map_err(|_| SkinError::Singular)?;
+            .map_err(|error| SkinError::Singular(format!("{error:?}")))?;
         Ok(Self {
             screening,
             symbolic,
@@ -114,7 +114,8 @@ fn system(graph: &ClothGraph, screening: &[f64]) -> Result<SparseColMat<usize, f
         entries.push(Triplet::new(node, node, value));
     }
     let size = graph.num_nodes();
-    SparseColMat::try_new_from_triplets(size, size, &entries).map_err(|_| SkinError::Singular)
+    SparseColMat::try_new_from_triplets(size, size, &entries)
+        .map_err(|error| SkinError::Singular(format!("{error:?}")))
 }
 
 #[cfg(test)]

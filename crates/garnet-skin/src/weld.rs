@@ -91,7 +91,12 @@ fn morton_codes(positions: &[Point3]) -> Vec<u32> {
         .fold(Point3::from([f32::MIN; 3]), |high, p| high.sup(p));
     let extent = (high - low).max().max(f32::MIN_POSITIVE);
     let scale = ((1 << ORDER_BITS) - 1) as f32 / extent;
+    #[allow(
+        clippy::cast_sign_loss,
+        reason = "offsets from the low corner are not negative"
+    )]
     let code = |position: &Point3| {
+        // A cast from float saturates, so a coordinate that overflows stays in the last cell.
         let cell = ((position - low) * scale).map(|value| value as u32);
         (0..ORDER_BITS).fold(0, |code, bit| {
             let bit_of = |axis: usize| ((cell[axis] >> bit) & 1) << (3 * bit + axis as u32);

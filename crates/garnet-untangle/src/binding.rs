@@ -109,10 +109,14 @@ impl Binding {
                 nearest.is_some_and(|n| n.distance_squared < COVER_DISTANCE * COVER_DISTANCE)
             })
             .collect();
-        let screening = garment.graph().node_areas().iter().map(|&area| {
-            f64::from(area) / (RELAX_LENGTH * RELAX_LENGTH)
-        });
-        let relax_system = garment.system().rescreened(garment.graph(), screening.collect())?;
+        let screening = garment
+            .graph()
+            .node_areas()
+            .iter()
+            .map(|&area| f64::from(area) / (RELAX_LENGTH * RELAX_LENGTH));
+        let relax_system = garment
+            .system()
+            .rescreened(garment.graph(), screening.collect())?;
         Ok(Self {
             surface: Surface::new(&mesh),
             relax_system,
@@ -140,11 +144,7 @@ impl Binding {
 }
 
 /// For each node 1, or -1 if most of its component's faces turn their normals to the skin.
-fn orientation(
-    garment: &BoundGarment,
-    normals: &[Vector3],
-    body_normals: &[Vector3],
-) -> Vec<f32> {
+fn orientation(garment: &BoundGarment, normals: &[Vector3], body_normals: &[Vector3]) -> Vec<f32> {
     let components = garment.topology().components();
     let mut votes = vec![0.0_f64; garment.topology().num_components()];
     for (node, skin) in garment.skin().iter().enumerate() {

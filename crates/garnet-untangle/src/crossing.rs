@@ -34,13 +34,13 @@ pub(crate) fn raise_clearances(
     finder: &ContactFinder<'_>,
     crossing: &[[u32; 3]],
     positions: &[Point3],
-    normals: &[Vector3],
+    normal_of: impl Fn(u32) -> Vector3 + Sync,
     contacts: &[Contact],
     clearances: &mut [f32],
     limit: f32,
 ) {
     let lift = |corners: &[u32; 3]| {
-        let depth = deepest_sample(finder, *corners, positions, normals, contacts);
+        let depth = deepest_sample(finder, *corners, positions, &normal_of, contacts);
         (SAMPLE_CLEARANCE - depth).clamp(LIFT_RANGE[0], LIFT_RANGE[1])
     };
     let lifts: Vec<f32> = crossing.par_iter().map(lift).collect();
@@ -62,9 +62,10 @@ fn deepest_sample(
     finder: &ContactFinder<'_>,
     corners: [u32; 3],
     positions: &[Point3],
-    normals: &[Vector3],
+    normal_of: &impl Fn(u32) -> Vector3,
     contacts: &[Contact],
 ) -> f32 {
+    let corner_normals = corners.map(normal_of);
     let mut deepest = f32::INFINITY;
     for i in 0..=SIDE_SAMPLES {
         for j in 0..=SIDE_SAMPLES - i {
@@ -76,9 +77,10 @@ fn deepest_sample(
             let mut sample = Vector3::zeros();
             let mut normal = Vector3::zeros();
             let mut main = (0.0, corners[0]);
-            for (share, node) in shares.into_iter().zip(corners) {
+            let parts = shares.into_iter().zip(corners).zip(corner_normals);
+            for ((share, node), corner_normal) in parts {
                 sample += share * positions[node as usize].coords;
-                normal += share * normals[node as usize];
+                normal += share * corner_normal;
                 if share > main.0 {
                     main = (share, node);
                 }

@@ -79,5 +79,8 @@ fn bounds(positions: &[Point3]) -> (Point3, Point3) {
         low = low.inf(position);
         high = high.sup(position);
     }
-    (low.map(|value| value - REACH), high.map(|value| value + REACH))
+    (
+        low.map(|value| value - REACH),
+        high.map(|value| value + REACH),
+    )
 }

@@ -1,10 +1,12 @@
 //! Frees a garment of penetrations with a smooth displacement, verifies and reports.
 
 mod binding;
+mod cloth;
 mod contact;
 mod crossing;
 mod embedded;
 mod options;
+mod region;
 mod relax;
 mod report;
 mod skin_normals;

@@ -72,5 +72,9 @@ pub(crate) fn relaxed(
         .with_min_len(CHUNK)
         .map(right_side)
         .collect();
-    system.solve(&right_side).into_iter().map(Point3::from).collect()
+    system
+        .solve(&right_side)
+        .into_iter()
+        .map(Point3::from)
+        .collect()
 }

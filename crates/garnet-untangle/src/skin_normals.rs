@@ -39,7 +39,10 @@ impl SkinNormals {
             *normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
         };
         faces.par_iter_mut().with_min_len(CHUNK).for_each(normalize);
-        vertices.par_iter_mut().with_min_len(CHUNK).for_each(normalize);
+        vertices
+            .par_iter_mut()
+            .with_min_len(CHUNK)
+            .for_each(normalize);
         Self { faces, vertices }
     }
 
@@ -54,6 +57,7 @@ impl SkinNormals {
         let normals = corners.map(|vertex| self.vertices[vertex as usize]);
         let parts = normals.iter().zip(point.barycentric);
         let sum: Vector3 = parts.map(|(normal, share)| share * normal).sum();
-        sum.try_normalize(0.0).unwrap_or_else(|| self.face(point.face))
+        sum.try_normalize(0.0)
+            .unwrap_or_else(|| self.face(point.face))
     }
 }

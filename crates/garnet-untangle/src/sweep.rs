@@ -38,13 +38,13 @@ pub(crate) struct Sweeper<'a> {
 }
 
 impl Sweeper<'_> {
-    /// Sweeps once over the nodes for which `is_free`.
+    /// Sweeps once over the nodes for which `is_moved`.
     pub(crate) fn sweep(
         &self,
         positions: &[Point3],
         contacts: &[Contact],
         clearances: &[f32],
-        is_free: &[bool],
+        is_moved: &[bool],
     ) -> Vec<Point3> {
         let mut moved = positions.to_vec();
         moved
@@ -54,7 +54,7 @@ impl Sweeper<'_> {
                 let first = block * BLOCK;
                 for index in 0..own.len() {
                     let node = first + index;
-                    if !is_free[node] {
+                    if !is_moved[node] {
                         continue;
                     }
                     let position_of = |other: u32| {
@@ -91,7 +91,11 @@ impl Sweeper<'_> {
             sum += half.weight * (other.coords - edge);
             total += half.weight;
         }
-        if total > 0.0 { (sum / total).into() } else { *position }
+        if total > 0.0 {
+            (sum / total).into()
+        } else {
+            *position
+        }
     }
 }
 

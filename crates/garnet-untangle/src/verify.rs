@@ -3,9 +3,9 @@
 use garnet_mesh::Point3;
 use garnet_skin::BoundGarment;
 
-use crate::contact::ContactFinder;
-use crate::untangle::Cloth;
 use crate::UntangleReport;
+use crate::cloth::Cloth;
+use crate::contact::ContactFinder;
 
 /// A vertex that moved farther than this counts as moved, in metres.
 const MOVED: f32 = 1e-4;

@@ -97,7 +97,9 @@ fn patch_direction(
         return kept;
     }
     let home: Vector3 = patch.iter().map(|&node| contacts[node].home).sum();
-    let home = home.try_normalize(f32::MIN_POSITIVE).unwrap_or_else(Vector3::x);
+    let home = home
+        .try_normalize(f32::MIN_POSITIVE)
+        .unwrap_or_else(Vector3::x);
     let stride = patch.len().div_ceil(MAX_SAMPLES);
     let samples: Vec<usize> = patch.iter().step_by(stride).copied().collect();
     let cost = |direction: &Vector3| {

@@ -109,7 +109,13 @@ impl Draper {
                 report: None,
             });
         };
-        let untangled = untangle(&garment.cloth, &garment.binding, body, &warped.nodes, options)?;
+        let untangled = untangle(
+            &garment.cloth,
+            &garment.binding,
+            body,
+            &warped.nodes,
+            options,
+        )?;
         Ok(Drape {
             positions: weld.scatter(&untangled.positions),
             report: Some(untangled.report),

@@ -3,71 +3,14 @@
 //! Hand-written, because a header may come from anywhere: sizes are checked against the bytes that
 //! are there before anything is allocated.
 
-/// What is wrong with an array.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ArrayProblem {
-    /// The entry does not start as an npy array does, or its header makes no sense.
-    #[error("it is no npy array: {what}")]
-    NotAnArray {
-        /// What does not fit.
-        what: &'static str,
-    },
-    /// The element type is not a number or text.
-    #[error("it has the element type `{descr}`, expected floats, integers, booleans or text")]
-    ElementType {
-        /// The type as `NumPy` writes it.
-        descr: String,
-    },
-    /// The elements are of the wrong kind, such as text instead of numbers.
-    #[error("it holds {found}, expected {expected}")]
-    Kind {
-        /// What it holds.
-        found: &'static str,
-        /// What it should hold.
-        expected: &'static str,
-    },
-    /// The file ends within the array.
-    #[error("its shape {shape:?} needs {expected} bytes, but there are {found}")]
-    Truncated {
-        /// Its shape.
-        shape: Vec<usize>,
-        /// Bytes needed.
-        expected: usize,
-        /// Bytes there.
-        found: usize,
-    },
-    /// The array is larger than is sensible.
-    #[error("it has more than {limit} bytes")]
-    TooLarge {
-        /// The largest size that is read.
-        limit: u64,
-    },
-    /// The shape is another one than the key has.
-    #[error("it has the shape {found:?}, expected {expected}")]
-    Shape {
-        /// Its shape.
-        found: Vec<usize>,
-        /// The shape that the key has.
-        expected: String,
-    },
-    /// A value that should be a number of something is not whole or out of range.
-    #[error("its element {index} is `{value}`, expected {expected}")]
-    Value {
-        /// Position in the array, in C order.
-        index: usize,
-        /// The value.
-        value: f64,
-        /// What it may be.
-        expected: &'static str,
-    },
-    /// The archive entry cannot be unpacked.
-    #[error("it cannot be unpacked: {reason}")]
-    Unpack {
-        /// What the unpacker says.
-        reason: String,
-    },
-}
+mod element;
+mod header;
+mod problem;
+
+use element::{element_type, text_of_bytes};
+use header::{quoted_after, shape, split_header, value_after};
+pub use problem::ArrayProblem;
+use problem::not_an_array;
 
 /// Elements of an array, in C order.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,13 +35,6 @@ pub struct NpyArray {
     pub(super) wrapped_minus_one: Option<i64>,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct ElementType {
-    kind: u8,
-    size: usize,
-    is_big_endian: bool,
-}
-
 impl NpyArray {
     /// Reads the bytes of an `.npy` file.
     ///
@@ -107,17 +43,17 @@ impl NpyArray {
     /// [`ArrayProblem`] if they are no array of numbers or text, or too few.
     pub fn parse(bytes: &[u8]) -> Result<Self, ArrayProblem> {
         let (header, data) = split_header(bytes)?;
-        let descr = quoted_after(header, "descr").ok_or(not("there is no `descr`"))?;
+        let descr = quoted_after(header, "descr").ok_or(not_an_array("there is no `descr`"))?;
         let element = element_type(descr)?;
         let is_fortran = value_after(header, "fortran_order")
-            .ok_or(not("there is no `fortran_order`"))?
+            .ok_or(not_an_array("there is no `fortran_order`"))?
             .starts_with("True");
         let shape = shape(header)?;
         let num_elements = shape
             .iter()
             .try_fold(1_usize, |product, &axis| product.checked_mul(axis));
         let num_bytes = num_elements.and_then(|count| count.checked_mul(element.size));
-        let num_bytes = num_bytes.ok_or(not("its shape is too large"))?;
+        let num_bytes = num_bytes.ok_or(not_an_array("its shape is too large"))?;
         let Some(data) = data.get(..num_bytes) else {
             return Err(ArrayProblem::Truncated {
                 shape,
@@ -236,154 +172,6 @@ fn in_c_order<T: Clone>(values: &[T], shape: &[usize]) -> Vec<T> {
     moved
 }
 
-impl ElementType {
-    /// The bytes of a number as little-endian, filled up with zeros.
-    fn little_endian(self, item: &[u8]) -> [u8; 8] {
-        let mut bytes = [0; 8];
-        for (position, &byte) in item.iter().enumerate() {
-            let target = if self.is_big_endian {
-                item.len() - 1 - position
-            } else {
-                position
-            };
-            bytes[target] = byte;
-        }
-        bytes
-    }
-
-    fn integer(self, item: &[u8]) -> i64 {
-        let value = i64::from_le_bytes(self.little_endian(item));
-        let unused_bits = 64 - 8 * self.size as u32;
-        match self.kind {
-            b'i' => value << unused_bits >> unused_bits,
-            _ => value,
-        }
-    }
-
-    fn float(self, item: &[u8]) -> f64 {
-        let bits = u64::from_le_bytes(self.little_endian(item));
-        match self.size {
-            2 => half(bits as u16),
-            4 => f64::from(f32::from_bits(bits as u32)),
-            _ => f64::from_bits(bits),
-        }
-    }
-
-    fn text_of_code_points(self, item: &[u8]) -> String {
-        let code_points = item.chunks_exact(4).map(|code| self.little_endian(code));
-        let chars = code_points.map(|bytes| {
-            let [a, b, c, d, ..] = bytes;
-            char::from_u32(u32::from_le_bytes([a, b, c, d])).unwrap_or(char::REPLACEMENT_CHARACTER)
-        });
-        chars.collect::<String>().trim_end_matches('\0').to_owned()
-    }
-}
-
-fn text_of_bytes(item: &[u8]) -> String {
-    let text = String::from_utf8_lossy(item);
-    text.trim_end_matches('\0').to_owned()
-}
-
-/// A half-precision float (IEEE 754 binary16).
-fn half(bits: u16) -> f64 {
-    let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
-    let exponent = i32::from(bits >> 10 & 0x1f);
-    let fraction = f64::from(bits & 0x3ff) / 1024.0;
-    sign * match exponent {
-        0 => fraction * 2.0_f64.powi(-14),
-        31 if fraction > 0.0 => f64::NAN,
-        31 => f64::INFINITY,
-        _ => (1.0 + fraction) * 2.0_f64.powi(exponent - 15),
-    }
-}
-
-const fn not(what: &'static str) -> ArrayProblem {
-    ArrayProblem::NotAnArray { what }
-}
-
-/// The header text and the data behind it.
-fn split_header(bytes: &[u8]) -> Result<(&str, &[u8]), ArrayProblem> {
-    let rest = bytes
-        .strip_prefix(b"\x93NUMPY")
-        .ok_or(not("the magic number is missing"))?;
-    let (length, start) = match *rest {
-        [1, _, a, b, ..] => (u64::from(u16::from_le_bytes([a, b])), 4),
-        [2 | 3, _, a, b, c, d, ..] => (u64::from(u32::from_le_bytes([a, b, c, d])), 6),
-        _ => return Err(not("its version is not 1, 2 or 3")),
-    };
-    let rest = &rest[start..];
-    let length = usize::try_from(length).unwrap_or(usize::MAX);
-    let (header, data) = rest
-        .split_at_checked(length)
-        .ok_or(not("its header is cut off"))?;
-    let header = str::from_utf8(header).map_err(|_invalid| not("its header is not text"))?;
-    Ok((header, data))
-}
-
-/// What stands behind `'key':` in the header, a Python dictionary.
-fn value_after<'a>(header: &'a str, key: &str) -> Option<&'a str> {
-    let (_, rest) = header
-        .split_once(&format!("'{key}'"))
-        .or_else(|| header.split_once(&format!("\"{key}\"")))?;
-    Some(rest.trim_start().strip_prefix(':')?.trim_start())
-}
-
-fn quoted_after<'a>(header: &'a str, key: &str) -> Option<&'a str> {
-    let value = value_after(header, key)?;
-    let quote = value.chars().next()?;
-    if quote != '\'' && quote != '"' {
-        // A list describes records; it is shown as it is and refused as an element type.
-        return value.split_terminator('}').next();
-    }
-    value[1..].split(quote).next()
-}
-
-fn shape(header: &str) -> Result<Vec<usize>, ArrayProblem> {
-    let value = value_after(header, "shape").ok_or(not("there is no `shape`"))?;
-    let inner = value
-        .strip_prefix('(')
-        .and_then(|value| value.split_once(')'))
-        .ok_or(not("its `shape` is no tuple"))?
-        .0;
-    let axes = inner
-        .split(',')
-        .map(str::trim)
-        .filter(|axis| !axis.is_empty());
-    let axes = axes.map(|axis| axis.trim_end_matches('L').parse());
-    axes.collect::<Result<_, _>>()
-        .map_err(|_invalid| not("its `shape` is not made of counts"))
-}
-
-fn element_type(descr: &str) -> Result<ElementType, ArrayProblem> {
-    let refused = || ArrayProblem::ElementType {
-        descr: descr.chars().take(80).collect(),
-    };
-    let (order, rest) = match descr.as_bytes() {
-        [order @ (b'<' | b'>' | b'|' | b'='), rest @ ..] => (*order, rest),
-        rest => (b'=', rest),
-    };
-    let [kind, digits @ ..] = rest else {
-        return Err(refused());
-    };
-    let digits = str::from_utf8(digits).map_err(|_invalid| refused())?;
-    let size: usize = digits.parse().map_err(|_invalid| refused())?;
-    let is_big_endian = match order {
-        b'>' => true,
-        b'=' => cfg!(target_endian = "big"),
-        _ => false,
-    };
-    let size = match (*kind, size) {
-        (b'f', 2 | 4 | 8) | (b'i' | b'u', 1 | 2 | 4 | 8) | (b'b', 1) | (b'S', 1..) => size,
-        (b'U', 1..) => size.checked_mul(4).ok_or_else(refused)?,
-        _ => return Err(refused()),
-    };
-    Ok(ElementType {
-        kind: *kind,
-        size,
-        is_big_endian,
-    })
-}
-
 /// The bytes of an `.npy` file, version 1, of little-endian `data` in C order.
 pub(super) fn encode(descr: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
     let axes: Vec<String> = shape.iter().map(|axis| format!("{axis},")).collect();
@@ -487,14 +275,6 @@ mod tests {
                 assert_eq!(array.floats().unwrap(), expected, "{order}{kind}");
             }
         }
-    }
-
-    #[test]
-    fn half_floats_cover_small_and_special_values() {
-        let bits = [0x0001, 0x7bff, 0xfc00].map(|bits| half(bits).to_bits());
-        let expected = [2.0_f64.powi(-24), 65504.0, f64::NEG_INFINITY];
-        assert_eq!(bits, expected.map(f64::to_bits));
-        assert!(half(0x7e00).is_nan());
     }
 
     #[test]

@@ -1,0 +1,287 @@
+//! The cloth while it is being moved.
+
+use garnet_mesh::{Point3, Vector3};
+use garnet_skin::BoundGarment;
+use rayon::prelude::*;
+
+use crate::contact::{Contact, ContactFinder};
+use crate::crossing::{crossing_faces, raise_clearances};
+use crate::region::{Region, rings_of};
+use crate::sweep::{Sweeper, projected};
+use crate::way_out::{find_ways_out, way_out};
+use crate::{UntangleError, UntangleOptions};
+
+/// Nodes that one task handles. Results do not depend on it, nor on the number of threads.
+const CHUNK: usize = 256;
+
+/// Sweeps between two searches for contacts.
+const SWEEPS: usize = 12;
+
+/// Searches for contacts while crossing faces are lifted once.
+const LIFT_SEARCHES: usize = 2;
+
+/// Cloth this far from a crossing face may move while the face is lifted, in metres.
+const LIFT_RADIUS: f32 = 0.03;
+
+/// What is aimed at beyond the clearance asked for, in metres: rounding must not eat into it.
+const CLEARANCE_MARGIN: f32 = 5e-5;
+
+/// Skin this far from a node is no contact yet, beyond the clearance, in metres.
+const REACH: f32 = 0.012;
+
+/// A node that moved less than this keeps its contacts, in metres.
+const KEEP_DISTANCE: f32 = 5e-4;
+
+/// A search for contacts is the last one if no node moved farther than this since, in metres.
+const REST_DISTANCE: f32 = 3e-4;
+
+/// Projections at the end, each onto contacts found anew.
+const POLISH_ROUNDS: usize = 12;
+
+/// Triangles that cross the skin are lifted by at most this, in metres.
+const MAX_LIFT: f32 = 0.015;
+
+/// Positions and contacts of all nodes.
+#[derive(Debug)]
+pub(crate) struct Cloth<'a> {
+    garment: &'a BoundGarment,
+    finder: &'a ContactFinder<'a>,
+    sweeper: &'a Sweeper<'a>,
+    pub(crate) options: &'a UntangleOptions,
+    pub(crate) positions: Vec<Point3>,
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) contact_rounds: usize,
+    pub(crate) crossing_rounds: usize,
+    /// What each node keeps from the skin: more than asked for where triangles would cross it.
+    clearances: Vec<f32>,
+    /// How each node leaves parts of the body that it does not belong to.
+    ways_out: Vec<Option<Vector3>>,
+}
+
+impl<'a> Cloth<'a> {
+    /// The cloth at the sweeper's anchors, with its contacts.
+    pub(crate) fn new(
+        garment: &'a BoundGarment,
+        finder: &'a ContactFinder<'a>,
+        sweeper: &'a Sweeper<'a>,
+        options: &'a UntangleOptions,
+    ) -> Self {
+        let num_nodes = sweeper.anchors.len();
+        let mut cloth = Self {
+            garment,
+            finder,
+            sweeper,
+            options,
+            positions: sweeper.anchors.to_vec(),
+            contacts: Vec::new(),
+            contact_rounds: 1,
+            crossing_rounds: 0,
+            clearances: vec![options.clearance + CLEARANCE_MARGIN; num_nodes],
+            ways_out: vec![None; num_nodes],
+        };
+        let all = Region::all(num_nodes);
+        let normals = cloth.normals(&all);
+        let find = |(node, normal): (usize, &Vector3)| {
+            let hint = garment.skin()[node].face;
+            let reach = cloth.clearances[node] + REACH;
+            finder.find(node, cloth.positions[node], *normal, reach, hint)
+        };
+        let nodes = normals.par_iter().with_min_len(CHUNK).enumerate();
+        cloth.contacts = nodes.map(|(node, normal)| find((node, normal))).collect();
+        cloth.find_ways_out();
+        cloth
+    }
+
+    /// Pushes all nodes in front of the skin, drawing the cloth around them along.
+    pub(crate) fn push_out(&mut self) {
+        let graph = self.garment.graph();
+        let lacks = |node: &u32| {
+            let contact = &self.contacts[*node as usize];
+            contact.foreign_parts > 0 || contact.distance < self.clearances[*node as usize]
+        };
+        let lacking = (0..self.positions.len() as u32).filter(lacks);
+        let rings = rings_of(graph, self.options.push_length);
+        let region = Region::around(graph, lacking, rings);
+        for round in 0..self.options.contact_rounds {
+            if round > 0 && !self.find_contacts(&region) {
+                break;
+            }
+            self.sweep(SWEEPS, &region);
+        }
+        self.polish(&region);
+    }
+
+    /// Lifts cloth whose triangles cross the skin; returns the faces that still do.
+    pub(crate) fn lift_crossing_faces(&mut self) -> Result<Vec<u32>, UntangleError> {
+        let mut surface = self.finder.binding.surface.moved(self.positions.clone())?;
+        let mut crossing = crossing_faces(&surface, self.finder.skin);
+        for _ in 0..self.options.crossing_rounds {
+            let Some(region) = self.lift(&crossing) else {
+                break;
+            };
+            surface.refit(&self.positions)?;
+            let topology = self.garment.topology();
+            let at_nodes = |&node: &u32| topology.vertex_faces(node as usize).iter().copied();
+            let mut candidates: Vec<u32> = region.nodes().iter().flat_map(at_nodes).collect();
+            candidates.extend(crossing);
+            candidates.sort_unstable();
+            candidates.dedup();
+            let pairs = surface.faces_crossing(self.finder.skin, &candidates);
+            crossing = pairs.into_iter().map(|[face, _]| face).collect();
+            crossing.dedup();
+        }
+        Ok(crossing)
+    }
+
+    /// Lifts the corners of crossing faces that are not trapped; `None` if there are none.
+    fn lift(&mut self, crossing: &[u32]) -> Option<Region> {
+        let faces = self.garment.faces();
+        let is_trapped = |&node: &u32| self.is_trapped(node as usize);
+        let free: Vec<[u32; 3]> = crossing
+            .iter()
+            .map(|&face| faces[face as usize])
+            .filter(|corners| !corners.iter().any(is_trapped))
+            .collect();
+        if free.is_empty() {
+            return None;
+        }
+        self.crossing_rounds += 1;
+        let graph = self.garment.graph();
+        let rings = rings_of(graph, LIFT_RADIUS).max(2);
+        let region = Region::around(graph, free.iter().flatten().copied(), rings);
+        let normals = self.normals(&region);
+        raise_clearances(
+            self.finder,
+            &free,
+            &self.positions,
+            |node| normals[region.index_of(node)],
+            &self.contacts,
+            &mut self.clearances,
+            self.options.clearance + MAX_LIFT,
+        );
+        for _ in 0..LIFT_SEARCHES {
+            self.find_contacts(&region);
+            self.sweep(SWEEPS / 2, &region);
+        }
+        self.polish(&region);
+        Some(region)
+    }
+
+    /// Normals of the cloth, to its outer side, at the nodes of a region.
+    fn normals(&self, region: &Region) -> Vec<Vector3> {
+        let faces = self.garment.faces();
+        let topology = self.garment.topology();
+        let normal = |&node: &u32| {
+            let mut sum = Vector3::zeros();
+            for &face in topology.vertex_faces(node as usize) {
+                let [a, b, c] = faces[face as usize].map(|n| self.positions[n as usize]);
+                sum += (b - a).cross(&(c - a));
+            }
+            let sign = self.finder.binding.orientation[node as usize];
+            sign * sum.try_normalize(0.0).unwrap_or_else(Vector3::zeros)
+        };
+        let nodes = region.nodes().par_iter().with_min_len(CHUNK);
+        nodes.map(normal).collect()
+    }
+
+    /// Finds the contacts anew of all nodes of a region that may have other ones; false if nothing
+    /// has moved.
+    fn find_contacts(&mut self, region: &Region) -> bool {
+        self.contact_rounds += 1;
+        let normals = self.normals(region);
+        let found = |(&node, &normal): (&u32, &Vector3)| {
+            let node = node as usize;
+            let position = self.positions[node];
+            let contact = &self.contacts[node];
+            let moved = (position - contact.position).norm();
+            let spare = contact.distance - self.clearances[node] - REACH;
+            if moved < KEEP_DISTANCE || moved < spare {
+                return (moved, None);
+            }
+            let reach = self.clearances[node] + REACH;
+            let hint = contact.closest.face;
+            (
+                moved,
+                Some(self.finder.find(node, position, normal, reach, hint)),
+            )
+        };
+        let nodes = region.nodes().par_iter().zip(&normals).with_min_len(CHUNK);
+        let results: Vec<(f32, Option<Contact>)> = nodes.map(found).collect();
+        let mut farthest = 0.0_f32;
+        for (&node, (moved, contact)) in region.nodes().iter().zip(results) {
+            farthest = farthest.max(moved);
+            if let Some(contact) = contact {
+                self.contacts[node as usize] = contact;
+            }
+        }
+        self.find_ways_out();
+        farthest > REST_DISTANCE
+    }
+
+    fn find_ways_out(&mut self) {
+        find_ways_out(
+            self.finder,
+            self.garment.graph(),
+            &mut self.contacts,
+            &self.positions,
+            &mut self.ways_out,
+        );
+    }
+
+    fn sweep(&mut self, times: usize, region: &Region) {
+        for _ in 0..times {
+            self.positions = self.sweeper.sweep(
+                &self.positions,
+                &self.contacts,
+                &self.clearances,
+                region.mask(),
+            );
+        }
+    }
+
+    /// Projects the nodes of a region that lack clearance until none does, or as often as allowed.
+    fn polish(&mut self, region: &Region) {
+        let normals = self.normals(region);
+        let limit = self.options.clearance + 0.5 * CLEARANCE_MARGIN;
+        let goal = self.options.clearance + CLEARANCE_MARGIN;
+        for _ in 0..POLISH_ROUNDS {
+            let polished = |(&node, &normal): (&u32, &Vector3)| {
+                let node = node as usize;
+                let contact = &self.contacts[node];
+                let position = self.positions[node];
+                let moved = (position - contact.position).norm();
+                if moved < contact.distance - limit {
+                    return None;
+                }
+                let reach = self.clearances[node] + REACH;
+                let hint = contact.closest.face;
+                let mut contact = self.finder.find(node, position, normal, reach, hint);
+                if contact.foreign_parts > 0 {
+                    let direction = self.ways_out[node].unwrap_or(contact.home);
+                    contact.foreign = way_out(self.finder, position, direction, contact.own_parts);
+                }
+                Some((contact, projected(position, &contact, goal)))
+            };
+            let nodes = region.nodes().par_iter().zip(&normals).with_min_len(CHUNK);
+            let results: Vec<Option<(Contact, Point3)>> = nodes.map(polished).collect();
+            let mut largest = 0.0_f32;
+            for (&node, result) in region.nodes().iter().zip(results) {
+                if let Some((contact, position)) = result {
+                    let node = node as usize;
+                    largest = largest.max((position - self.positions[node]).norm());
+                    self.contacts[node] = contact;
+                    self.positions[node] = position;
+                }
+            }
+            if largest < 0.2 * CLEARANCE_MARGIN {
+                break;
+            }
+        }
+    }
+
+    /// Whether a node is caught where the body runs through itself.
+    fn is_trapped(&self, node: usize) -> bool {
+        let closest = &self.contacts[node].closest;
+        self.finder.embedded.is_trap(closest.face, closest.point)
+    }
+}
