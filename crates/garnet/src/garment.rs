@@ -1,6 +1,6 @@
 //! Garments: bound once, draped many times.
 
-use garnet_mesh::{Bounds, Point3, TriMesh};
+use garnet_mesh::{Bounds, MeshError, Point3, TriMesh};
 use garnet_skin::{Body, PosedBody, TransferOptions, Warp};
 use garnet_untangle::Binding;
 
@@ -48,11 +48,8 @@ impl Garment {
     /// [`Error::NotOnBody`] or [`Error::DifferentUnits`] if the garment does not lie on the body;
     /// [`Error::Skin`] or [`Error::Untangle`] for a garment too degenerate to be smoothed.
     pub fn bind(self, body: &Body) -> Result<BoundGarment, Error> {
-        let bounds_of = |mesh: &TriMesh| {
-            Bounds::of(mesh.positions()).expect("a mesh has faces, so it has vertices")
-        };
-        let garment_bounds = bounds_of(&self.mesh);
-        let body_bounds = bounds_of(body.rest());
+        let garment_bounds = Bounds::of(self.mesh.positions()).ok_or(MeshError::NoFaces)?;
+        let body_bounds = Bounds::of(body.rest().positions()).ok_or(MeshError::NoFaces)?;
         let (garment_size, body_size) = (garment_bounds.diagonal(), body_bounds.diagonal());
         let ratio = garment_size / body_size.max(f32::MIN_POSITIVE);
         if !(SIZE_RATIO[0]..=SIZE_RATIO[1]).contains(&ratio) {
