@@ -1,5 +1,6 @@
 //! The cloth while it is being moved.
 
+use garnet_knn::{ClosestPoint, Surface};
 use garnet_mesh::{Point3, Vector3};
 use garnet_skin::BoundGarment;
 use rayon::prelude::*;
@@ -7,6 +8,7 @@ use rayon::prelude::*;
 use crate::contact::{Contact, ContactFinder};
 use crate::crossing::{crossing_faces, raise_clearances};
 use crate::region::{Region, rings_of};
+use crate::rescue::free_places;
 use crate::sweep::{Sweeper, projected};
 use crate::way_out::{find_ways_out, way_out};
 use crate::{UntangleError, UntangleOptions};
@@ -15,7 +17,7 @@ use crate::{UntangleError, UntangleOptions};
 const CHUNK: usize = 256;
 
 /// Sweeps between two searches for contacts.
-const SWEEPS: usize = 12;
+const SWEEPS: usize = 8;
 
 /// Searches for contacts while crossing faces are lifted once.
 const LIFT_SEARCHES: usize = 2;
@@ -38,6 +40,9 @@ const REST_DISTANCE: f32 = 3e-4;
 /// Projections at the end, each onto contacts found anew.
 const POLISH_ROUNDS: usize = 12;
 
+/// Lifting ends when this many rounds did not lessen the number of crossing faces.
+const IDLE_ROUNDS: usize = 2;
+
 /// Triangles that cross the skin are lifted by at most this, in metres.
 const MAX_LIFT: f32 = 0.015;
 
@@ -50,6 +55,8 @@ pub(crate) struct Cloth<'a> {
     pub(crate) options: &'a UntangleOptions,
     pub(crate) positions: Vec<Point3>,
     pub(crate) contacts: Vec<Contact>,
+    /// How many nodes were inside the body at the anchors, and how deep the deepest, in metres.
+    pub(crate) inside_before: (usize, f32),
     pub(crate) contact_rounds: usize,
     pub(crate) crossing_rounds: usize,
     /// What each node keeps from the skin: more than asked for where triangles would cross it.
@@ -74,6 +81,7 @@ impl<'a> Cloth<'a> {
             options,
             positions: sweeper.anchors.to_vec(),
             contacts: Vec::new(),
+            inside_before: (0, 0.0),
             contact_rounds: 1,
             crossing_rounds: 0,
             clearances: vec![options.clearance + CLEARANCE_MARGIN; num_nodes],
@@ -88,7 +96,12 @@ impl<'a> Cloth<'a> {
         };
         let nodes = normals.par_iter().with_min_len(CHUNK).enumerate();
         cloth.contacts = nodes.map(|(node, normal)| find((node, normal))).collect();
-        cloth.find_ways_out();
+        let depths = cloth.contacts.iter().map(|contact| -contact.distance);
+        let inside = depths.filter(|&depth| depth > 0.0);
+        cloth.inside_before = inside.fold((0, 0.0), |(count, deepest), depth| {
+            (count + 1, depth.max(deepest))
+        });
+        cloth.find_ways_out(all.nodes());
         cloth
     }
 
@@ -115,36 +128,103 @@ impl<'a> Cloth<'a> {
     pub(crate) fn lift_crossing_faces(&mut self) -> Result<Vec<u32>, UntangleError> {
         let mut surface = self.finder.binding.surface.moved(self.positions.clone())?;
         let mut crossing = crossing_faces(&surface, self.finder.skin);
+        let mut fewest = usize::MAX;
+        let mut idle_rounds = 0;
         for _ in 0..self.options.crossing_rounds {
-            let Some(region) = self.lift(&crossing) else {
-                break;
+            let free = self.free_faces(&crossing);
+            idle_rounds = if free.len() < fewest {
+                0
+            } else {
+                idle_rounds + 1
             };
-            surface.refit(&self.positions)?;
-            let topology = self.garment.topology();
-            let at_nodes = |&node: &u32| topology.vertex_faces(node as usize).iter().copied();
-            let mut candidates: Vec<u32> = region.nodes().iter().flat_map(at_nodes).collect();
-            candidates.extend(crossing);
-            candidates.sort_unstable();
-            candidates.dedup();
-            let pairs = surface.faces_crossing(self.finder.skin, &candidates);
-            crossing = pairs.into_iter().map(|[face, _]| face).collect();
-            crossing.dedup();
+            fewest = fewest.min(free.len());
+            if free.is_empty() || idle_rounds == IDLE_ROUNDS {
+                break;
+            }
+            let region = self.lift(&free);
+            crossing = self.crossing_near(&mut surface, region.nodes(), crossing)?;
+        }
+        let moved = self.rescue();
+        if !moved.is_empty() {
+            crossing = self.crossing_near(&mut surface, &moved, crossing)?;
         }
         Ok(crossing)
     }
 
-    /// Lifts the corners of crossing faces that are not trapped; `None` if there are none.
-    fn lift(&mut self, crossing: &[u32]) -> Option<Region> {
+    /// The faces that cross the skin, after `moved` nodes were moved: tests their faces and those
+    /// that crossed before.
+    fn crossing_near(
+        &self,
+        surface: &mut Surface,
+        moved: &[u32],
+        mut candidates: Vec<u32>,
+    ) -> Result<Vec<u32>, UntangleError> {
+        surface.refit(&self.positions)?;
+        let topology = self.garment.topology();
+        for &node in moved {
+            candidates.extend_from_slice(topology.vertex_faces(node as usize));
+        }
+        candidates.sort_unstable();
+        candidates.dedup();
+        let pairs = surface.faces_crossing(self.finder.skin, &candidates);
+        let mut crossing: Vec<u32> = pairs.into_iter().map(|[face, _]| face).collect();
+        crossing.dedup();
+        Ok(crossing)
+    }
+
+    /// Moves single nodes that are left inside the body or too near to it to the nearest free
+    /// place; returns those that found one.
+    fn rescue(&mut self) -> Vec<u32> {
+        let lacks = |&node: &u32| {
+            let node = node as usize;
+            let position = self.positions[node];
+            let contact = &self.contacts[node];
+            let moved = (position - contact.position).norm();
+            if moved < contact.distance - self.options.clearance || self.is_trapped(node) {
+                return false;
+            }
+            let closest = self
+                .finder
+                .skin
+                .closest_from(position, contact.closest.face);
+            closest.distance_squared < self.options.clearance.powi(2)
+                || self.finder.winding(position) > 0
+        };
+        let nodes = 0..self.positions.len() as u32;
+        let lacking: Vec<u32> = nodes.filter(lacks).collect();
+        let goal = self.options.clearance + 0.5 * CLEARANCE_MARGIN;
+        let places = free_places(
+            self.finder,
+            self.garment.graph(),
+            &lacking,
+            &self.positions,
+            &self.contacts,
+            goal,
+        );
+        let mut moved = Vec::new();
+        for (node, place) in lacking.into_iter().zip(places) {
+            if let Some(place) = place {
+                let normal = self.contacts[node as usize].home;
+                self.positions[node as usize] = place;
+                self.contacts[node as usize] = self.found_on_the_way(node as usize, place, normal);
+                moved.push(node);
+            }
+        }
+        moved
+    }
+
+    /// The corners of those faces that have no trapped corner.
+    fn free_faces(&self, crossing: &[u32]) -> Vec<[u32; 3]> {
         let faces = self.garment.faces();
         let is_trapped = |&node: &u32| self.is_trapped(node as usize);
-        let free: Vec<[u32; 3]> = crossing
-            .iter()
-            .map(|&face| faces[face as usize])
+        let corners = crossing.iter().map(|&face| faces[face as usize]);
+        corners
             .filter(|corners| !corners.iter().any(is_trapped))
-            .collect();
-        if free.is_empty() {
-            return None;
-        }
+            .collect()
+    }
+
+    /// Lifts the corners of crossing faces; returns the part of the cloth that may have moved.
+    fn lift(&mut self, free: &[[u32; 3]]) -> Region {
         self.crossing_rounds += 1;
         let graph = self.garment.graph();
         let rings = rings_of(graph, LIFT_RADIUS).max(2);
@@ -152,7 +232,7 @@ impl<'a> Cloth<'a> {
         let normals = self.normals(&region);
         raise_clearances(
             self.finder,
-            &free,
+            free,
             &self.positions,
             |node| normals[region.index_of(node)],
             &self.contacts,
@@ -164,7 +244,7 @@ impl<'a> Cloth<'a> {
             self.sweep(SWEEPS / 2, &region);
         }
         self.polish(&region);
-        Some(region)
+        region
     }
 
     /// Normals of the cloth, to its outer side, at the nodes of a region.
@@ -189,7 +269,7 @@ impl<'a> Cloth<'a> {
     fn find_contacts(&mut self, region: &Region) -> bool {
         self.contact_rounds += 1;
         let normals = self.normals(region);
-        let found = |(&node, &normal): (&u32, &Vector3)| {
+        let find = |(&node, &normal): (&u32, &Vector3)| {
             let node = node as usize;
             let position = self.positions[node];
             let contact = &self.contacts[node];
@@ -206,22 +286,25 @@ impl<'a> Cloth<'a> {
             )
         };
         let nodes = region.nodes().par_iter().zip(&normals).with_min_len(CHUNK);
-        let results: Vec<(f32, Option<Contact>)> = nodes.map(found).collect();
+        let results: Vec<(f32, Option<Contact>)> = nodes.map(find).collect();
         let mut farthest = 0.0_f32;
+        let mut found = Vec::new();
         for (&node, (moved, contact)) in region.nodes().iter().zip(results) {
             farthest = farthest.max(moved);
             if let Some(contact) = contact {
                 self.contacts[node as usize] = contact;
+                found.push(node);
             }
         }
-        self.find_ways_out();
+        self.find_ways_out(&found);
         farthest > REST_DISTANCE
     }
 
-    fn find_ways_out(&mut self) {
+    fn find_ways_out(&mut self, found: &[u32]) {
         find_ways_out(
             self.finder,
             self.garment.graph(),
+            found,
             &mut self.contacts,
             &self.positions,
             &mut self.ways_out,
@@ -253,14 +336,13 @@ impl<'a> Cloth<'a> {
                 if moved < contact.distance - limit {
                     return None;
                 }
-                let reach = self.clearances[node] + REACH;
-                let hint = contact.closest.face;
-                let mut contact = self.finder.find(node, position, normal, reach, hint);
-                if contact.foreign_parts > 0 {
-                    let direction = self.ways_out[node].unwrap_or(contact.home);
-                    contact.foreign = way_out(self.finder, position, direction, contact.own_parts);
-                }
-                Some((contact, projected(position, &contact, goal)))
+                let contact = if moved > 0.0 {
+                    self.found_on_the_way(node, position, normal)
+                } else {
+                    *contact
+                };
+                let projected = projected(position, &contact, goal);
+                (moved > 0.0 || projected != position).then_some((contact, projected))
             };
             let nodes = region.nodes().par_iter().zip(&normals).with_min_len(CHUNK);
             let results: Vec<Option<(Contact, Point3)>> = nodes.map(polished).collect();
@@ -277,6 +359,32 @@ impl<'a> Cloth<'a> {
                 break;
             }
         }
+    }
+
+    /// The contacts of one node, which leaves foreign parts as its patch did before.
+    fn found_on_the_way(&self, node: usize, position: Point3, normal: Vector3) -> Contact {
+        let reach = self.clearances[node] + REACH;
+        let hint = self.contacts[node].closest.face;
+        let mut contact = self.finder.find(node, position, normal, reach, hint);
+        if contact.foreign_parts > 0 {
+            let direction = self.ways_out[node].unwrap_or(contact.home);
+            contact.foreign = way_out(self.finder, position, direction, contact.own_parts);
+        }
+        contact
+    }
+
+    /// The closest skin of a node and its distance. Where the node's last contacts prove that it
+    /// keeps the clearance, the distance is a lower bound.
+    pub(crate) fn closest(&self, node: usize) -> (ClosestPoint, f32) {
+        let contact = &self.contacts[node];
+        let moved = (self.positions[node] - contact.position).norm();
+        let bound = contact.distance - moved;
+        if bound >= self.options.clearance {
+            return (contact.closest, bound);
+        }
+        let hint = contact.closest.face;
+        let closest = self.finder.skin.closest_from(self.positions[node], hint);
+        (closest, closest.distance_squared.sqrt())
     }
 
     /// Whether a node is caught where the body runs through itself.

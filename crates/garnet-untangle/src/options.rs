@@ -24,7 +24,7 @@ impl Default for UntangleOptions {
             max_stretch: 1.1,
             min_stretch: 0.6,
             push_length: 0.08,
-            contact_rounds: 6,
+            contact_rounds: 5,
             crossing_rounds: 6,
         }
     }

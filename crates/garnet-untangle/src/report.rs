@@ -3,7 +3,7 @@
 /// What untangling found and what it left. Counts are of nodes: vertices at one place count once.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct UntangleReport {
-    /// Vertices inside the body in the warp, by the winding number.
+    /// Vertices inside the body in the warp, after its strain was relaxed.
     pub inside_before: usize,
     /// The deepest of them, in metres below the nearest skin.
     pub deepest_before: f32,
@@ -24,7 +24,8 @@ pub struct UntangleReport {
     /// Those of them that lie between two parts of the body with too little room for twice the
     /// clearance.
     pub squeezed: usize,
-    /// Smallest distance to the skin of vertices that are outside and not trapped, in metres.
+    /// Smallest distance to the skin of vertices that are outside and not trapped, in metres; a
+    /// lower bound where all keep the clearance.
     pub min_distance: f32,
     /// Faces that cross the skin and have no trapped vertex.
     pub crossing_faces: usize,

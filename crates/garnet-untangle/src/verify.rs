@@ -20,27 +20,21 @@ pub(crate) fn verified(
 ) -> UntangleReport {
     let skin = finder.skin;
     let mut report = UntangleReport {
+        inside_before: cloth.inside_before.0,
+        deepest_before: cloth.inside_before.1,
         contact_rounds: cloth.contact_rounds,
         crossing_rounds: cloth.crossing_rounds,
         min_distance: f32::INFINITY,
         ..UntangleReport::default()
     };
-    for (before, inside) in warped.iter().zip(skin.contains_all(warped)) {
-        if inside {
-            report.inside_before += 1;
-            let depth = skin.closest(*before).distance_squared.sqrt();
-            report.deepest_before = report.deepest_before.max(depth);
-        }
-    }
     let is_inside = skin.contains_all(&cloth.positions);
-    let closest = skin.closest_all(&cloth.positions);
     let mut is_trapped = vec![false; cloth.positions.len()];
-    for (node, (closest, inside)) in closest.iter().zip(is_inside).enumerate() {
+    for (node, inside) in is_inside.into_iter().enumerate() {
         let displacement = (cloth.positions[node] - warped[node]).norm();
         report.moved += usize::from(displacement > MOVED);
         report.max_displacement = report.max_displacement.max(displacement);
-        let distance = closest.distance_squared.sqrt();
         let contact = &cloth.contacts[node];
+        let (closest, distance) = cloth.closest(node);
         is_trapped[node] = finder.embedded.is_trap(closest.face, closest.point);
         if is_trapped[node] {
             report.trapped += 1;

@@ -9,6 +9,7 @@ use garnet_skin::ClothGraph;
 use rayon::prelude::*;
 
 use crate::contact::{Contact, ContactFinder, Plane};
+use crate::directions::all_round;
 
 /// No way out is longer than this, in metres.
 const MAX_LENGTH: f32 = 0.08;
@@ -33,25 +34,46 @@ const HOME_PREFERENCE: f32 = 4.0;
 /// less than this cosine, else along the way.
 const MIN_COSINE: f32 = 0.2;
 
-/// Gives every node inside foreign parts a direction to leave them by, one for each connected patch
-/// of such nodes, and its half space. `directions` `[node]` are kept from round to round.
+/// Gives the nodes among `found` that are inside foreign parts a direction to leave them by, one for
+/// each connected patch of such nodes, and their half spaces. `directions` `[node]` are kept from
+/// round to round.
 pub(crate) fn find_ways_out(
     finder: &ContactFinder<'_>,
     graph: &ClothGraph,
+    found: &[u32],
     contacts: &mut [Contact],
     positions: &[Point3],
     directions: &mut [Option<Vector3>],
 ) {
+    let is_inside = |&node: &usize| contacts[node].foreign_parts > 0;
+    let inside: Vec<usize> = found
+        .iter()
+        .map(|&node| node as usize)
+        .filter(is_inside)
+        .collect();
+    if inside.is_empty() {
+        return;
+    }
+    let mut is_found = vec![false; contacts.len()];
+    for &node in &inside {
+        is_found[node] = true;
+    }
     let mut is_seen = vec![false; contacts.len()];
-    for start in 0..contacts.len() {
-        if is_seen[start] || contacts[start].foreign_parts == 0 {
+    for start in inside {
+        if is_seen[start] {
             continue;
         }
         let patch = patch_from(start, graph, contacts, &mut is_seen);
         let direction = patch_direction(finder, &patch, contacts, positions, directions);
         let planes: Vec<Option<Plane>> = patch
             .par_iter()
-            .map(|&node| way_out(finder, positions[node], direction, contacts[node].own_parts))
+            .map(|&node| {
+                if is_found[node] {
+                    way_out(finder, positions[node], direction, contacts[node].own_parts)
+                } else {
+                    contacts[node].foreign
+                }
+            })
             .collect();
         for (&node, plane) in patch.iter().zip(planes) {
             directions[node] = Some(direction);
@@ -116,16 +138,6 @@ fn patch_direction(
     let costs: Vec<f32> = candidates.par_iter().map(cost).collect();
     let best = (0..candidates.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]));
     best.map_or(home, |best| candidates[best])
-}
-
-/// The 26 directions from the middle of a cube to its faces, edges and corners.
-fn all_round() -> impl Iterator<Item = Vector3> {
-    let steps = [-1.0_f32, 0.0, 1.0];
-    let grid = steps.into_iter().flat_map(move |x| {
-        let plane = move |y| steps.into_iter().map(move |z| Vector3::new(x, y, z));
-        steps.into_iter().flat_map(plane)
-    });
-    grid.filter_map(|direction| direction.try_normalize(0.5))
 }
 
 /// How far a node must move along `direction` to be in no more than `parts` parts of the body.

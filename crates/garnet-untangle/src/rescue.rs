@@ -1,0 +1,81 @@
+//! The last resort for single nodes that projection left inside the body or too near to it.
+//!
+//! Where two parts of the body meet, the half spaces of their skins may have no point in common
+//! near the node though there is room a little farther on. The nodes left, a handful if any, look
+//! around for the nearest free place.
+
+use garnet_mesh::{Point3, Vector3};
+use garnet_skin::ClothGraph;
+use rayon::prelude::*;
+
+use crate::contact::{Contact, ContactFinder};
+use crate::directions::all_round;
+
+/// A node inside the body moves by at most this, in metres.
+const INSIDE_RADIUS: f32 = 0.04;
+
+/// A node outside, but too near to the skin, moves by at most this, in metres.
+const NEAR_RADIUS: f32 = 0.008;
+
+/// Steps along each direction, in metres.
+const STEP: f32 = 0.001;
+
+/// Edges may be stretched this much by the move before it counts as longer than it is.
+const FREE_STRETCH: f32 = 1.5;
+
+/// A place that stretches an edge by 1 more than that counts as this much farther, in metres.
+const STRETCH_COST: f32 = 0.03;
+
+/// The nearest place around each of `nodes` that is outside the body and keeps `clearance`, if there
+/// is one in reach.
+pub(crate) fn free_places(
+    finder: &ContactFinder<'_>,
+    graph: &ClothGraph,
+    nodes: &[u32],
+    positions: &[Point3],
+    contacts: &[Contact],
+    clearance: f32,
+) -> Vec<Option<Point3>> {
+    let search = |&node: &u32| {
+        let node = node as usize;
+        let contact = &contacts[node];
+        let planes = [contact.own, contact.foreign].into_iter().flatten();
+        let normals: Vec<Vector3> = planes.map(|plane| plane.normal).collect();
+        let radius = if finder.winding(positions[node]) > 0 {
+            INSIDE_RADIUS
+        } else {
+            NEAR_RADIUS
+        };
+        let mut best: Option<(f32, Point3)> = None;
+        for direction in normals.into_iter().chain(all_round()) {
+            let mut length = STEP;
+            while length <= best.map_or(radius, |(cost, _)| cost.min(radius)) {
+                let place = positions[node] + length * direction;
+                if is_free(finder, place, clearance, contact.closest.face) {
+                    let cost = length + stretch_cost(graph, positions, node, place);
+                    if best.is_none_or(|(lowest, _)| cost < lowest) {
+                        best = Some((cost, place));
+                    }
+                    break;
+                }
+                length += STEP;
+            }
+        }
+        best.map(|(_, place)| place)
+    };
+    nodes.par_iter().map(search).collect()
+}
+
+fn is_free(finder: &ContactFinder<'_>, place: Point3, clearance: f32, hint: u32) -> bool {
+    let closest = finder.skin.closest_from(place, hint);
+    closest.distance_squared >= clearance * clearance && finder.winding(place) == 0
+}
+
+/// How much farther a place counts for the edges that it stretches.
+fn stretch_cost(graph: &ClothGraph, positions: &[Point3], node: usize, place: Point3) -> f32 {
+    let stretch = graph.half_edges(node).iter().map(|half| {
+        let length = (positions[half.node as usize] - place).norm();
+        length / half.rest_length.max(f32::MIN_POSITIVE)
+    });
+    STRETCH_COST * (stretch.fold(0.0, f32::max) - FREE_STRETCH).max(0.0)
+}
