@@ -1,6 +1,6 @@
 //! What untangling needs of a bound garment and computes once.
 
-use garnet_knn::{KnnError, Surface, VertexTree};
+use garnet_knn::{ClosestPoint, KnnError, Surface, VertexTree};
 use garnet_mesh::{MeshError, Point3, TriMesh, Vector3, face_normals, vertex_normals};
 use garnet_skin::{BoundGarment, ScreenedPoisson, SkinError};
 use rayon::prelude::*;
@@ -14,6 +14,9 @@ const OWN_RADIUS_PER_DISTANCE: f32 = 2.0;
 
 /// How far from the skin cloth is loose in that sense, in metres.
 const LOOSE_DISTANCE: f32 = 0.015;
+
+/// Skin turned farther from the skin that a node lies on, at rest, is the far side of the limb.
+const OWN_COSINE: f32 = -0.2;
 
 /// Skin counts as covered if it is this near to the skin under some node, at rest, in metres.
 const COVER_DISTANCE: f32 = 0.03;
@@ -65,11 +68,14 @@ pub struct Binding {
     pub(crate) relax_system: ScreenedPoisson,
     /// 1 or -1 `[node]`: turns the normals of the faces to the outside of the garment.
     pub(crate) orientation: Vec<f32>,
+    /// The skin that each node lies on at rest `[node]`.
+    pub(crate) skin: Vec<ClosestPoint>,
     rest: Vec<Point3>,
     rest_normals: Vec<Vector3>,
-    skin_points: Vec<Point3>,
     own_radius: Vec<f32>,
-    skin_centers: Vec<Point3>,
+    skin_normals: Vec<Vector3>,
+    face_centers: Vec<Point3>,
+    face_normals: Vec<Vector3>,
     is_covered: Vec<bool>,
 }
 
@@ -91,6 +97,11 @@ impl Binding {
             *normal *= *sign;
         }
         let skin_points: Vec<Point3> = garment.skin().iter().map(|skin| skin.point).collect();
+        let skin_normals = garment
+            .skin()
+            .iter()
+            .map(|skin| body_normals[skin.face as usize])
+            .collect();
         let own_radius = garment.skin().iter().map(|skin| {
             let loose = (skin.distance_squared.sqrt() - LOOSE_DISTANCE).max(0.0);
             OWN_RADIUS + OWN_RADIUS_PER_DISTANCE * loose
@@ -100,9 +111,9 @@ impl Binding {
             let [a, b, c] = corners.map(|vertex| body.positions()[vertex as usize].coords);
             Point3::from((a + b + c) / 3.0)
         };
-        let skin_centers: Vec<Point3> = body.faces().iter().map(center).collect();
+        let face_centers: Vec<Point3> = body.faces().iter().map(center).collect();
         let tree = VertexTree::new(&skin_points)?;
-        let is_covered = skin_centers
+        let is_covered = face_centers
             .par_iter()
             .map(|&center| {
                 let nearest = tree.nearest(center);
@@ -123,22 +134,27 @@ impl Binding {
             orientation,
             rest,
             rest_normals,
-            skin_points,
+            skin: garment.skin().to_vec(),
             own_radius,
-            skin_centers,
+            skin_normals,
+            face_centers,
+            face_normals: body_normals,
             is_covered,
         })
     }
 
-    /// Whether a face of the skin was near the skin that a node lay on at rest.
-    pub(crate) fn is_near_at_rest(&self, node: usize, face: u32) -> bool {
-        let offset = self.skin_centers[face as usize] - self.skin_points[node];
+    /// Whether a face of the skin was near the skin that a node lay on at rest, and not on the far
+    /// side of the limb.
+    pub(crate) fn is_own(&self, node: usize, face: u32) -> bool {
+        let face = face as usize;
+        let offset = self.face_centers[face] - self.skin[node].point;
         offset.norm_squared() < self.own_radius[node] * self.own_radius[node]
+            && self.face_normals[face].dot(&self.skin_normals[node]) > OWN_COSINE
     }
 
     /// Whether foreign skin belongs under the cloth at a node.
     pub(crate) fn is_under(&self, node: usize, face: u32) -> bool {
-        let offset = self.skin_centers[face as usize] - self.rest[node];
+        let offset = self.face_centers[face as usize] - self.rest[node];
         self.is_covered[face as usize] && offset.dot(&self.rest_normals[node]) < 0.0
     }
 }

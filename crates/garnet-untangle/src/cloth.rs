@@ -40,11 +40,32 @@ const REST_DISTANCE: f32 = 3e-4;
 /// Projections at the end, each onto contacts found anew.
 const POLISH_ROUNDS: usize = 12;
 
+/// Edges stretched more than this count as torn apart.
+const TORN_STRETCH: f32 = 2.0;
+
+/// Cloth this far from a torn edge is mended, in metres.
+const MEND_RADIUS: f32 = 0.04;
+
+/// Sweeps that bring torn cloth together.
+const MEND_SWEEPS: usize = 24;
+
+/// Searches for contacts after that.
+const MEND_SEARCHES: usize = 4;
+
 /// Lifting ends when this many rounds did not lessen the number of crossing faces.
 const IDLE_ROUNDS: usize = 2;
 
 /// Triangles that cross the skin are lifted by at most this, in metres.
 const MAX_LIFT: f32 = 0.015;
+
+/// Which contacts are found anew.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Refresh {
+    /// Those of nodes that moved far enough to have other ones.
+    Moved,
+    /// All.
+    All,
+}
 
 /// Positions and contacts of all nodes.
 #[derive(Debug)]
@@ -116,12 +137,56 @@ impl<'a> Cloth<'a> {
         let rings = rings_of(graph, self.options.push_length);
         let region = Region::around(graph, lacking, rings);
         for round in 0..self.options.contact_rounds {
-            if round > 0 && !self.find_contacts(&region) {
+            if round > 0 && !self.find_contacts(&region, Refresh::Moved) {
                 break;
             }
             self.sweep(SWEEPS, &region);
         }
         self.polish(&region);
+    }
+
+    /// Starts again where the cloth was torn apart: nodes that went round a part of the body on
+    /// different sides come together without regard to the skin, and leave it on one side.
+    pub(crate) fn mend(&mut self) {
+        let graph = self.garment.graph();
+        let before = self.torn_nodes();
+        if before.is_empty() {
+            return;
+        }
+        let rings = rings_of(graph, MEND_RADIUS).max(2);
+        let region = Region::around(graph, before.iter().copied(), rings);
+        let kept = (self.positions.clone(), self.contacts.clone());
+        for &node in region.nodes() {
+            let contact = &mut self.contacts[node as usize];
+            contact.own = None;
+            contact.foreign = None;
+            self.ways_out[node as usize] = None;
+        }
+        self.sweep(MEND_SWEEPS, &region);
+        for _ in 0..MEND_SEARCHES {
+            self.find_contacts(&region, Refresh::All);
+            self.sweep(SWEEPS, &region);
+        }
+        self.polish(&region);
+        if self.torn_nodes().len() >= before.len() {
+            (self.positions, self.contacts) = kept;
+        }
+    }
+
+    /// The ends of edges that are torn apart, where the body leaves room.
+    fn torn_nodes(&self) -> Vec<u32> {
+        let graph = self.garment.graph();
+        let edges = graph.edges()[..graph.num_cloth_edges()].iter();
+        let is_torn = |&(&[a, b], rest_length): &(&[u32; 2], &f32)| {
+            let edge = self.positions[b as usize] - self.positions[a as usize];
+            edge.norm_squared() > (TORN_STRETCH * rest_length).powi(2)
+                && !(self.is_trapped(a as usize) || self.is_trapped(b as usize))
+        };
+        let torn = edges.zip(graph.rest_lengths()).filter(is_torn);
+        let mut nodes: Vec<u32> = torn.flat_map(|(&ends, _)| ends).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
     }
 
     /// Lifts cloth whose triangles cross the skin; returns the faces that still do.
@@ -240,7 +305,7 @@ impl<'a> Cloth<'a> {
             self.options.clearance + MAX_LIFT,
         );
         for _ in 0..LIFT_SEARCHES {
-            self.find_contacts(&region);
+            self.find_contacts(&region, Refresh::Moved);
             self.sweep(SWEEPS / 2, &region);
         }
         self.polish(&region);
@@ -264,9 +329,8 @@ impl<'a> Cloth<'a> {
         nodes.map(normal).collect()
     }
 
-    /// Finds the contacts anew of all nodes of a region that may have other ones; false if nothing
-    /// has moved.
-    fn find_contacts(&mut self, region: &Region) -> bool {
+    /// Finds the contacts of the nodes of a region anew; false if nothing has moved.
+    fn find_contacts(&mut self, region: &Region, refresh: Refresh) -> bool {
         self.contact_rounds += 1;
         let normals = self.normals(region);
         let find = |(&node, &normal): (&u32, &Vector3)| {
@@ -275,7 +339,7 @@ impl<'a> Cloth<'a> {
             let contact = &self.contacts[node];
             let moved = (position - contact.position).norm();
             let spare = contact.distance - self.clearances[node] - REACH;
-            if moved < KEEP_DISTANCE || moved < spare {
+            if refresh == Refresh::Moved && (moved < KEEP_DISTANCE || moved < spare) {
                 return (moved, None);
             }
             let reach = self.clearances[node] + REACH;
@@ -368,7 +432,7 @@ impl<'a> Cloth<'a> {
         let mut contact = self.finder.find(node, position, normal, reach, hint);
         if contact.foreign_parts > 0 {
             let direction = self.ways_out[node].unwrap_or(contact.home);
-            contact.foreign = way_out(self.finder, position, direction, contact.own_parts);
+            contact.foreign = way_out(self.finder, position, direction, &contact);
         }
         contact
     }

@@ -13,6 +13,10 @@ const OWN_REACH: f32 = 0.10;
 /// Own skin turned farther away from the cloth than this cosine is the far side of a limb.
 const OWN_COSINE: f32 = -0.6;
 
+/// Cloth deeper inside its own part of the body returns to the skin that it lies on at rest: the
+/// nearest skin may be on any side of the limb, in metres.
+const DEEP: f32 = 0.012;
+
 /// Beyond this distance from the skin the direction to it is the normal, in metres.
 const MIN_DIRECTION: f32 = 2e-4;
 
@@ -92,7 +96,7 @@ impl ContactFinder<'_> {
             contact.distance *= side;
             if closest_is_own {
                 let is_near = distance < reach || side < 0.0;
-                contact.own = is_near.then(|| self.plane(position, &closest, side));
+                contact.own = is_near.then(|| self.own_plane(node, position, &closest, side));
                 return contact;
             }
             if distance > reach && side > 0.0 {
@@ -103,7 +107,7 @@ impl ContactFinder<'_> {
         let own_side = own.map_or(1.0, |own| self.side(position, &own));
         contact.own = own
             .filter(|own| own_side < 0.0 || own.distance_squared < reach * reach)
-            .map(|own| self.plane(position, &own, own_side));
+            .map(|own| self.own_plane(node, position, &own, own_side));
         let winding = self.winding(position);
         contact.own_parts = i32::from(own_side < 0.0);
         contact.foreign_parts = (winding - contact.own_parts).max(0);
@@ -124,8 +128,7 @@ impl ContactFinder<'_> {
 
     /// The node's own skin nearest to `position`, wherever it is.
     fn is_own(&self, node: usize, face: u32, normal: Vector3) -> bool {
-        self.binding.is_near_at_rest(node, face)
-            && self.normals.face(face).dot(&normal) > OWN_COSINE
+        self.binding.is_own(node, face) && self.normals.face(face).dot(&normal) > OWN_COSINE
     }
 
     /// 1 in front of the skin, -1 behind it (Bærentzen and Aanæs 2005).
@@ -147,6 +150,31 @@ impl ContactFinder<'_> {
             self.skin.winding_number(position)
         } else {
             self.skin.generalized_winding_number(position).round() as i32
+        }
+    }
+
+    /// The half space in front of the node's own skin, of which `nearest` is the nearest.
+    fn own_plane(&self, node: usize, position: Point3, nearest: &ClosestPoint, side: f32) -> Plane {
+        let is_deep = side < 0.0 && nearest.distance_squared > DEEP * DEEP;
+        let returned = is_deep.then(|| self.rest_skin_plane(node));
+        match returned {
+            Some(plane) if plane.height(position) < 0.0 => plane,
+            _ => self.plane(position, nearest, side),
+        }
+    }
+
+    /// The half space in front of the skin that a node lies on at rest, where that skin is now.
+    fn rest_skin_plane(&self, node: usize) -> Plane {
+        let skin = &self.binding.skin[node];
+        let corners = self.skin.faces()[skin.face as usize].into_iter();
+        let point: Vector3 = corners
+            .zip(skin.barycentric)
+            .map(|(vertex, share)| share * self.skin.positions()[vertex as usize].coords)
+            .sum();
+        let normal = self.normals.smooth(self.skin, skin);
+        Plane {
+            normal,
+            offset: normal.dot(&point),
         }
     }
 

@@ -38,16 +38,19 @@ pub(crate) fn clamped_edges(
     edges.with_min_len(CHUNK).map(clamped).collect()
 }
 
-/// The largest stretch of the cloth's own edges.
-pub(crate) fn worst_stretch(graph: &ClothGraph, positions: &[Point3]) -> f32 {
-    let edges = graph.edges()[..graph.num_cloth_edges()].iter();
-    edges
+/// The share of the cloth's own edges that are longer than `limit` times their rest length.
+pub(crate) fn stretched_share(graph: &ClothGraph, positions: &[Point3], limit: f32) -> f32 {
+    let edges = &graph.edges()[..graph.num_cloth_edges()];
+    let is_stretched = |&(&[a, b], rest_length): &(&[u32; 2], &f32)| {
+        let edge = positions[b as usize] - positions[a as usize];
+        edge.norm_squared() > (limit * rest_length).powi(2)
+    };
+    let count = edges
+        .iter()
         .zip(graph.rest_lengths())
-        .filter(|&(_, &rest_length)| rest_length > MIN_LENGTH)
-        .map(|(&[a, b], rest_length)| {
-            (positions[b as usize] - positions[a as usize]).norm() / rest_length
-        })
-        .fold(0.0, f32::max)
+        .filter(is_stretched)
+        .count();
+    count as f32 / edges.len().max(1) as f32
 }
 
 /// One step of relaxation: the positions nearest to having the clamped edges of `positions`, held

@@ -6,17 +6,20 @@ use garnet_skin::{BoundGarment, PosedBody};
 use crate::cloth::Cloth;
 use crate::contact::ContactFinder;
 use crate::embedded::EmbeddedSkin;
-use crate::relax::{StretchRange, clamped_edges, relaxed, worst_stretch};
+use crate::relax::{StretchRange, clamped_edges, relaxed, stretched_share};
 use crate::skin_normals::SkinNormals;
 use crate::sweep::Sweeper;
 use crate::verify::verified;
 use crate::{Binding, UntangleError, UntangleOptions, UntangleReport};
 
-/// The warp is relaxed if an edge is stretched by more than this beyond the largest stretch.
-const RELAX_FROM: f32 = 1.05;
+/// The warp is relaxed while edges are stretched by more than this beyond the largest stretch.
+const RELAX_BEYOND: f32 = 1.1;
 
-/// Steps of relaxation.
-const RELAX_STEPS: usize = 3;
+/// Relaxation ends when no larger share of the edges is stretched that much.
+const STRETCHED_SHARE: f32 = 0.005;
+
+/// Steps of relaxation, at most.
+const RELAX_STEPS: usize = 10;
 
 /// What untangling gives.
 #[derive(Debug, Clone)]
@@ -78,6 +81,7 @@ pub fn untangle(
     };
     let mut cloth = Cloth::new(garment, &finder, &sweeper, options);
     cloth.push_out();
+    cloth.mend();
     let crossing = cloth.lift_crossing_faces()?;
     let report = verified(garment, &finder, warped, &cloth, &crossing);
     Ok(Untangled {
@@ -94,16 +98,17 @@ fn relaxed_warp(
     options: &UntangleOptions,
 ) -> Vec<Point3> {
     let mut positions = warped.to_vec();
-    if worst_stretch(garment.graph(), warped) < RELAX_FROM * options.max_stretch {
-        return positions;
-    }
     let range = StretchRange {
         min: options.min_stretch,
         max: options.max_stretch,
     };
+    let graph = garment.graph();
+    let limit = RELAX_BEYOND * options.max_stretch;
     for _ in 0..RELAX_STEPS {
-        let system = &binding.relax_system;
-        positions = relaxed(garment.graph(), system, warped, &positions, range);
+        if stretched_share(graph, &positions, limit) <= STRETCHED_SHARE {
+            break;
+        }
+        positions = relaxed(graph, &binding.relax_system, warped, &positions, range);
     }
     positions
 }

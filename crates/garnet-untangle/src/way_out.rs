@@ -68,10 +68,11 @@ pub(crate) fn find_ways_out(
         let planes: Vec<Option<Plane>> = patch
             .par_iter()
             .map(|&node| {
+                let contact = &contacts[node];
                 if is_found[node] {
-                    way_out(finder, positions[node], direction, contacts[node].own_parts)
+                    way_out(finder, positions[node], direction, contact)
                 } else {
-                    contacts[node].foreign
+                    contact.foreign
                 }
             })
             .collect();
@@ -96,7 +97,8 @@ fn patch_from(
         next += 1;
         for half in graph.half_edges(node) {
             let other = half.node as usize;
-            if !is_seen[other] && contacts[other].foreign_parts > 0 {
+            let contact = &contacts[other];
+            if !is_seen[other] && contact.foreign_parts > 0 {
                 is_seen[other] = true;
                 patch.push(other);
             }
@@ -126,8 +128,8 @@ fn patch_direction(
     let samples: Vec<usize> = patch.iter().step_by(stride).copied().collect();
     let cost = |direction: &Vector3| {
         let lengths = samples.iter().map(|&node| {
-            let parts = contacts[node].own_parts;
-            way_out_length(finder, positions[node], *direction, parts).unwrap_or(NO_WAY_LENGTH)
+            let length = way_out_length(finder, positions[node], *direction, &contacts[node]);
+            length.unwrap_or(NO_WAY_LENGTH)
         });
         let squares: f32 = lengths.map(|length| length * length).sum();
         let away = 0.5 * (1.0 - direction.dot(&home));
@@ -140,17 +142,17 @@ fn patch_direction(
     best.map_or(home, |best| candidates[best])
 }
 
-/// How far a node must move along `direction` to be in no more than `parts` parts of the body.
+/// How far a node must move along `direction` to leave the foreign parts that it is in.
 fn way_out_length(
     finder: &ContactFinder<'_>,
     position: Point3,
     direction: Vector3,
-    parts: i32,
+    contact: &Contact,
 ) -> Option<f32> {
     let num_steps = (MAX_LENGTH / STEP) as usize;
     (1..=num_steps)
         .map(|count| count as f32 * STEP)
-        .find(|&length| finder.winding(position + length * direction) <= parts)
+        .find(|&length| finder.winding(position + length * direction) <= contact.own_parts)
 }
 
 /// The half space that a node inside foreign parts reaches along `direction`.
@@ -158,13 +160,13 @@ pub(crate) fn way_out(
     finder: &ContactFinder<'_>,
     position: Point3,
     direction: Vector3,
-    parts: i32,
+    contact: &Contact,
 ) -> Option<Plane> {
-    let mut outside = way_out_length(finder, position, direction, parts)?;
+    let mut outside = way_out_length(finder, position, direction, contact)?;
     let mut inside = outside - STEP;
     for _ in 0..HALVINGS {
         let middle = 0.5 * (inside + outside);
-        if finder.winding(position + middle * direction) <= parts {
+        if finder.winding(position + middle * direction) <= contact.own_parts {
             outside = middle;
         } else {
             inside = middle;
