@@ -1,6 +1,6 @@
 //! Which skin a node of the cloth must stay in front of.
 
-use garnet_knn::{ClosestPoint, Feature, Surface};
+use garnet_knn::{ClosestPoint, Surface};
 use garnet_mesh::{Point3, Vector3};
 
 use crate::Binding;
@@ -131,12 +131,9 @@ impl ContactFinder<'_> {
         self.binding.is_own(node, face) && self.normals.face(face).dot(&normal) > OWN_COSINE
     }
 
-    /// 1 in front of the skin, -1 behind it (Bærentzen and Aanæs 2005).
+    /// 1 in front of the skin, -1 behind it.
     fn side(&self, position: Point3, closest: &ClosestPoint) -> f32 {
-        let normal = match closest.feature {
-            Feature::Face => self.normals.face(closest.face),
-            Feature::Edge(_) | Feature::Vertex(_) => self.skin.pseudonormal(closest),
-        };
+        let normal = self.normals.pseudonormal(self.skin, closest);
         if (position - closest.point).dot(&normal) < 0.0 {
             -1.0
         } else {

@@ -9,8 +9,11 @@ use rayon::prelude::*;
 
 use crate::contact::{Contact, ContactFinder};
 
-/// Samples along each side of a crossing triangle.
-const SIDE_SAMPLES: usize = 4;
+/// Samples on a crossing triangle are no farther apart than this, in metres, ...
+const SAMPLE_DISTANCE: f32 = 0.008;
+
+/// ... unless that takes more parts of a side than this.
+const MAX_SIDE_PARTS: usize = 6;
 
 /// Samples of a crossing triangle are lifted to this height over the skin, in metres.
 const SAMPLE_CLEARANCE: f32 = 4e-4;
@@ -67,18 +70,21 @@ fn deepest_sample(
 ) -> f32 {
     let corner_normals = corners.map(normal_of);
     let mut deepest = f32::INFINITY;
-    for i in 0..=SIDE_SAMPLES {
-        for j in 0..=SIDE_SAMPLES - i {
-            let counts = [i, j, SIDE_SAMPLES - i - j];
-            if counts.contains(&SIDE_SAMPLES) {
+    let [a, b, c] = corners.map(|node| positions[node as usize]);
+    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+    let parts = ((longest / SAMPLE_DISTANCE).ceil() as usize).clamp(3, MAX_SIDE_PARTS);
+    for i in 0..=parts {
+        for j in 0..=parts - i {
+            let counts = [i, j, parts - i - j];
+            if counts.contains(&parts) {
                 continue;
             }
-            let shares = counts.map(|count| count as f32 / SIDE_SAMPLES as f32);
+            let shares = counts.map(|count| count as f32 / parts as f32);
             let mut sample = Vector3::zeros();
             let mut normal = Vector3::zeros();
             let mut main = (0.0, corners[0]);
-            let parts = shares.into_iter().zip(corners).zip(corner_normals);
-            for ((share, node), corner_normal) in parts {
+            let shared = shares.into_iter().zip(corners).zip(corner_normals);
+            for ((share, node), corner_normal) in shared {
                 sample += share * positions[node as usize].coords;
                 normal += share * corner_normal;
                 if share > main.0 {

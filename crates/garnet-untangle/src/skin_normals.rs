@@ -1,15 +1,13 @@
 //! Normals of a posed skin, computed once a drape.
 
-use garnet_knn::{ClosestPoint, Surface};
+use garnet_knn::{ClosestPoint, Feature, Surface};
 use garnet_mesh::Vector3;
 use rayon::prelude::*;
 
 /// Faces or vertices that one task handles.
 const CHUNK: usize = 4096;
 
-/// Unit normals of faces, and of vertices by the area of their faces.
-///
-/// They tell directions. Which side of the skin a point is on is told by pseudonormals.
+/// Unit normals of faces, and angle-weighted pseudonormals of vertices.
 #[derive(Debug)]
 pub(crate) struct SkinNormals {
     faces: Vec<Vector3>,
@@ -19,36 +17,36 @@ pub(crate) struct SkinNormals {
 impl SkinNormals {
     pub(crate) fn new(skin: &Surface) -> Self {
         let positions = skin.positions();
-        let area_vector = |&[a, b, c]: &[u32; 3]| {
+        let normal = |&[a, b, c]: &[u32; 3]| {
             let [a, b, c] = [a, b, c].map(|vertex| positions[vertex as usize]);
-            (b - a).cross(&(c - a))
+            let area_vector = (b - a).cross(&(c - a));
+            area_vector
+                .try_normalize(0.0)
+                .unwrap_or_else(Vector3::zeros)
         };
-        let mut faces: Vec<Vector3> = skin
-            .faces()
-            .par_iter()
-            .with_min_len(CHUNK)
-            .map(area_vector)
-            .collect();
-        let mut vertices = vec![Vector3::zeros(); positions.len()];
-        for (corners, normal) in skin.faces().iter().zip(&faces) {
-            for &vertex in corners {
-                vertices[vertex as usize] += normal;
-            }
+        let faces = skin.faces().par_iter().with_min_len(CHUNK);
+        Self {
+            faces: faces.map(normal).collect(),
+            vertices: skin.vertex_normals(),
         }
-        let normalize = |normal: &mut Vector3| {
-            *normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
-        };
-        faces.par_iter_mut().with_min_len(CHUNK).for_each(normalize);
-        vertices
-            .par_iter_mut()
-            .with_min_len(CHUNK)
-            .for_each(normalize);
-        Self { faces, vertices }
     }
 
     /// The unit normal of a face, zero if it has no area.
     pub(crate) fn face(&self, face: u32) -> Vector3 {
         self.faces[face as usize]
+    }
+
+    /// The pseudonormal at a point of the skin: which side of the skin a point is on whose closest
+    /// skin this is (Bærentzen and Aanæs 2005).
+    pub(crate) fn pseudonormal(&self, skin: &Surface, point: &ClosestPoint) -> Vector3 {
+        match point.feature {
+            Feature::Face => self.face(point.face),
+            Feature::Edge(_) => skin.pseudonormal(point),
+            Feature::Vertex(corner) => {
+                let corners = skin.faces()[point.face as usize];
+                self.vertices[corners[usize::from(corner) % 3] as usize]
+            }
+        }
     }
 
     /// The corners' normals interpolated at a point of the skin.

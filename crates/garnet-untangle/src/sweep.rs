@@ -20,6 +20,9 @@ const OVER_RELAXATION: f32 = 1.0;
 /// Edges stretched beyond this are pulled together instead of kept as in the warp.
 const OVER_STRETCH: f32 = 1.2;
 
+/// Overstretched edges pull the harder the longer they are, up to this many times.
+const MAX_STIFFENING: f32 = 16.0;
+
 /// Own and foreign skin leave too little room if their half spaces are this opposed.
 const OPPOSED_COSINE: f32 = -0.5;
 
@@ -83,13 +86,18 @@ impl Sweeper<'_> {
             let towards = other - position;
             let limit = OVER_STRETCH * half.rest_length;
             let length_squared = towards.norm_squared();
-            let edge = if length_squared > limit * limit {
-                towards * (self.max_stretch * half.rest_length / length_squared.sqrt())
+            let excess_squared = length_squared / (limit * limit).max(f32::MIN_POSITIVE);
+            if excess_squared > 1.0 {
+                let weight = half.weight * excess_squared.min(MAX_STIFFENING);
+                let length = self.max_stretch * half.rest_length;
+                let edge = towards * (length / length_squared.sqrt());
+                sum += weight * (other.coords - edge);
+                total += weight;
             } else {
-                half.sign * self.edges[half.edge as usize]
-            };
-            sum += half.weight * (other.coords - edge);
-            total += half.weight;
+                let edge = half.sign * self.edges[half.edge as usize];
+                sum += half.weight * (other.coords - edge);
+                total += half.weight;
+            }
         }
         if total > 0.0 {
             (sum / total).into()
