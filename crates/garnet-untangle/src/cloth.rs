@@ -43,8 +43,15 @@ const POLISH_ROUNDS: usize = 12;
 /// Edges stretched more than this count as torn apart.
 const TORN_STRETCH: f32 = 2.0;
 
+/// Lifting must not add more than this to the stretch beyond that, summed over torn edges.
+const MAX_ADDED_EXCESS: f32 = 0.5;
+
 /// Cloth this far from a torn edge is mended, in metres.
 const MEND_RADIUS: f32 = 0.04;
+
+/// How much longer a way out of a part of the body may be that leads to the side the cloth belongs
+/// to. The first is used, the others to mend what it tears.
+const HOME_PREFERENCES: [f32; 3] = [4.0, 1.0, 0.25];
 
 /// Sweeps that bring torn cloth together.
 const MEND_SWEEPS: usize = 24;
@@ -67,6 +74,15 @@ enum Refresh {
     All,
 }
 
+/// Edges that are torn apart.
+#[derive(Debug, Default)]
+struct Tears {
+    /// Their ends.
+    nodes: Vec<u32>,
+    /// The sum of their stretch beyond what counts as torn.
+    excess: f32,
+}
+
 /// Positions and contacts of all nodes.
 #[derive(Debug)]
 pub(crate) struct Cloth<'a> {
@@ -84,6 +100,10 @@ pub(crate) struct Cloth<'a> {
     clearances: Vec<f32>,
     /// How each node leaves parts of the body that it does not belong to.
     ways_out: Vec<Option<Vector3>>,
+    /// Nodes that are not lifted because that tears the cloth.
+    is_left: Vec<bool>,
+    /// How much the side that cloth belongs to is preferred.
+    home_preference: f32,
 }
 
 impl<'a> Cloth<'a> {
@@ -107,6 +127,8 @@ impl<'a> Cloth<'a> {
             crossing_rounds: 0,
             clearances: vec![options.clearance + CLEARANCE_MARGIN; num_nodes],
             ways_out: vec![None; num_nodes],
+            is_left: vec![false; num_nodes],
+            home_preference: HOME_PREFERENCES[0],
         };
         let all = Region::all(num_nodes);
         let normals = cloth.normals(&all);
@@ -146,16 +168,34 @@ impl<'a> Cloth<'a> {
     }
 
     /// Starts again where the cloth was torn apart: nodes that went round a part of the body on
-    /// different sides come together without regard to the skin, and leave it on one side.
-    pub(crate) fn mend(&mut self) {
-        let graph = self.garment.graph();
-        let before = self.torn_nodes();
-        if before.is_empty() {
-            return;
+    /// different sides come together without regard to the skin, and leave it on one side. False if
+    /// there is nothing to mend or it does not help.
+    pub(crate) fn mend(&mut self) -> bool {
+        let mut tears = self.tears();
+        let mut is_mended = false;
+        for preference in HOME_PREFERENCES {
+            if tears.nodes.is_empty() {
+                break;
+            }
+            let kept = (self.positions.clone(), self.contacts.clone());
+            self.home_preference = preference;
+            self.close_tears(&tears.nodes);
+            let left = self.tears();
+            if left.excess < tears.excess {
+                tears = left;
+                is_mended = true;
+            } else {
+                (self.positions, self.contacts) = kept;
+            }
         }
+        self.home_preference = HOME_PREFERENCES[0];
+        is_mended
+    }
+
+    fn close_tears(&mut self, nodes: &[u32]) {
+        let graph = self.garment.graph();
         let rings = rings_of(graph, MEND_RADIUS).max(2);
-        let region = Region::around(graph, before.iter().copied(), rings);
-        let kept = (self.positions.clone(), self.contacts.clone());
+        let region = Region::around(graph, nodes.iter().copied(), rings);
         for &node in region.nodes() {
             let contact = &mut self.contacts[node as usize];
             contact.own = None;
@@ -168,25 +208,25 @@ impl<'a> Cloth<'a> {
             self.sweep(SWEEPS, &region);
         }
         self.polish(&region);
-        if self.torn_nodes().len() >= before.len() {
-            (self.positions, self.contacts) = kept;
-        }
     }
 
-    /// The ends of edges that are torn apart, where the body leaves room.
-    fn torn_nodes(&self) -> Vec<u32> {
+    /// The edges that are torn apart where the body leaves room.
+    fn tears(&self) -> Tears {
         let graph = self.garment.graph();
         let edges = graph.edges()[..graph.num_cloth_edges()].iter();
-        let is_torn = |&(&[a, b], rest_length): &(&[u32; 2], &f32)| {
+        let mut tears = Tears::default();
+        for (&[a, b], rest_length) in edges.zip(graph.rest_lengths()) {
             let edge = self.positions[b as usize] - self.positions[a as usize];
-            edge.norm_squared() > (TORN_STRETCH * rest_length).powi(2)
-                && !(self.is_trapped(a as usize) || self.is_trapped(b as usize))
-        };
-        let torn = edges.zip(graph.rest_lengths()).filter(is_torn);
-        let mut nodes: Vec<u32> = torn.flat_map(|(&ends, _)| ends).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        nodes
+            let is_torn = edge.norm_squared() > (TORN_STRETCH * rest_length).powi(2);
+            if is_torn && !self.is_trapped(a as usize) && !self.is_trapped(b as usize) {
+                let rest_length = rest_length.max(f32::MIN_POSITIVE);
+                tears.excess += edge.norm() / rest_length - TORN_STRETCH;
+                tears.nodes.extend([a, b]);
+            }
+        }
+        tears.nodes.sort_unstable();
+        tears.nodes.dedup();
+        tears
     }
 
     /// Lifts cloth whose triangles cross the skin; returns the faces that still do.
@@ -206,8 +246,9 @@ impl<'a> Cloth<'a> {
             if free.is_empty() || idle_rounds == IDLE_ROUNDS {
                 break;
             }
-            let region = self.lift(&free);
-            crossing = self.crossing_near(&mut surface, region.nodes(), crossing)?;
+            if let Some(region) = self.lift_or_leave(&free) {
+                crossing = self.crossing_near(&mut surface, region.nodes(), crossing)?;
+            }
         }
         let moved = self.rescue();
         if !moved.is_empty() {
@@ -278,14 +319,37 @@ impl<'a> Cloth<'a> {
         moved
     }
 
-    /// The corners of those faces that have no trapped corner.
+    /// The corners of those faces that have no corner that is trapped or left as it is.
     fn free_faces(&self, crossing: &[u32]) -> Vec<[u32; 3]> {
         let faces = self.garment.faces();
-        let is_trapped = |&node: &u32| self.is_trapped(node as usize);
+        let is_stuck = |&node: &u32| self.is_trapped(node as usize) || self.is_left[node as usize];
         let corners = crossing.iter().map(|&face| faces[face as usize]);
         corners
-            .filter(|corners| !corners.iter().any(is_trapped))
+            .filter(|corners| !corners.iter().any(is_stuck))
             .collect()
+    }
+
+    /// Lifts the corners of crossing faces, unless that tears the cloth: then it stays as it was, and
+    /// is not lifted there again.
+    fn lift_or_leave(&mut self, free: &[[u32; 3]]) -> Option<Region> {
+        let before = self.tears();
+        let kept = (
+            self.positions.clone(),
+            self.contacts.clone(),
+            self.clearances.clone(),
+        );
+        let region = self.lift(free);
+        let after = self.tears();
+        if after.excess <= before.excess + MAX_ADDED_EXCESS {
+            return Some(region);
+        }
+        (self.positions, self.contacts, self.clearances) = kept;
+        let graph = self.garment.graph();
+        let rings = rings_of(graph, LIFT_RADIUS).max(2);
+        for &node in Region::around(graph, after.nodes, rings).nodes() {
+            self.is_left[node as usize] = true;
+        }
+        None
     }
 
     /// Lifts the corners of crossing faces; returns the part of the cloth that may have moved.
@@ -372,6 +436,7 @@ impl<'a> Cloth<'a> {
             &mut self.contacts,
             &self.positions,
             &mut self.ways_out,
+            self.home_preference,
         );
     }
 

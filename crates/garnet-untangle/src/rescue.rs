@@ -12,7 +12,7 @@ use crate::contact::{Contact, ContactFinder};
 use crate::directions::all_round;
 
 /// A node inside the body moves by at most this, in metres.
-const INSIDE_RADIUS: f32 = 0.04;
+const INSIDE_RADIUS: f32 = 0.06;
 
 /// A node outside, but too near to the skin, moves by at most this, in metres.
 const NEAR_RADIUS: f32 = 0.008;

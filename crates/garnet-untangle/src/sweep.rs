@@ -21,7 +21,7 @@ const OVER_RELAXATION: f32 = 1.0;
 const OVER_STRETCH: f32 = 1.2;
 
 /// Overstretched edges pull the harder the longer they are, up to this many times.
-const MAX_STIFFENING: f32 = 16.0;
+const MAX_STIFFENING: f32 = 4.0;
 
 /// Own and foreign skin leave too little room if their half spaces are this opposed.
 const OPPOSED_COSINE: f32 = -0.5;

@@ -82,7 +82,10 @@ pub fn untangle(
     let mut cloth = Cloth::new(garment, &finder, &sweeper, options);
     cloth.push_out();
     cloth.mend();
-    let crossing = cloth.lift_crossing_faces()?;
+    let mut crossing = cloth.lift_crossing_faces()?;
+    if cloth.mend() {
+        crossing = cloth.lift_crossing_faces()?;
+    }
     let report = verified(garment, &finder, warped, &cloth, &crossing);
     Ok(Untangled {
         positions: cloth.positions,

@@ -26,17 +26,14 @@ const NO_WAY_LENGTH: f32 = 0.16;
 /// At most this many nodes of a patch are asked for the direction.
 const MAX_SAMPLES: usize = 24;
 
-/// How much longer a way may be that leads straight to the side the cloth belongs to, than one that
-/// leads straight away from it.
-const HOME_PREFERENCE: f32 = 4.0;
-
 /// The skin at the end of the way is left along its own normal if that deviates from the way by no
 /// less than this cosine, else along the way.
 const MIN_COSINE: f32 = 0.2;
 
 /// Gives the nodes among `found` that are inside foreign parts a direction to leave them by, one for
 /// each connected patch of such nodes, and their half spaces. `directions` `[node]` are kept from
-/// round to round.
+/// round to round. A way that leads straight to the side the cloth belongs to may be
+/// `home_preference` times as long as one that leads straight away from it.
 pub(crate) fn find_ways_out(
     finder: &ContactFinder<'_>,
     graph: &ClothGraph,
@@ -44,6 +41,7 @@ pub(crate) fn find_ways_out(
     contacts: &mut [Contact],
     positions: &[Point3],
     directions: &mut [Option<Vector3>],
+    home_preference: f32,
 ) {
     let is_inside = |&node: &usize| contacts[node].foreign_parts > 0;
     let inside: Vec<usize> = found
@@ -64,7 +62,9 @@ pub(crate) fn find_ways_out(
             continue;
         }
         let patch = patch_from(start, graph, contacts, &mut is_seen);
-        let direction = patch_direction(finder, &patch, contacts, positions, directions);
+        let direction = kept_direction(&patch, directions).unwrap_or_else(|| {
+            shortest_direction(finder, &patch, contacts, positions, home_preference)
+        });
         let planes: Vec<Option<Plane>> = patch
             .par_iter()
             .map(|&node| {
@@ -107,19 +107,21 @@ fn patch_from(
     patch
 }
 
-/// The direction kept from before, or the one with the shortest ways out, with a preference for
-/// the side that the cloth belongs to.
-fn patch_direction(
+/// The direction that the nodes of a patch have from before, if they have one.
+fn kept_direction(patch: &[usize], directions: &[Option<Vector3>]) -> Option<Vector3> {
+    let kept: Vector3 = patch.iter().filter_map(|&node| directions[node]).sum();
+    kept.try_normalize(0.5)
+}
+
+/// The direction with the shortest ways out, with a preference for the side that the cloth belongs
+/// to.
+fn shortest_direction(
     finder: &ContactFinder<'_>,
     patch: &[usize],
     contacts: &[Contact],
     positions: &[Point3],
-    directions: &[Option<Vector3>],
+    home_preference: f32,
 ) -> Vector3 {
-    let kept: Vector3 = patch.iter().filter_map(|&node| directions[node]).sum();
-    if let Some(kept) = kept.try_normalize(0.5) {
-        return kept;
-    }
     let home: Vector3 = patch.iter().map(|&node| contacts[node].home).sum();
     let home = home
         .try_normalize(f32::MIN_POSITIVE)
@@ -133,7 +135,7 @@ fn patch_direction(
         });
         let squares: f32 = lengths.map(|length| length * length).sum();
         let away = 0.5 * (1.0 - direction.dot(&home));
-        squares * (1.0 + (HOME_PREFERENCE - 1.0) * away).powi(2)
+        squares * (1.0 + (home_preference - 1.0) * away).powi(2)
     };
     let mut candidates = vec![home];
     candidates.extend(all_round());
