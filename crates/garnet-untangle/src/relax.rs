@@ -81,3 +81,47 @@ pub(crate) fn relaxed(
         .map(Point3::from)
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use garnet_mesh::{Topology, primitives};
+
+    const RANGE: StretchRange = StretchRange { min: 0.6, max: 1.1 };
+
+    fn grid_graph() -> (Vec<Point3>, ClothGraph) {
+        let grid = primitives::grid(20, 20, [0.5, 0.5]);
+        let topology = Topology::new(grid.num_vertices(), grid.faces());
+        let graph = ClothGraph::new(grid.positions(), grid.faces(), &topology, &[]);
+        (grid.positions().to_vec(), graph)
+    }
+
+    fn system(graph: &ClothGraph) -> ScreenedPoisson {
+        let screening = graph
+            .node_areas()
+            .iter()
+            .map(|&area| f64::from(area) / 0.04);
+        ScreenedPoisson::new(graph, screening.collect()).unwrap()
+    }
+
+    #[test]
+    fn cloth_at_rest_stays_at_rest() {
+        let (rest, graph) = grid_graph();
+        let relaxed = relaxed(&graph, &system(&graph), &rest, &rest, RANGE);
+        for (before, after) in rest.iter().zip(&relaxed) {
+            assert!((after - before).norm() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn stretched_cloth_gives_way() {
+        let (rest, graph) = grid_graph();
+        let torn = |p: &Point3| Point3::new(if p.x > 0.0 { p.x + 0.05 } else { p.x }, p.y, p.z);
+        let warped: Vec<Point3> = rest.iter().map(torn).collect();
+        let before = stretched_share(&graph, &warped, 1.5);
+        let once = relaxed(&graph, &system(&graph), &warped, &warped, RANGE);
+        let twice = relaxed(&graph, &system(&graph), &warped, &once, RANGE);
+        assert!(before > 0.0);
+        assert_eq!(stretched_share(&graph, &twice, 1.5), 0.0);
+    }
+}

@@ -115,3 +115,139 @@ fn relaxed_warp(
     }
     positions
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use garnet_knn::Surface;
+    use garnet_mesh::primitives::icosphere;
+    use garnet_mesh::{TriMesh, Vector3};
+    use garnet_skin::{Body, Garment, Joint, Pose, Skeleton, SkinWeights, Warp};
+
+    const RADIUS: f32 = 0.2;
+
+    /// A body that follows one joint.
+    fn one_joint_body(mesh: TriMesh) -> Body {
+        let joint = Joint {
+            name: "root".to_owned(),
+            parent: None,
+            rest_position: Point3::origin(),
+        };
+        let skeleton = Skeleton::new(vec![joint]).unwrap();
+        let weights = SkinWeights::from_dense(1, &vec![1.0; mesh.num_vertices()]).unwrap();
+        Body::new(mesh, skeleton, weights).unwrap()
+    }
+
+    /// Several meshes as one.
+    fn joined(meshes: &[TriMesh]) -> TriMesh {
+        let mut positions = Vec::new();
+        let mut faces = Vec::new();
+        for mesh in meshes {
+            let first = positions.len() as u32;
+            positions.extend_from_slice(mesh.positions());
+            faces.extend(mesh.faces().iter().map(|face| face.map(|v| v + first)));
+        }
+        TriMesh::new(positions, faces).unwrap()
+    }
+
+    fn shifted(mesh: &TriMesh, offset: Vector3) -> TriMesh {
+        let positions = mesh.positions().iter().map(|p| p + offset).collect();
+        mesh.with_positions(positions).unwrap()
+    }
+
+    fn untangled_at_rest(garment: TriMesh, body: &Body) -> (Vec<Point3>, Untangled) {
+        let bound = Garment::new(garment).bind(body).unwrap();
+        let binding = Binding::new(&bound).unwrap();
+        let posed = body.posed(&Pose::rest(1)).unwrap();
+        let warped = bound.warped(&posed, Warp::Shape).unwrap();
+        let options = UntangleOptions::default();
+        let result = untangle(&bound, &binding, &posed, &warped, &options).unwrap();
+        (warped, result)
+    }
+
+    fn smallest_distance(skin: &Surface, positions: &[Point3]) -> f32 {
+        let signed = skin.signed_distance_all(positions);
+        signed
+            .iter()
+            .map(|s| s.distance)
+            .fold(f32::INFINITY, f32::min)
+    }
+
+    #[test]
+    fn cloth_clear_of_the_body_stays_where_it_is() {
+        let body = one_joint_body(icosphere(3, RADIUS));
+        let (warped, result) = untangled_at_rest(icosphere(3, RADIUS + 0.01), &body);
+        assert_eq!(result.positions, warped);
+        assert_eq!(result.report.moved, 0);
+    }
+
+    #[test]
+    fn cloth_inside_the_body_ends_at_the_clearance() {
+        let body = one_joint_body(icosphere(4, RADIUS));
+        let (warped, result) = untangled_at_rest(icosphere(3, RADIUS - 0.01), &body);
+        let clearance = UntangleOptions::default().clearance;
+        assert_eq!(result.report.inside_before, warped.len());
+        assert_eq!(result.report.inside, 0);
+        assert_eq!(result.report.below_clearance, 0);
+        assert_eq!(result.report.crossing_faces, 0);
+        assert!(smallest_distance(body.skin(), &result.positions) >= clearance);
+        let farthest = result.positions.iter().map(|p| p.coords.norm());
+        assert!(farthest.fold(0.0, f32::max) < RADIUS + 4.0 * clearance);
+    }
+
+    #[test]
+    fn a_dent_is_pushed_out_with_the_cloth_around_it() {
+        let body = one_joint_body(icosphere(4, RADIUS));
+        let sphere = icosphere(4, RADIUS + 0.006);
+        let top = Point3::new(0.0, RADIUS, 0.0);
+        let dented = |point: &Point3| {
+            let dent = 0.02 * (1.0 - (point - top).norm() / 0.06).max(0.0);
+            point * (1.0 - dent / RADIUS)
+        };
+        let dent = sphere.with_positions(sphere.positions().iter().map(dented).collect());
+        let (warped, result) = untangled_at_rest(dent.unwrap(), &body);
+        assert!(result.report.inside_before > 0);
+        assert_eq!(result.report.inside, 0);
+        let is_drawn_along = |(before, after): (&Point3, &Point3)| {
+            before.coords.norm() > RADIUS + 0.003 && (after - before).norm() > 1e-4
+        };
+        assert!(warped.iter().zip(&result.positions).any(is_drawn_along));
+    }
+
+    #[test]
+    fn cloth_between_two_spheres_that_overlap_is_trapped_and_the_rest_is_outside() {
+        let sphere = icosphere(4, RADIUS);
+        let apart = 1.6 * RADIUS;
+        let other = shifted(&sphere, Vector3::new(apart, 0.0, 0.0));
+        let body = one_joint_body(joined(&[sphere, other]));
+        let (_, result) = untangled_at_rest(icosphere(4, RADIUS + 0.004), &body);
+        assert!(result.report.trapped > 0);
+        assert_eq!(result.report.inside, 0);
+        assert_eq!(result.report.below_clearance, 0);
+    }
+
+    #[test]
+    fn one_and_two_threads_give_the_same_bits() {
+        let body = one_joint_body(icosphere(4, RADIUS));
+        let run = |num_threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(num_threads);
+            let garment = icosphere(4, RADIUS - 0.004);
+            pool.build()
+                .unwrap()
+                .install(|| untangled_at_rest(garment, &body).1.positions)
+        };
+        assert_eq!(run(1), run(2));
+    }
+
+    #[test]
+    fn a_body_of_another_topology_is_refused() {
+        let body = one_joint_body(icosphere(2, RADIUS));
+        let other = one_joint_body(icosphere(3, RADIUS));
+        let bound = Garment::new(icosphere(2, 0.21)).bind(&body).unwrap();
+        let binding = Binding::new(&bound).unwrap();
+        let posed = other.posed(&Pose::rest(1)).unwrap();
+        let options = UntangleOptions::default();
+        let error = untangle(&bound, &binding, &posed, bound.rest(), &options).unwrap_err();
+        assert!(matches!(error, UntangleError::BodyFaces { .. }));
+    }
+}
