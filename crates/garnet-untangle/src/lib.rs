@@ -34,6 +34,8 @@ mod contact;
 mod crossing;
 mod directions;
 mod embedded;
+mod lift;
+mod mend;
 mod options;
 mod region;
 mod relax;

@@ -122,6 +122,6 @@ mod tests {
         let once = relaxed(&graph, &system(&graph), &warped, &warped, RANGE);
         let twice = relaxed(&graph, &system(&graph), &warped, &once, RANGE);
         assert!(before > 0.0);
-        assert_eq!(stretched_share(&graph, &twice, 1.5), 0.0);
+        assert!(stretched_share(&graph, &twice, 1.5) <= 0.0);
     }
 }

@@ -1,0 +1,92 @@
+//! Mending cloth that was torn apart.
+//!
+//! Pushed out node by node, cloth can end up on both sides of an arm that reaches through it. Such
+//! cloth starts again: it comes together without regard to the skin and leaves it on one side.
+
+use crate::cloth::{Cloth, HOME_PREFERENCES, Refresh, SWEEPS};
+use crate::region::{Region, rings_of};
+
+/// Edges stretched more than this count as torn apart.
+const TORN_STRETCH: f32 = 2.0;
+
+/// Cloth this far from a torn edge is mended, in metres.
+const MEND_RADIUS: f32 = 0.04;
+
+/// Sweeps that bring torn cloth together.
+const MEND_SWEEPS: usize = 24;
+
+/// Searches for contacts after that.
+const MEND_SEARCHES: usize = 4;
+
+/// Edges that are torn apart.
+#[derive(Debug, Default)]
+pub(crate) struct Tears {
+    /// Their ends.
+    pub(crate) nodes: Vec<u32>,
+    /// The sum of their stretch beyond what counts as torn.
+    pub(crate) excess: f32,
+}
+
+impl Cloth<'_> {
+    /// Starts again where the cloth was torn apart: nodes that went round a part of the body on
+    /// different sides come together without regard to the skin, and leave it on one side. False if
+    /// there is nothing to mend or it does not help.
+    pub(crate) fn mend(&mut self) -> bool {
+        let mut tears = self.tears();
+        let mut is_mended = false;
+        for preference in HOME_PREFERENCES {
+            if tears.nodes.is_empty() {
+                break;
+            }
+            let kept = (self.positions.clone(), self.contacts.clone());
+            self.home_preference = preference;
+            self.close_tears(&tears.nodes);
+            let left = self.tears();
+            if left.excess < tears.excess {
+                tears = left;
+                is_mended = true;
+            } else {
+                (self.positions, self.contacts) = kept;
+            }
+        }
+        self.home_preference = HOME_PREFERENCES[0];
+        is_mended
+    }
+
+    fn close_tears(&mut self, nodes: &[u32]) {
+        let graph = self.garment.graph();
+        let rings = rings_of(graph, MEND_RADIUS).max(2);
+        let region = Region::around(graph, nodes.iter().copied(), rings);
+        for &node in region.nodes() {
+            let contact = &mut self.contacts[node as usize];
+            contact.own = None;
+            contact.foreign = None;
+            self.ways_out[node as usize] = None;
+        }
+        self.sweep(MEND_SWEEPS, &region);
+        for _ in 0..MEND_SEARCHES {
+            self.find_contacts(&region, Refresh::All);
+            self.sweep(SWEEPS, &region);
+        }
+        self.polish(&region);
+    }
+
+    /// The edges that are torn apart where the body leaves room.
+    pub(crate) fn tears(&self) -> Tears {
+        let graph = self.garment.graph();
+        let edges = graph.edges()[..graph.num_cloth_edges()].iter();
+        let mut tears = Tears::default();
+        for (&[a, b], rest_length) in edges.zip(graph.rest_lengths()) {
+            let edge = self.positions[b as usize] - self.positions[a as usize];
+            let is_torn = edge.norm_squared() > (TORN_STRETCH * rest_length).powi(2);
+            if is_torn && !self.is_trapped(a as usize) && !self.is_trapped(b as usize) {
+                let rest_length = rest_length.max(f32::MIN_POSITIVE);
+                tears.excess += edge.norm() / rest_length - TORN_STRETCH;
+                tears.nodes.extend([a, b]);
+            }
+        }
+        tears.nodes.sort_unstable();
+        tears.nodes.dedup();
+        tears
+    }
+}
