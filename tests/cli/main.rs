@@ -1,1 +1,27 @@
-//! Transcripts of the command.
+//! The command as its users meet it: transcripts, bad input, outputs.
+
+#![expect(
+    clippy::unwrap_used,
+    reason = "in a test that is a failure as good as any other"
+)]
+
+mod bad_input;
+mod drape;
+mod fixtures;
+mod garbage;
+mod render;
+
+use fixtures::Fixture;
+
+/// Every console block of `tests/cli/*.md`, in a folder with the small scene.
+#[test]
+fn transcripts_hold() {
+    let fixture = Fixture::new();
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/cli");
+    let transcripts = std::path::absolute(folder).unwrap().join("*.md");
+    std::env::set_current_dir(fixture.folder()).unwrap();
+    trycmd::TestCases::new()
+        .register_bin("garnet", std::path::Path::new(env!("CARGO_BIN_EXE_garnet")))
+        .case(transcripts.to_str().unwrap())
+        .run();
+}

@@ -1,3 +1,54 @@
 //! The `garnet` command.
+//!
+//! `main` maps what [`run`] returns to an exit code and renders the failure. Each subcommand has
+//! its arguments, a checked job, and one function that reads as the list of its steps.
 
-fn main() {}
+mod args;
+mod console;
+mod drape;
+mod failure;
+mod hints;
+mod info;
+mod output;
+mod render;
+
+use std::process::ExitCode;
+
+use anyhow::Context;
+use clap::Parser;
+
+use args::{Cli, Command, Everywhere};
+use console::Console;
+use failure::ExitStatus;
+
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(usage) => return failure::usage(&usage).into(),
+    };
+    let console = Console::new(&cli.everywhere);
+    let status = set_threads(&cli.everywhere).and_then(|()| run(cli.command, &console));
+    match status {
+        Ok(status) => status.into(),
+        Err(error) => {
+            console.failure(&error);
+            ExitStatus::NotDone.into()
+        }
+    }
+}
+
+fn run(command: Command, console: &Console) -> anyhow::Result<ExitStatus> {
+    match command {
+        Command::Drape(args) => drape::run(*args, console),
+        Command::Info(args) => info::run(&args, console),
+        Command::Render(args) => render::run(&args, console),
+    }
+}
+
+fn set_threads(everywhere: &Everywhere) -> anyhow::Result<()> {
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(everywhere.threads.unwrap_or(0));
+    builder.build_global().context("cannot start the threads")
+}

@@ -2,8 +2,12 @@
 
 use std::path::Path;
 
-pub use garnet_mesh::{ObjError, ObjFile, WriteError, write_atomically, write_obj};
-pub use garnet_skin::{FileError, Scene, read_pose, read_rig, write_rig_npz};
+pub use garnet_mesh::{
+    ObjError, ObjFile, ObjLineProblem, ObjParseError, WriteError, write_atomically, write_obj,
+};
+pub use garnet_skin::{
+    ArrayProblem, FileError, FileProblem, Scene, WriteRigError, read_pose, read_rig, write_rig_npz,
+};
 
 use crate::{Body, Error};
 

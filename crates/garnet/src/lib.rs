@@ -39,17 +39,21 @@ pub mod io;
 mod draper;
 mod error;
 mod garment;
+mod penetration;
 
 pub use draper::{Drape, DrapeOptions, Draper, Warped};
 pub use error::Error;
 pub use garment::{BoundGarment, Garment};
+pub use garnet_knn::{ClosestPoint, Surface};
 pub use garnet_mesh::{
-    Bounds, MeshDiagnosis, Point3, StretchSummary, TriMesh, Unit, UpAxis, Vector3, diagnose,
-    edge_stretch, primitives,
+    Bounds, MeshDiagnosis, MeshError, Point3, StretchSummary, TriMesh, Unit, UnitError, UpAxis,
+    Vector3, diagnose, edge_stretch, edge_stretches, guess_body_unit, guess_up_axis, primitives,
+    vertex_distances,
 };
 pub use garnet_skin::{
     Body, Joint, Method, Pose, PosedBody, Rig, Skeleton, SkinError, SkinWeights, TransferOptions,
     Warp,
 };
 pub use garnet_untangle::{UntangleOptions, UntangleReport};
-pub use nalgebra::{Isometry3, UnitQuaternion};
+pub use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
+pub use penetration::{Penetration, penetration};

@@ -1,0 +1,147 @@
+//! The arguments of the command.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::{drape::DrapeArgs, info::InfoArgs, render::RenderArgs};
+
+/// Drapes garment meshes on body meshes.
+#[derive(Debug, Parser)]
+#[command(name = "garnet", version, max_term_width = 100, after_help = AFTER_HELP)]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub(crate) everywhere: Everywhere,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const AFTER_HELP: &str = "Exit codes: 0 done; 1 done, but a limit that was asked for is exceeded; \
+                          2 not done; 130 interrupted.";
+
+/// What garnet can do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Drape a garment on a body in another pose and shape.
+    Drape(Box<DrapeArgs>),
+    /// Tell what is in a file, and what is unusual about a mesh.
+    Info(InfoArgs),
+    /// Draw a shaded picture of meshes.
+    Render(RenderArgs),
+}
+
+/// Options that every subcommand has.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Everywhere")]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
+pub(crate) struct Everywhere {
+    /// Print one JSON document on stdout, and errors as JSON on stderr.
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Print errors only.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Print how long each stage took.
+    #[arg(short, long, global = true)]
+    pub(crate) verbose: bool,
+    /// Use this many threads; 0 is one for each core.
+    #[arg(long, global = true, value_name = "N", value_parser = thread_count)]
+    pub(crate) threads: Option<usize>,
+    /// Draw no progress bar.
+    #[arg(long, global = true)]
+    pub(crate) no_progress: bool,
+    /// Color messages.
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    pub(crate) color: ColorChoice,
+}
+
+/// When messages are colored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ColorChoice {
+    /// On a terminal, unless `NO_COLOR` is set.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// More threads than any machine has use for; the pool would fail on much larger numbers.
+const MAX_THREADS: usize = 1024;
+
+fn thread_count(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if count <= MAX_THREADS => Ok(count),
+        _ => Err(format!("expected a number from 0 to {MAX_THREADS}")),
+    }
+}
+
+/// A length in millimetres, zero or more, as metres.
+pub(crate) fn millimetres(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(length) if (0.0..=1000.0).contains(&length) => Ok(length * 1e-3),
+        _ => Err("expected millimetres, from 0 to 1000".to_owned()),
+    }
+}
+
+/// A path, and a number after a colon.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct FrameOfFile {
+    /// The file.
+    pub(crate) path: PathBuf,
+    /// The frame in it, from 0.
+    pub(crate) frame: Option<usize>,
+}
+
+impl From<&str> for FrameOfFile {
+    /// Splits `FILE:FRAME`; a file whose own name ends like this comes first.
+    fn from(text: &str) -> Self {
+        let whole = Self {
+            path: text.into(),
+            frame: None,
+        };
+        if whole.path.exists() {
+            return whole;
+        }
+        let split = text.rsplit_once(':').filter(|(path, _)| !path.is_empty());
+        let frame = split.and_then(|(path, frame)| Some((path, frame.parse().ok()?)));
+        match frame {
+            Some((path, frame)) => Self {
+                path: path.into(),
+                frame: Some(frame),
+            },
+            None => whole,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_frame_follows_the_last_colon() {
+        let split = |text: &str| FrameOfFile::from(text);
+        assert_eq!(split("walk.json:12").frame, Some(12));
+        assert_eq!(split("a:b/walk.json").path, PathBuf::from("a:b/walk.json"));
+        assert_eq!(split(":3").frame, None);
+    }
+
+    #[test]
+    fn lengths_are_not_negative_and_finite() {
+        assert_eq!(millimetres("2"), Ok(0.002));
+        for text in ["-1", "nan", "inf", "2mm", "1e9", ""] {
+            assert!(millimetres(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! What goes to the terminal: data to stdout, everything else to stderr.
+
+use std::{
+    env,
+    fmt::Display,
+    io::{self, IsTerminal, Write},
+};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+
+use crate::{
+    args::{ColorChoice, Everywhere},
+    failure::{self, Failure},
+};
+
+/// How much is told, and in which form.
+#[derive(Debug)]
+pub(crate) struct Console {
+    is_json: bool,
+    loudness: Loudness,
+    draws_progress: bool,
+    is_colored: bool,
+}
+
+/// How much is told beside errors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Loudness {
+    /// Nothing.
+    Quiet,
+    /// What was done, and what may be wrong.
+    Usual,
+    /// And how long each stage took.
+    Verbose,
+}
+
+const RED: &str = "\x1b[1;31m";
+const YELLOW: &str = "\x1b[1;33m";
+const CYAN: &str = "\x1b[1;36m";
+const RESET: &str = "\x1b[0m";
+
+impl Console {
+    pub(crate) fn new(everywhere: &Everywhere) -> Self {
+        let is_terminal = io::stderr().is_terminal();
+        let is_colored = match everywhere.color {
+            ColorChoice::Always => true,
+            ColorChoice::Never => false,
+            ColorChoice::Auto => {
+                let refused = env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+                is_terminal && !refused
+            }
+        };
+        Self {
+            is_json: everywhere.json,
+            loudness: match (everywhere.quiet, everywhere.verbose) {
+                (true, _) => Loudness::Quiet,
+                // The document says it all.
+                (false, false) if everywhere.json => Loudness::Quiet,
+                (false, false) => Loudness::Usual,
+                (false, true) => Loudness::Verbose,
+            },
+            draws_progress: is_terminal && !everywhere.no_progress && !everywhere.quiet,
+            is_colored,
+        }
+    }
+
+    /// Whether the data on stdout are one JSON document.
+    pub(crate) fn is_json(&self) -> bool {
+        self.is_json
+    }
+
+    /// Tells what was done.
+    pub(crate) fn summary(&self, text: &impl Display) {
+        if self.loudness >= Loudness::Usual {
+            tell(text);
+        }
+    }
+
+    /// Tells what only some want to know.
+    pub(crate) fn detail(&self, text: &impl Display) {
+        if self.loudness >= Loudness::Verbose {
+            tell(text);
+        }
+    }
+
+    /// Tells what may be wrong.
+    pub(crate) fn warning(&self, text: &impl Display) {
+        if self.loudness >= Loudness::Usual {
+            tell(&format_args!("{} {text}", self.label("warning:", YELLOW)));
+        }
+    }
+
+    /// Tells that a limit of the user is exceeded.
+    pub(crate) fn exceeded(&self, text: &impl Display) {
+        if self.is_json {
+            failure::tell_json(&Failure::without_cause(text.to_string()));
+            return;
+        }
+        tell(&format_args!("{} {text}", self.label("error:", RED)));
+    }
+
+    /// Tells why something was not done.
+    pub(crate) fn failure(&self, error: &anyhow::Error) {
+        let failure = Failure::new(error);
+        if self.is_json {
+            failure::tell_json(&failure);
+            return;
+        }
+        tell(&format_args!(
+            "{} {}",
+            self.label("error:", RED),
+            failure.error
+        ));
+        for cause in &failure.causes {
+            tell(&format_args!("  cause: {cause}"));
+        }
+        if let Some(hint) = &failure.hint {
+            tell(&format_args!("  {} {hint}", self.label("hint:", CYAN)));
+        }
+    }
+
+    /// A bar over `count` items; nothing is drawn for one, or where no one looks.
+    pub(crate) fn progress(&self, count: usize) -> ProgressBar {
+        let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr());
+        if !self.draws_progress || count < 2 {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}, {eta} left");
+        bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    }
+
+    fn label(&self, text: &str, color: &str) -> String {
+        if self.is_colored {
+            format!("{color}{text}{RESET}")
+        } else {
+            text.to_owned()
+        }
+    }
+}
+
+/// Prints data to stdout; a reader that has gone away is no error.
+pub(crate) fn print_data(text: &str) -> anyhow::Result<()> {
+    let mut stdout = io::stdout().lock();
+    let written = writeln!(stdout, "{text}").and_then(|()| stdout.flush());
+    match written {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(anyhow::Error::new(error).context("cannot write to stdout"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a document to stdout.
+pub(crate) fn print_document(document: &impl Serialize) -> anyhow::Result<()> {
+    print_data(&serde_json::to_string_pretty(document)?)
+}
+
+/// Prints a line to stderr; there is nowhere to report that this fails.
+pub(crate) fn tell(text: &impl Display) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}

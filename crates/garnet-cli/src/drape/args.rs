@@ -1,0 +1,289 @@
+//! The arguments of `drape`, and the checked job that they make.
+
+use std::path::PathBuf;
+
+use anyhow::ensure;
+use clap::{Args, ValueEnum};
+use garnet::{DrapeOptions, Unit, UnitError, UntangleOptions, UpAxis, Warp};
+
+use crate::{
+    args::{FrameOfFile, millimetres},
+    failure::{Hint, refused},
+    output,
+};
+
+/// Arguments of `drape`.
+#[derive(Debug, Args)]
+#[command(after_long_help = LONG_HELP)]
+pub(crate) struct DrapeArgs {
+    /// Garment, as OBJ, lying on the rest body.
+    #[arg(
+        value_name = "GARMENT",
+        required_unless_present = "scene",
+        conflicts_with = "scene"
+    )]
+    garment: Option<PathBuf>,
+    /// Bodies to drape it on, as OBJ; with `--pose`, the rest body.
+    #[arg(value_name = "BODY", conflicts_with = "scene")]
+    bodies: Vec<PathBuf>,
+    /// Where the draped OBJ goes; a folder for several bodies.
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Take garment, bodies, weights and pose from a `drape-scene/1` file.
+    #[arg(long, value_name = "SCENE.json", conflicts_with_all = ["rig", "rest_body", "pose", "units", "up"])]
+    scene: Option<PathBuf>,
+    /// Skeleton and weights: npz, GLB, glTF or JSON [default: `<body>.rig.npz` beside the body].
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+    /// Body on which the garment lies, as OBJ [default: the rest mesh of the rig].
+    #[arg(long, value_name = "OBJ")]
+    rest_body: Option<PathBuf>,
+    /// Pose the rest body, instead of taking the pose from BODY.
+    #[arg(long, value_name = "FILE[:FRAME]")]
+    pose: Option<FrameOfFile>,
+    /// Write the posed body, as OBJ.
+    #[arg(long, value_name = "OBJ", requires = "pose")]
+    body_out: Option<PathBuf>,
+    /// How the garment is brought to the body.
+    #[arg(long, value_name = "METHOD", default_value = "auto")]
+    method: MethodName,
+    /// Smallest distance between cloth and skin, in millimetres.
+    #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres)]
+    clearance: f32,
+    /// Leave the warp as it is, penetrations included.
+    #[arg(long)]
+    no_untangle: bool,
+    /// End with 1 if cloth is deeper in the body than this, in millimetres.
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
+    max_penetration: Option<f32>,
+    /// Write the report as JSON; `-` is stdout.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Drape each body this often, and report median and p95 of the times.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    repeat: u32,
+    /// Unit of the OBJ files: m, dm, cm, mm or auto; or two, of garment and bodies: `cm,m`.
+    #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = units)]
+    units: UnitsTaken,
+    /// Axis of the OBJ files that points up.
+    #[arg(long, value_name = "AXIS", default_value = "auto")]
+    up: UpName,
+}
+
+const LONG_HELP: &str = "\
+The rig of a body is found in this order: --rig; `<rest body>.rig.npz` beside the OBJ of \
+--rest-body; `<body>.rig.npz` beside BODY. Without --pose, the pose and shape of BODY are \
+recovered from its vertices, which must be those of the rest body.
+
+A pose file is JSON: {\"schema\": \"garnet.pose/1\", \"joints\": {\"left_knee\": [0.5, 0, 0, \
+0.866025]}, \"root_translation\": [0, 0, 0]}, rotations as [x, y, z, w] about the axes of the \
+world at rest; with \"frames\", a list of such poses.";
+
+/// How the garment is brought to the body before penetrations are removed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodName {
+    /// The best there is: warp.
+    Auto,
+    /// Linear blend skinning.
+    Lbs,
+    /// Dual-quaternion skinning: pose only.
+    Dqs,
+    /// Dual-quaternion skinning and the change of the body's shape.
+    Warp,
+}
+
+/// The axis that points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum UpName {
+    /// The longer of y and z of the rest body.
+    Auto,
+    /// As in most programs.
+    Y,
+    /// As in Blender and 3ds Max.
+    Z,
+}
+
+/// Units that the user names, if any.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct UnitsTaken {
+    pub(crate) garment: Option<Unit>,
+    pub(crate) body: Option<Unit>,
+}
+
+fn units(text: &str) -> Result<UnitsTaken, String> {
+    let unit = |name: &str| match name {
+        "auto" => Ok(None),
+        _ => name
+            .parse()
+            .map(Some)
+            .map_err(|error: UnitError| format!("{error}, `auto`, or two of them as `cm,m`")),
+    };
+    let (garment, body) = text.split_once(',').unwrap_or((text, text));
+    Ok(UnitsTaken {
+        garment: unit(garment)?,
+        body: unit(body)?,
+    })
+}
+
+/// What is to be done, checked as far as that goes without reading files.
+#[derive(Debug)]
+pub(crate) struct Job {
+    pub(crate) source: Source,
+    /// One for each target.
+    pub(crate) outputs: Vec<PathBuf>,
+    /// The folder that the outputs go to, if there are several.
+    pub(crate) folder: Option<PathBuf>,
+    pub(crate) body_out: Option<PathBuf>,
+    pub(crate) report: Option<PathBuf>,
+    /// Whether the report goes to stdout.
+    pub(crate) prints_report: bool,
+    pub(crate) options: DrapeOptions,
+    /// In metres.
+    pub(crate) max_penetration: Option<f32>,
+    pub(crate) repeat: u32,
+}
+
+/// Where garment and bodies come from.
+#[derive(Debug)]
+pub(crate) enum Source {
+    /// A scene names them all.
+    Scene(PathBuf),
+    /// Each was named.
+    Files(SourceFiles),
+}
+
+/// The files of a drape without a scene.
+#[derive(Debug)]
+pub(crate) struct SourceFiles {
+    pub(crate) garment: PathBuf,
+    pub(crate) bodies: Vec<PathBuf>,
+    pub(crate) rig: Option<PathBuf>,
+    pub(crate) rest_body: Option<PathBuf>,
+    pub(crate) pose: Option<FrameOfFile>,
+    pub(crate) units: UnitsTaken,
+    pub(crate) up: Option<UpAxis>,
+}
+
+impl Job {
+    pub(crate) fn new(args: DrapeArgs) -> anyhow::Result<Self> {
+        let is_several = args.bodies.len() > 1;
+        let outputs = if is_several {
+            output::check_folder(&args.output)?;
+            output::names_in(&args.output, &args.bodies)?
+        } else {
+            output::check_file(&args.output)?;
+            vec![args.output.clone()]
+        };
+        let prints_report = args
+            .report
+            .as_ref()
+            .is_some_and(|path| path.as_os_str() == "-");
+        let report = args.report.filter(|_| !prints_report);
+        for path in report.iter().chain(&args.body_out) {
+            output::check_file(path)?;
+        }
+        let options = DrapeOptions {
+            warp: args.method.warp(),
+            untangle: (!args.no_untangle).then(|| UntangleOptions {
+                clearance: args.clearance,
+                ..UntangleOptions::default()
+            }),
+        };
+        let source = match (args.scene, args.garment) {
+            (Some(scene), _) => Source::Scene(scene),
+            (None, Some(garment)) => Source::Files(SourceFiles {
+                garment,
+                bodies: args.bodies,
+                rig: args.rig,
+                rest_body: args.rest_body,
+                pose: args.pose,
+                units: args.units,
+                up: args.up.axis(),
+            }),
+            (None, None) => anyhow::bail!("neither a garment nor a scene is given"),
+        };
+        if let Source::Files(files) = &source {
+            files.check()?;
+        }
+        Ok(Self {
+            source,
+            outputs,
+            folder: is_several.then_some(args.output),
+            body_out: args.body_out,
+            report,
+            prints_report,
+            options,
+            max_penetration: args.max_penetration,
+            repeat: args.repeat,
+        })
+    }
+}
+
+impl SourceFiles {
+    fn check(&self) -> anyhow::Result<()> {
+        if self.bodies.is_empty() {
+            let can_pose = self.rig.is_some() || self.rest_body.is_some();
+            ensure_posed(self.pose.is_some() && can_pose)?;
+        }
+        if self.pose.is_some() && self.bodies.len() > 1 {
+            return Err(refused(
+                "`--pose` poses one body",
+                format!("{} bodies are given", self.bodies.len()),
+                "drape them one by one, or give posed bodies without `--pose`",
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn ensure_posed(is_posed: bool) -> anyhow::Result<()> {
+    let check = || -> anyhow::Result<()> {
+        ensure!(is_posed, "no body is given");
+        Ok(())
+    };
+    check().hint(|| {
+        "give the OBJ of the body after the garment, or `--pose` with `--rig` or `--rest-body`"
+            .to_owned()
+    })
+}
+
+impl MethodName {
+    fn warp(self) -> Warp {
+        match self {
+            Self::Lbs => Warp::Linear,
+            Self::Dqs => Warp::DualQuaternion,
+            Self::Auto | Self::Warp => Warp::Shape,
+        }
+    }
+}
+
+impl UpName {
+    pub(crate) fn axis(self) -> Option<UpAxis> {
+        match self {
+            Self::Auto => None,
+            Self::Y => Some(UpAxis::Y),
+            Self::Z => Some(UpAxis::Z),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_one_for_all_or_one_for_each() {
+        let both = |garment, body| Ok(UnitsTaken { garment, body });
+        assert_eq!(units("auto"), both(None, None));
+        assert_eq!(
+            units("cm"),
+            both(Some(Unit::Centimetre), Some(Unit::Centimetre))
+        );
+        assert_eq!(
+            units("cm,m"),
+            both(Some(Unit::Centimetre), Some(Unit::Metre))
+        );
+        assert_eq!(units("auto,m"), both(None, Some(Unit::Metre)));
+        assert!(units("inch").is_err() && units("m,").is_err());
+    }
+}

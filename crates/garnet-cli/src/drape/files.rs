@@ -1,0 +1,135 @@
+//! Reading all that a drape needs, in parallel.
+
+use std::path::{Path, PathBuf};
+
+use garnet::{
+    Point3, Rig,
+    io::{ObjFile, Scene, read_rig},
+};
+use rayon::prelude::*;
+
+use super::args::SourceFiles;
+use crate::failure::refused;
+
+/// The files of a drape without a scene, as read.
+#[derive(Debug)]
+pub(crate) struct Files {
+    pub(crate) garment: ObjFile,
+    pub(crate) bodies: Vec<BodyFile>,
+    pub(crate) rest_body: Option<ObjFile>,
+    pub(crate) rig: Rig,
+    pub(crate) rig_path: PathBuf,
+}
+
+/// A body of which positions are kept, and the text if there is but one.
+#[derive(Debug)]
+pub(crate) struct BodyFile {
+    pub(crate) path: PathBuf,
+    /// In the unit of the file.
+    pub(crate) positions: Vec<Point3>,
+    pub(crate) file: Option<ObjFile>,
+}
+
+impl Files {
+    pub(crate) fn read(source: &SourceFiles) -> anyhow::Result<Self> {
+        let rig_path = rig_path(source);
+        let meshes = || {
+            rayon::join(
+                || ObjFile::read(&source.garment),
+                || rayon::join(|| read_bodies(&source.bodies), || read_rest(source)),
+            )
+        };
+        let rig = || rig_path.as_deref().map(read_rig).transpose();
+        let ((garment, (bodies, rest_body)), rig) = rayon::join(meshes, rig);
+        let (garment, bodies, rest_body) = (garment?, bodies?, rest_body?);
+        match (rig?, rig_path) {
+            (Some(rig), Some(rig_path)) => Ok(Self {
+                garment,
+                bodies,
+                rest_body,
+                rig,
+                rig_path,
+            }),
+            _ => Err(no_rig(source)),
+        }
+    }
+}
+
+fn read_rest(source: &SourceFiles) -> anyhow::Result<Option<ObjFile>> {
+    Ok(source.rest_body.as_ref().map(ObjFile::read).transpose()?)
+}
+
+fn read_bodies(paths: &[PathBuf]) -> anyhow::Result<Vec<BodyFile>> {
+    let is_single = paths.len() == 1;
+    let read = |path: &PathBuf| -> anyhow::Result<BodyFile> {
+        let file = ObjFile::read(path)?;
+        Ok(BodyFile {
+            path: path.clone(),
+            positions: file.positions().to_vec(),
+            file: is_single.then_some(file),
+        })
+    };
+    // In their order, so that of several bad files the first is told.
+    let all: Vec<anyhow::Result<BodyFile>> = paths.par_iter().map(read).collect();
+    all.into_iter().collect()
+}
+
+/// Where the rig is: as named, or beside the rest body, or beside the first body.
+fn rig_path(source: &SourceFiles) -> Option<PathBuf> {
+    if let Some(path) = &source.rig {
+        return Some(path.clone());
+    }
+    let beside = source.rest_body.iter().chain(source.bodies.first());
+    beside.map(|path| sidecar(path)).find(|path| path.is_file())
+}
+
+/// `folder/body.rig.npz` of `folder/body.obj`.
+fn sidecar(body: &Path) -> PathBuf {
+    body.with_extension("rig.npz")
+}
+
+fn no_rig(source: &SourceFiles) -> anyhow::Error {
+    let bodies = source.rest_body.iter().chain(source.bodies.first());
+    let looked: Vec<String> = bodies
+        .map(|path| format!("`{}`", sidecar(path).display()))
+        .collect();
+    let body = source.bodies.first().or(source.rest_body.as_ref());
+    let body = body.map_or_else(String::new, |path| format!(" for `{}`", path.display()));
+    refused(
+        format!("there is no rig{body}"),
+        format!(
+            "no `--rig` is given, and there is no {}",
+            looked.join(" or ")
+        ),
+        "give the skeleton and weights of the body with `--rig FILE` (npz, GLB, glTF or JSON), and \
+         the body on which the garment lies with `--rest-body OBJ` if the rig does not hold it",
+    )
+}
+
+/// The files of a scene, as read.
+#[derive(Debug)]
+pub(crate) struct SceneFiles {
+    pub(crate) scene: Scene,
+    pub(crate) garment: ObjFile,
+    pub(crate) rig: Rig,
+    pub(crate) target: ObjFile,
+}
+
+impl SceneFiles {
+    pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
+        let scene = Scene::read(path)?;
+        let meshes = || {
+            rayon::join(
+                || ObjFile::read(&scene.garment),
+                || ObjFile::read(&scene.target_body),
+            )
+        };
+        let ((garment, target), rig) = rayon::join(meshes, || scene.rig());
+        Ok(Self {
+            garment: garment?,
+            target: target?,
+            rig: rig?,
+            scene,
+        })
+    }
+}

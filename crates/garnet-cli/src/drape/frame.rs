@@ -1,0 +1,171 @@
+//! Units and axes of files, and the way from them to metres with y up and back.
+
+use garnet::{Bounds, Point3, Unit, UpAxis, edge_stretch, guess_body_unit, guess_up_axis};
+
+/// Unit of length and up axis of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Frame {
+    pub(crate) unit: Unit,
+    pub(crate) up: UpAxis,
+}
+
+impl Frame {
+    /// The frame in which everything is computed.
+    pub(crate) const OURS: Self = Self {
+        unit: Unit::Metre,
+        up: UpAxis::Y,
+    };
+
+    /// Positions of the file, in metres with y up.
+    pub(crate) fn to_metres(self, positions: Vec<Point3>) -> Vec<Point3> {
+        if self == Self::OURS {
+            return positions;
+        }
+        let point = |point: &Point3| self.point_to_metres(point);
+        positions.iter().map(point).collect()
+    }
+
+    /// A position of the file, in metres with y up.
+    pub(crate) fn point_to_metres(self, point: &Point3) -> Point3 {
+        let metres = self.unit.in_metres();
+        match self.up {
+            UpAxis::Y => point * metres,
+            UpAxis::Z => Point3::new(point.x, point.z, -point.y) * metres,
+        }
+    }
+
+    /// Positions in metres with y up, as the file has them.
+    pub(crate) fn to_file(self, positions: Vec<Point3>) -> Vec<Point3> {
+        if self == Self::OURS {
+            return positions;
+        }
+        let metres = self.unit.in_metres();
+        let point = |point: &Point3| match self.up {
+            UpAxis::Y => point / metres,
+            UpAxis::Z => Point3::new(point.x, -point.z, point.y) / metres,
+        };
+        positions.iter().map(point).collect()
+    }
+}
+
+/// The up axis of a rest body: the longer of y and z, and y in doubt.
+pub(crate) fn detected_up(positions: &[Point3]) -> UpAxis {
+    let bounds = Bounds::of(positions).unwrap_or_default();
+    guess_up_axis(bounds.extent()).unwrap_or(UpAxis::Y)
+}
+
+/// The unit in which a rest body has the height of a body; metres in doubt.
+pub(crate) fn detected_unit(positions: &[Point3]) -> Unit {
+    let extent = Bounds::of(positions).unwrap_or_default().extent();
+    guess_body_unit(extent.y.max(extent.z)).unwrap_or(Unit::Metre)
+}
+
+/// How two sets of positions of one mesh are related.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kinship {
+    /// Edges are `10^decades` times as long, but for pose and shape.
+    Scaled {
+        /// Power of ten.
+        decades: i32,
+    },
+    /// Edges have nothing to do with each other.
+    Stranger,
+}
+
+/// Faces whose edges are compared.
+const NUM_COMPARED: usize = 4000;
+
+/// How much more the longest edges of one mesh may be stretched than the median ones.
+const MAX_SPREAD: f32 = 8.0;
+
+/// Compares edge lengths, which a pose hardly changes.
+pub(crate) fn kinship(rest: &[Point3], other: &[Point3], faces: &[[u32; 3]]) -> Kinship {
+    let step = faces.len().div_ceil(NUM_COMPARED).max(1);
+    let edges: Vec<[u32; 2]> = faces
+        .iter()
+        .step_by(step)
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .collect();
+    let Ok(stretch) = edge_stretch(rest, other, &edges) else {
+        return Kinship::Stranger;
+    };
+    if stretch.p50 <= 0.0 || stretch.p99 > MAX_SPREAD * stretch.p50 {
+        return Kinship::Stranger;
+    }
+    Kinship::Scaled {
+        decades: stretch.p50.log10().round() as i32,
+    }
+}
+
+/// The unit `decades` powers of ten shorter, if there is one.
+pub(crate) fn shorter(unit: Unit, decades: i32) -> Option<Unit> {
+    let place = Unit::ALL.iter().position(|&other| other == unit)?;
+    let place = i32::try_from(place).ok()?.checked_add(decades)?;
+    Unit::ALL.get(usize::try_from(place).ok()?).copied()
+}
+
+/// The name of a unit in the plural.
+pub(crate) fn name(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Metre => "metres",
+        Unit::Decimetre => "decimetres",
+        Unit::Centimetre => "centimetres",
+        Unit::Millimetre => "millimetres",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use garnet::primitives::{capsule, icosphere};
+
+    use super::*;
+
+    const ROUNDING: f32 = 1e-6;
+
+    #[test]
+    fn the_way_back_is_the_way_there_reversed() {
+        let positions = icosphere(1, 0.7).into_parts().0;
+        for unit in Unit::ALL {
+            for up in [UpAxis::Y, UpAxis::Z] {
+                let frame = Frame { unit, up };
+                let back = frame.to_metres(frame.to_file(positions.clone()));
+                let pairs = positions.iter().zip(&back);
+                assert!(pairs.into_iter().all(|(a, b)| (a - b).norm() < ROUNDING));
+            }
+        }
+    }
+
+    #[test]
+    fn a_front_stays_a_front() {
+        let blender = Frame {
+            unit: Unit::Metre,
+            up: UpAxis::Z,
+        };
+        let nose = blender.point_to_metres(&Point3::new(0.0, -0.1, 1.6));
+        assert_eq!(nose, Point3::new(0.0, 1.6, 0.1));
+    }
+
+    #[test]
+    fn a_mesh_is_known_at_another_scale_and_strangers_are_told_apart() {
+        let body = capsule(0.2, 1.4, 16, 12);
+        let rest = body.positions();
+        let scaled: Vec<Point3> = rest.iter().map(|point| point * 110.0).collect();
+        let decades = 2;
+        assert_eq!(
+            kinship(rest, &scaled, body.faces()),
+            Kinship::Scaled { decades }
+        );
+        let shuffled: Vec<Point3> = (0..rest.len()).map(|i| rest[i * 7 % rest.len()]).collect();
+        assert_eq!(kinship(rest, &shuffled, body.faces()), Kinship::Stranger);
+        let flat = vec![Point3::origin(); rest.len()];
+        assert_eq!(kinship(rest, &flat, body.faces()), Kinship::Stranger);
+    }
+
+    #[test]
+    fn units_are_counted_in_powers_of_ten() {
+        assert_eq!(shorter(Unit::Metre, 2), Some(Unit::Centimetre));
+        assert_eq!(shorter(Unit::Centimetre, -2), Some(Unit::Metre));
+        assert_eq!(shorter(Unit::Metre, -1), None);
+        assert_eq!(shorter(Unit::Millimetre, i32::MAX), None);
+    }
+}

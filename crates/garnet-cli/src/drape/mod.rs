@@ -1,0 +1,354 @@
+//! `garnet drape`: a garment on bodies.
+
+mod args;
+mod files;
+mod frame;
+mod placement;
+mod prepared;
+mod report;
+mod rest_body;
+mod rest_mesh;
+mod summary;
+mod timing;
+mod warning;
+
+use std::path::Path;
+
+use anyhow::Context;
+use garnet::{
+    Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, PosedBody, TriMesh, Warp,
+    edge_stretch, io, penetration,
+};
+
+pub(crate) use args::DrapeArgs;
+use args::Job;
+pub(crate) use frame::Frame;
+use prepared::{Prepared, RestBody, Target};
+use report::{
+    BodyReport, DrapeOutput, DrapeReport, DrapeSeconds, GarmentReport, OnceSeconds,
+    PenetrationReport, PoseReport, RepeatedSeconds, Stretch, WarningReport,
+};
+use timing::timed;
+use warning::{Problem, Warning};
+
+use crate::{
+    console::{Console, print_document},
+    failure::ExitStatus,
+    output,
+};
+
+/// Reads, binds, drapes on each body, writes and reports.
+pub(crate) fn run(args: DrapeArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    let (done, total) = timed(|| {
+        let job = Job::new(args)?;
+        let (prepared, read) = timed(|| Prepared::read(&job.source));
+        let prepared = prepared?;
+        let (bound, bind) = timed(|| Bound::new(prepared));
+        let mut bound = bound?;
+        let drapes = drape_all(&mut bound, &job, console)?;
+        let seconds = OnceSeconds {
+            read,
+            bind,
+            total: 0.0,
+        };
+        anyhow::Ok((bound.report(&job, drapes, seconds), job))
+    });
+    let (mut report, job) = done?;
+    report.seconds.total = total;
+    publish(&report, &job, console)?;
+    Ok(judge(&report, &job, console))
+}
+
+/// The garment, bound, and what it is draped on.
+struct Bound {
+    garment: BoundGarment,
+    garment_file: io::ObjFile,
+    garment_frame: Frame,
+    /// Edges of the polygons of the garment.
+    edges: Vec<[u32; 2]>,
+    body: Body,
+    rest: RestBody,
+    targets: Vec<Target>,
+    pose: Option<crate::args::FrameOfFile>,
+    warnings: Vec<Warning>,
+}
+
+impl Bound {
+    fn new(prepared: Prepared) -> anyhow::Result<Self> {
+        let Prepared {
+            garment_file,
+            garment_frame,
+            garment,
+            rest,
+            body,
+            targets,
+            pose,
+        } = prepared;
+        let unusual = || unusual(&garment, &body);
+        let edges = || garment_file.polygon_edges();
+        let bind = || Garment::new(garment.clone()).bind(&body);
+        let (bound, (found, edges)) = rayon::join(bind, || rayon::join(unusual, edges));
+        let garment = bound.with_context(|| {
+            let (garment, body) = (garment_file.path().display(), rest.path.display());
+            format!("cannot bind `{garment}` to `{body}`")
+        })?;
+        let start = warning::of_start(&garment);
+        let at = |path: &Path| {
+            let path = path.to_path_buf();
+            move |problem| Warning {
+                path: path.clone(),
+                problem,
+            }
+        };
+        let of_garment = found.garment.into_iter().chain(start);
+        let of_garment = of_garment.map(at(garment_file.path()));
+        let warnings = of_garment.chain(found.body.into_iter().map(at(&rest.path)));
+        Ok(Self {
+            warnings: warnings.collect(),
+            garment,
+            garment_file,
+            garment_frame,
+            edges,
+            body,
+            rest,
+            targets,
+            pose,
+        })
+    }
+}
+
+/// What is unusual about the two meshes.
+struct Unusual {
+    garment: Vec<Problem>,
+    body: Vec<Problem>,
+}
+
+fn unusual(garment: &TriMesh, body: &Body) -> Unusual {
+    let of_body = || warning::of_body(body.rest(), body.skin());
+    let (garment, body) = rayon::join(|| warning::of_garment(garment), of_body);
+    Unusual { garment, body }
+}
+
+fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<Vec<DrapeOutput>> {
+    if let Some(folder) = &job.folder {
+        output::make_folder(folder)?;
+    }
+    let draper = Draper::with_options(job.options);
+    let bar = console.progress(bound.targets.len());
+    let mut drapes = Vec::with_capacity(bound.targets.len());
+    for (target, output) in bound.targets.iter().zip(&job.outputs) {
+        bar.set_message(target.path.display().to_string());
+        let (drape, problems) = drape_one(bound, &draper, target, output, job)?;
+        let warnings = problems.into_iter().map(|problem| Warning {
+            path: output.clone(),
+            problem,
+        });
+        drapes.push((drape, warnings.collect::<Vec<_>>()));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let (drapes, warnings): (Vec<_>, Vec<_>) = drapes.into_iter().unzip();
+    bound.warnings.extend(warnings.into_iter().flatten());
+    Ok(drapes)
+}
+
+fn drape_one(
+    bound: &Bound,
+    draper: &Draper,
+    target: &Target,
+    output: &Path,
+    job: &Job,
+) -> anyhow::Result<(DrapeOutput, Vec<Problem>)> {
+    let mut times = Vec::with_capacity(job.repeat as usize);
+    let (mut posed, mut drape, mut time) = drape_timed(bound, draper, target)?;
+    times.push(time);
+    for _ in 1..job.repeat {
+        (posed, drape, time) = drape_timed(bound, draper, target)?;
+        times.push(time);
+    }
+    let rest = bound.garment.mesh().positions();
+    let stretch = edge_stretch(rest, &drape.positions, &bound.edges)?;
+    let mut problems: Vec<Problem> = warning::of_fit(posed.max_residual()).into_iter().collect();
+    let inside = if let Some(report) = &drape.report {
+        problems.extend(warning::of_result(report));
+        None
+    } else {
+        let found = penetration(&drape.positions, posed.skin());
+        let is_inside = found.inside > 0;
+        problems.extend(is_inside.then_some(Problem::Inside(found.inside, found.deepest)));
+        Some(PenetrationReport {
+            inside: found.inside,
+            deepest_m: found.deepest,
+        })
+    };
+    let positions = bound.garment_frame.to_file(drape.positions);
+    let write = || bound.garment_file.write_with_positions(output, &positions);
+    let (written, write) = timed(write);
+    written?;
+    if let Some(path) = &job.body_out {
+        write_body(path, &bound.rest, &posed)?;
+    }
+    time.write = write;
+    let output = DrapeOutput {
+        target: target.path.display().to_string(),
+        output: output.display().to_string(),
+        fit_residual_m: posed.max_residual(),
+        has_other_shape: posed.shape_offsets().is_some(),
+        untangle: drape.report.as_ref().map(Into::into),
+        penetration: inside,
+        stretch: Stretch {
+            p50: stretch.p50,
+            p99: stretch.p99,
+            max: stretch.max,
+            edges: stretch.count,
+        },
+        seconds: time,
+        repeated: RepeatedSeconds::of(&times),
+    };
+    Ok((output, problems))
+}
+
+fn drape_timed(
+    bound: &Bound,
+    draper: &Draper,
+    target: &Target,
+) -> anyhow::Result<(PosedBody, Drape, DrapeSeconds)> {
+    let (posed, fit) = timed(|| target.posed(&bound.body));
+    let posed = posed?;
+    let cannot = || {
+        let garment = bound.garment_file.path().display();
+        format!("cannot drape `{garment}` on `{}`", target.path.display())
+    };
+    let (warped, warp) = timed(|| draper.warp(&bound.garment, &posed));
+    let warped = warped.with_context(cannot)?;
+    let (drape, untangle) = timed(|| draper.finish(&bound.garment, &posed, &warped));
+    let drape = drape.with_context(cannot)?;
+    let write = 0.0;
+    Ok((
+        posed,
+        drape,
+        DrapeSeconds {
+            fit,
+            warp,
+            untangle,
+            write,
+        },
+    ))
+}
+
+/// Writes a posed body with the text of the rest body's OBJ, or plainly if there is none.
+fn write_body(path: &Path, rest: &RestBody, posed: &PosedBody) -> anyhow::Result<()> {
+    let positions = rest.file_frame.to_file(posed.skin().positions().to_vec());
+    if let Some(file) = &rest.file {
+        file.write_with_positions(path, &positions)?;
+    } else {
+        let faces = posed.skin().faces().to_vec();
+        io::write_obj(path, &TriMesh::new(positions, faces)?)?;
+    }
+    Ok(())
+}
+
+impl Bound {
+    fn report(&self, job: &Job, drapes: Vec<DrapeOutput>, seconds: OnceSeconds) -> DrapeReport {
+        let DrapeOptions { warp, untangle } = job.options;
+        let shown = |path: &Path| path.display().to_string();
+        let rest = self.body.rest();
+        DrapeReport {
+            schema: "garnet.drape/1",
+            version: env!("CARGO_PKG_VERSION"),
+            garment: GarmentReport {
+                path: shown(self.garment_file.path()),
+                vertices: self.garment_file.num_vertices(),
+                faces: self.garment_file.num_polygons(),
+                triangles: self.garment.mesh().num_faces(),
+                nodes: self.garment.cloth().rest().len(),
+                units: self.garment_frame.unit.to_string(),
+                up: self.garment_frame.up.to_string(),
+            },
+            rest_body: BodyReport {
+                path: shown(&self.rest.path),
+                rig: shown(&self.rest.rig_path),
+                vertices: rest.num_vertices(),
+                triangles: rest.num_faces(),
+                joints: self.body.skeleton().num_joints(),
+                units: self.rest.frame.unit.to_string(),
+                up: self.rest.frame.up.to_string(),
+            },
+            pose: self.pose.as_ref().map(|pose| PoseReport {
+                path: shown(&pose.path),
+                frame: pose.frame.unwrap_or(0),
+            }),
+            method: method_name(warp),
+            untangled: untangle.is_some(),
+            clearance_m: untangle.map(|options| options.clearance),
+            threads: rayon::current_num_threads(),
+            repeat: job.repeat,
+            drapes,
+            seconds,
+            warnings: self.warnings.iter().map(WarningReport::from).collect(),
+        }
+    }
+}
+
+fn method_name(warp: Warp) -> &'static str {
+    match warp {
+        Warp::Linear => "lbs",
+        Warp::DualQuaternion => "dqs",
+        Warp::Shape => "warp",
+    }
+}
+
+impl From<&Warning> for WarningReport {
+    fn from(warning: &Warning) -> Self {
+        Self {
+            kind: warning.problem.kind(),
+            path: warning.path.display().to_string(),
+            count: warning.problem.count(),
+            text: warning.to_string(),
+        }
+    }
+}
+
+/// Tells people and programs what was done.
+fn publish(report: &DrapeReport, job: &Job, console: &Console) -> anyhow::Result<()> {
+    if let Some(path) = &job.report {
+        let mut text = serde_json::to_string_pretty(report)?;
+        text.push('\n');
+        output::write(path, text.as_bytes())?;
+    }
+    if console.is_json() || job.prints_report {
+        print_document(report)?;
+    }
+    summary::tell(report, job.folder.as_deref(), console);
+    Ok(())
+}
+
+/// Whether the result is within the limit that the user set.
+fn judge(report: &DrapeReport, job: &Job, console: &Console) -> ExitStatus {
+    let Some(limit) = job.max_penetration else {
+        return ExitStatus::Done;
+    };
+    let depth = |drape: &DrapeOutput| match (&drape.untangle, &drape.penetration) {
+        (Some(untangle), _) => untangle.deepest_m,
+        (None, Some(found)) => found.deepest_m,
+        (None, None) => 0.0,
+    };
+    let beyond: Vec<&DrapeOutput> = report
+        .drapes
+        .iter()
+        .filter(|drape| depth(drape) > limit)
+        .collect();
+    let worst = beyond.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)));
+    let Some(worst) = worst else {
+        return ExitStatus::Done;
+    };
+    console.exceeded(&format_args!(
+        "{} of {} drapes end deeper than {} mm in the body, the worst {:.1} mm (`{}`)",
+        beyond.len(),
+        report.drapes.len(),
+        1e3 * limit,
+        1e3 * depth(worst),
+        worst.output
+    ));
+    ExitStatus::LimitExceeded
+}

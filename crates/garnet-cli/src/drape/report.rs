@@ -1,0 +1,235 @@
+//! The report of `drape`: `garnet.drape/1`. Lengths are metres, times seconds.
+
+use garnet::UntangleReport;
+use serde::Serialize;
+
+use super::timing::Repeated;
+
+/// What was draped, how, and what came out.
+#[derive(Debug, Serialize)]
+pub(crate) struct DrapeReport {
+    /// `garnet.drape/1`.
+    pub(crate) schema: &'static str,
+    /// The version of garnet.
+    pub(crate) version: &'static str,
+    /// The garment.
+    pub(crate) garment: GarmentReport,
+    /// The body on which it lies.
+    pub(crate) rest_body: BodyReport,
+    /// The pose file, if there is one.
+    pub(crate) pose: Option<PoseReport>,
+    /// `lbs`, `dqs` or `warp`.
+    pub(crate) method: &'static str,
+    /// Whether penetrations were removed.
+    pub(crate) untangled: bool,
+    /// Smallest distance asked for between cloth and skin; none without untangling.
+    pub(crate) clearance_m: Option<f32>,
+    /// How many threads worked.
+    pub(crate) threads: usize,
+    /// How often each body was draped.
+    pub(crate) repeat: u32,
+    /// What came out, in the order of the bodies.
+    pub(crate) drapes: Vec<DrapeOutput>,
+    /// Times of what is done once.
+    pub(crate) seconds: OnceSeconds,
+    /// What may be wrong.
+    pub(crate) warnings: Vec<WarningReport>,
+}
+
+/// The garment.
+#[derive(Debug, Serialize)]
+pub(crate) struct GarmentReport {
+    pub(crate) path: String,
+    pub(crate) vertices: usize,
+    /// Polygons of the file.
+    pub(crate) faces: usize,
+    /// Triangles that they make.
+    pub(crate) triangles: usize,
+    /// Vertices at different places.
+    pub(crate) nodes: usize,
+    /// The unit it was read in: `m`, `dm`, `cm` or `mm`.
+    pub(crate) units: String,
+    /// The axis that was taken as up: `y` or `z`.
+    pub(crate) up: String,
+}
+
+/// The rest body.
+#[derive(Debug, Serialize)]
+pub(crate) struct BodyReport {
+    /// The file with its mesh.
+    pub(crate) path: String,
+    /// The file with its skeleton and weights.
+    pub(crate) rig: String,
+    pub(crate) vertices: usize,
+    pub(crate) triangles: usize,
+    pub(crate) joints: usize,
+    pub(crate) units: String,
+    pub(crate) up: String,
+}
+
+/// The pose file.
+#[derive(Debug, Serialize)]
+pub(crate) struct PoseReport {
+    pub(crate) path: String,
+    pub(crate) frame: usize,
+}
+
+/// One draped garment.
+#[derive(Debug, Serialize)]
+pub(crate) struct DrapeOutput {
+    /// The body, or the pose, that it was draped on.
+    pub(crate) target: String,
+    pub(crate) output: String,
+    /// Distance between the body and the rest body in the recovered pose, at most.
+    pub(crate) fit_residual_m: f32,
+    /// Whether the body has another shape than the rest body.
+    pub(crate) has_other_shape: bool,
+    /// What untangling found and left; none without it.
+    pub(crate) untangle: Option<Untangle>,
+    /// What is inside the body; none after untangling, which tells more.
+    pub(crate) penetration: Option<PenetrationReport>,
+    /// Length over rest length of the edges of the garment's polygons.
+    pub(crate) stretch: Stretch,
+    /// Times of this drape; of the last one, if it was repeated.
+    pub(crate) seconds: DrapeSeconds,
+    /// Times of all repetitions; none if there is but one.
+    pub(crate) repeated: Option<RepeatedSeconds>,
+}
+
+/// Vertices inside the body.
+#[derive(Debug, Serialize)]
+pub(crate) struct PenetrationReport {
+    pub(crate) inside: usize,
+    pub(crate) deepest_m: f32,
+}
+
+/// What untangling found and left. Vertices at one place count once.
+#[derive(Debug, Serialize)]
+pub(crate) struct Untangle {
+    /// Vertices inside the body after the warp.
+    pub(crate) inside_before: usize,
+    /// The deepest of them.
+    pub(crate) deepest_before_m: f32,
+    /// Vertices that were moved by more than a tenth of a millimetre.
+    pub(crate) moved: usize,
+    /// The farthest that one was moved.
+    pub(crate) max_displacement_m: f32,
+    /// Vertices caught where the body runs through itself.
+    pub(crate) trapped: usize,
+    /// Trapped vertices inside the body.
+    pub(crate) trapped_inside: usize,
+    /// Other vertices inside the body: 0 unless untangling failed.
+    pub(crate) inside: usize,
+    /// The deepest of them.
+    pub(crate) deepest_m: f32,
+    /// Vertices outside, not trapped, and nearer to the skin than the clearance.
+    pub(crate) below_clearance: usize,
+    /// Those of them between parts of the body that leave no room.
+    pub(crate) squeezed: usize,
+    /// Smallest distance to the skin of vertices outside and not trapped; none if there are none.
+    pub(crate) min_distance_m: Option<f32>,
+    /// Faces that cross the skin, without trapped vertices.
+    pub(crate) crossing_faces: usize,
+    /// Faces that cross the skin, with trapped vertices.
+    pub(crate) crossing_faces_trapped: usize,
+    /// How often contacts were found anew.
+    pub(crate) contact_rounds: usize,
+    /// How often crossing faces were lifted.
+    pub(crate) crossing_rounds: usize,
+}
+
+impl From<&UntangleReport> for Untangle {
+    fn from(report: &UntangleReport) -> Self {
+        Self {
+            inside_before: report.inside_before,
+            deepest_before_m: report.deepest_before,
+            moved: report.moved,
+            max_displacement_m: report.max_displacement,
+            trapped: report.trapped,
+            trapped_inside: report.trapped_inside,
+            inside: report.inside,
+            deepest_m: report.deepest,
+            below_clearance: report.below_clearance,
+            squeezed: report.squeezed,
+            min_distance_m: report
+                .min_distance
+                .is_finite()
+                .then_some(report.min_distance),
+            crossing_faces: report.crossing_faces,
+            crossing_faces_trapped: report.crossing_faces_trapped,
+            contact_rounds: report.contact_rounds,
+            crossing_rounds: report.crossing_rounds,
+        }
+    }
+}
+
+/// Length over rest length of edges.
+#[derive(Debug, Serialize)]
+pub(crate) struct Stretch {
+    pub(crate) p50: f32,
+    pub(crate) p99: f32,
+    pub(crate) max: f32,
+    pub(crate) edges: usize,
+}
+
+/// Times of what is done once.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct OnceSeconds {
+    /// Reading and parsing all files.
+    pub(crate) read: f64,
+    /// Binding the garment to the rest body, and looking for what is unusual.
+    pub(crate) bind: f64,
+    /// All of the command.
+    pub(crate) total: f64,
+}
+
+/// Times of one drape.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(crate) struct DrapeSeconds {
+    /// Posing the body, or recovering pose and shape from its vertices.
+    pub(crate) fit: f64,
+    pub(crate) warp: f64,
+    pub(crate) untangle: f64,
+    /// Zero for all but the last repetition.
+    pub(crate) write: f64,
+}
+
+/// Times of repeated drapes: median and 95th percentile.
+#[derive(Debug, Serialize)]
+pub(crate) struct RepeatedSeconds {
+    pub(crate) fit: Repeated,
+    pub(crate) warp: Repeated,
+    pub(crate) untangle: Repeated,
+    /// Warp and untangling together.
+    pub(crate) drape: Repeated,
+}
+
+impl RepeatedSeconds {
+    /// Of two drapes or more.
+    pub(crate) fn of(times: &[DrapeSeconds]) -> Option<Self> {
+        let spread =
+            |stage: fn(&DrapeSeconds) -> f64| Repeated::of(times.iter().map(stage).collect());
+        if times.len() < 2 {
+            return None;
+        }
+        Some(Self {
+            fit: spread(|time| time.fit)?,
+            warp: spread(|time| time.warp)?,
+            untangle: spread(|time| time.untangle)?,
+            drape: spread(|time| time.warp + time.untangle)?,
+        })
+    }
+}
+
+/// What may be wrong.
+#[derive(Debug, Serialize)]
+pub(crate) struct WarningReport {
+    /// The kind, as one word.
+    pub(crate) kind: &'static str,
+    /// The file that it is about.
+    pub(crate) path: String,
+    /// How many there are, where it is a number of things.
+    pub(crate) count: Option<usize>,
+    /// The text for people.
+    pub(crate) text: String,
+}

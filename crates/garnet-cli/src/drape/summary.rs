@@ -1,0 +1,151 @@
+//! What people are told about a drape.
+
+use std::path::Path;
+
+use super::{
+    report::{DrapeOutput, DrapeReport, RepeatedSeconds},
+    timing::{Repeated, readable},
+};
+use crate::console::Console;
+
+/// Tells what was draped, what it is like, what may be wrong, and how long it took.
+pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Console) {
+    console.summary(&headline(report, folder));
+    console.summary(&format_args!("  {}", result(&report.drapes)));
+    console.summary(&format_args!("  {}", stretch(&report.drapes)));
+    if is_converted(report) {
+        console.summary(&format_args!("  {}", frames(report)));
+    }
+    for warning in &report.warnings {
+        console.warning(&warning.text);
+    }
+    for drape in &report.drapes {
+        if let Some(repeated) = &drape.repeated {
+            console.summary(&times(drape, repeated, report));
+        }
+    }
+    console.detail(&stages(report));
+}
+
+fn headline(report: &DrapeReport, folder: Option<&Path>) -> String {
+    let garment = &report.garment.path;
+    let seconds = readable(report.seconds.total);
+    match (folder, report.drapes.as_slice()) {
+        (None, [drape]) => {
+            let target = match &report.pose {
+                Some(pose) => format!("`{}` posed by `{}`", report.rest_body.path, pose.path),
+                None => format!("`{}`", drape.target),
+            };
+            let output = &drape.output;
+            format!("draped `{garment}` on {target} into `{output}` in {seconds}")
+        }
+        (folder, drapes) => {
+            let folder = folder.unwrap_or(Path::new("")).display();
+            let count = drapes.len();
+            format!("draped `{garment}` on {count} bodies into `{folder}` in {seconds}")
+        }
+    }
+}
+
+fn result(drapes: &[DrapeOutput]) -> String {
+    let untangled: Vec<_> = drapes
+        .iter()
+        .filter_map(|drape| drape.untangle.as_ref())
+        .collect();
+    if untangled.is_empty() {
+        let found: Vec<_> = drapes
+            .iter()
+            .filter_map(|drape| drape.penetration.as_ref())
+            .collect();
+        let inside: usize = found.iter().map(|found| found.inside).sum();
+        let deepest = found
+            .iter()
+            .map(|found| found.deepest_m)
+            .fold(0.0, f32::max);
+        return format!(
+            "not untangled: {inside} vertices inside the body, the deepest {:.1} mm",
+            1e3 * deepest
+        );
+    }
+    let before: usize = untangled
+        .iter()
+        .map(|untangle| untangle.inside_before)
+        .sum();
+    let inside: usize = untangled.iter().map(|untangle| untangle.inside).sum();
+    let deepest = untangled
+        .iter()
+        .map(|untangle| untangle.deepest_before_m)
+        .fold(0.0, f32::max);
+    let least = untangled
+        .iter()
+        .filter_map(|untangle| untangle.min_distance_m);
+    let nearest = match least.reduce(f32::min) {
+        Some(least) => format!("; nearest to the skin {:.1} mm", 1e3 * least),
+        None => String::new(),
+    };
+    format!(
+        "freed {before} vertices from the body, the deepest {:.1} mm; {inside} left inside{nearest}",
+        1e3 * deepest
+    )
+}
+
+fn stretch(drapes: &[DrapeOutput]) -> String {
+    let worst = |value: fn(&DrapeOutput) -> f32| drapes.iter().map(value).fold(0.0, f32::max);
+    format!(
+        "edges over rest length: median {:.2}, p99 {:.2}, largest {:.2}",
+        worst(|drape| drape.stretch.p50),
+        worst(|drape| drape.stretch.p99),
+        worst(|drape| drape.stretch.max)
+    )
+}
+
+fn is_converted(report: &DrapeReport) -> bool {
+    let garment = (report.garment.units.as_str(), report.garment.up.as_str());
+    let body = (
+        report.rest_body.units.as_str(),
+        report.rest_body.up.as_str(),
+    );
+    garment != ("m", "y") || body != ("m", "y")
+}
+
+fn frames(report: &DrapeReport) -> String {
+    let (garment, body) = (&report.garment, &report.rest_body);
+    format!(
+        "taken: garment in {}, {} up; rest body in {}, {} up",
+        garment.units, garment.up, body.units, body.up
+    )
+}
+
+fn times(drape: &DrapeOutput, repeated: &RepeatedSeconds, report: &DrapeReport) -> String {
+    let of = |repeated: &Repeated| {
+        format!(
+            "{} (p95 {})",
+            readable(repeated.median),
+            readable(repeated.p95)
+        )
+    };
+    format!(
+        "`{}`: {} drapes on {} threads, median: fit {}, warp {}, untangle {}, warp and untangle {}",
+        drape.target,
+        report.repeat,
+        report.threads,
+        of(&repeated.fit),
+        of(&repeated.warp),
+        of(&repeated.untangle),
+        of(&repeated.drape)
+    )
+}
+
+fn stages(report: &DrapeReport) -> String {
+    let sum = |stage: fn(&DrapeOutput) -> f64| readable(report.drapes.iter().map(stage).sum());
+    format!(
+        "stages on {} threads: read {}, bind {}, fit {}, warp {}, untangle {}, write {}",
+        report.threads,
+        readable(report.seconds.read),
+        readable(report.seconds.bind),
+        sum(|drape| drape.seconds.fit),
+        sum(|drape| drape.seconds.warp),
+        sum(|drape| drape.seconds.untangle),
+        sum(|drape| drape.seconds.write)
+    )
+}

@@ -1,0 +1,265 @@
+//! What may be wrong with inputs and outputs although the work was done.
+
+use std::{fmt, path::PathBuf};
+
+use garnet::{BoundGarment, MeshDiagnosis, Surface, TriMesh, UntangleReport, diagnose};
+
+/// What may be wrong with a file.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Warning {
+    pub(crate) path: PathBuf,
+    pub(crate) problem: Problem,
+}
+
+/// All that is warned of.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Problem {
+    UnusedVertices(usize),
+    DuplicateVertices(usize),
+    ZeroAreaFaces(usize),
+    DuplicateFaces(usize),
+    NonManifoldEdges(usize),
+    InconsistentEdges(usize),
+    Components(usize),
+    OpenBody(usize),
+    SelfIntersectingBody(usize),
+    /// The garment starts inside the rest body: how many vertices deeper than the limit, and the
+    /// deepest in metres.
+    StartsInside(usize, f32),
+    Trapped(usize),
+    Squeezed(usize),
+    BelowClearance(usize, f32),
+    CrossingFaces(usize),
+    /// Cloth is left in the body: how many vertices, and the deepest in metres.
+    Inside(usize, f32),
+    /// The target was fitted with this error, in metres.
+    PoorFit(f32),
+}
+
+impl Problem {
+    /// The name of the problem in reports.
+    pub(crate) fn kind(&self) -> &'static str {
+        match self {
+            Self::UnusedVertices(_) => "unused_vertices",
+            Self::DuplicateVertices(_) => "duplicate_vertices",
+            Self::ZeroAreaFaces(_) => "zero_area_faces",
+            Self::DuplicateFaces(_) => "duplicate_faces",
+            Self::NonManifoldEdges(_) => "non_manifold_edges",
+            Self::InconsistentEdges(_) => "inconsistent_edges",
+            Self::Components(_) => "components",
+            Self::OpenBody(_) => "open_body",
+            Self::SelfIntersectingBody(_) => "self_intersecting_body",
+            Self::StartsInside(..) => "starts_inside",
+            Self::Trapped(_) => "trapped",
+            Self::Squeezed(_) => "squeezed",
+            Self::BelowClearance(..) => "below_clearance",
+            Self::CrossingFaces(_) => "crossing_faces",
+            Self::Inside(..) => "inside",
+            Self::PoorFit(_) => "poor_fit",
+        }
+    }
+
+    /// How many there are, where it is a number of things.
+    pub(crate) fn count(&self) -> Option<usize> {
+        match *self {
+            Self::UnusedVertices(count)
+            | Self::DuplicateVertices(count)
+            | Self::ZeroAreaFaces(count)
+            | Self::DuplicateFaces(count)
+            | Self::NonManifoldEdges(count)
+            | Self::InconsistentEdges(count)
+            | Self::Components(count)
+            | Self::OpenBody(count)
+            | Self::SelfIntersectingBody(count)
+            | Self::StartsInside(count, _)
+            | Self::Trapped(count)
+            | Self::Squeezed(count)
+            | Self::BelowClearance(count, _)
+            | Self::CrossingFaces(count)
+            | Self::Inside(count, _) => Some(count),
+            Self::PoorFit(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let path = self.path.display();
+        let of = |count: usize, [one, many]: [&str; 2], [is, are]: [&str; 2]| match count {
+            1 => format!("1 {one} of `{path}` {is}"),
+            _ => format!("{count} {many} of `{path}` {are}"),
+        };
+        let vertices = |count, verbs| of(count, ["vertex", "vertices"], verbs);
+        let faces = |count, verbs| of(count, ["face", "faces"], verbs);
+        let edges = |count| of(count, ["edge", "edges"], ["has", "have"]);
+        let (is, has) = (["is", "are"], ["has", "have"]);
+        let text = match self.problem {
+            Problem::UnusedVertices(count) => {
+                vertices(count, ["belongs", "belong"]) + " to no face"
+            }
+            Problem::DuplicateVertices(count) => {
+                vertices(count, is) + " at the place of another and moved with it"
+            }
+            Problem::ZeroAreaFaces(count) => faces(count, has) + " no area",
+            Problem::DuplicateFaces(count) => faces(count, has) + " the vertices of another",
+            Problem::NonManifoldEdges(count) => edges(count) + " more than two faces",
+            Problem::InconsistentEdges(count) => {
+                edges(count) + " faces that look to different sides"
+            }
+            Problem::Components(count) => {
+                format!("`{path}` is made of {count} parts that share no vertex")
+            }
+            Problem::OpenBody(count) => format!(
+                "the body `{path}` is open (rims: {count}), and what is inside is judged by the \
+                 generalised winding number"
+            ),
+            Problem::SelfIntersectingBody(count) => {
+                format!("the body `{path}` runs through itself (pairs of faces: {count})")
+            }
+            Problem::StartsInside(count, depth) => {
+                let depth = millimetres(depth);
+                vertices(count, ["starts", "start"])
+                    + &format!(
+                        " more than 30 mm inside the rest body, the deepest {depth} mm: the \
+                         garment may belong to another body"
+                    )
+            }
+            Problem::Trapped(count) => {
+                vertices(count, is) + " caught where the body runs through itself"
+            }
+            Problem::Squeezed(count) => {
+                vertices(count, is)
+                    + " nearer to the skin than the clearance, between parts of the body that \
+                       leave no more room"
+            }
+            Problem::BelowClearance(count, least) => {
+                let least = millimetres(least);
+                vertices(count, is)
+                    + &format!(" nearer to the skin than the clearance, the nearest {least} mm")
+            }
+            Problem::CrossingFaces(count) => {
+                faces(count, ["crosses", "cross"]) + " the skin between vertices that are outside"
+            }
+            Problem::Inside(count, deepest) => {
+                let deepest = millimetres(deepest);
+                vertices(count, is) + &format!(" left inside the body, the deepest {deepest} mm")
+            }
+            Problem::PoorFit(residual) => format!(
+                "the body of `{path}` is not the rest body in another pose: a vertex is {} mm from \
+                 where the skeleton puts it",
+                millimetres(residual)
+            ),
+        };
+        formatter.write_str(&text)
+    }
+}
+
+fn millimetres(metres: f32) -> String {
+    format!("{:.1}", 1e3 * metres)
+}
+
+/// A garment whose vertices are deeper than this in the rest body may belong to another, in metres.
+const MAX_START_DEPTH: f32 = 0.03;
+
+/// A target that differs from the posed rest body by more than a change of shape does, in metres.
+const MAX_RESIDUAL: f32 = 0.15;
+
+/// What is unusual about a garment.
+pub(crate) fn of_garment(mesh: &TriMesh) -> Vec<Problem> {
+    let diagnosis = diagnose(mesh);
+    let mut problems = of_mesh(&diagnosis);
+    if diagnosis.num_components > 1 {
+        problems.push(Problem::Components(diagnosis.num_components));
+    }
+    problems
+}
+
+/// What is unusual about a rest body.
+pub(crate) fn of_body(mesh: &TriMesh, skin: &Surface) -> Vec<Problem> {
+    let (diagnosis, pairs) = rayon::join(|| diagnose(mesh), || skin.self_intersections());
+    let mut problems = of_mesh(&diagnosis);
+    if diagnosis.num_components > 1 {
+        problems.push(Problem::Components(diagnosis.num_components));
+    }
+    if !diagnosis.boundary_loops.is_empty() {
+        problems.push(Problem::OpenBody(diagnosis.boundary_loops.len()));
+    }
+    if !pairs.is_empty() {
+        problems.push(Problem::SelfIntersectingBody(pairs.len()));
+    }
+    problems
+}
+
+fn of_mesh(diagnosis: &MeshDiagnosis) -> Vec<Problem> {
+    let found = [
+        Problem::UnusedVertices(diagnosis.unused_vertices.len()),
+        Problem::DuplicateVertices(diagnosis.duplicate_vertices.len()),
+        Problem::ZeroAreaFaces(diagnosis.degenerate_faces.len()),
+        Problem::DuplicateFaces(diagnosis.duplicate_faces.len()),
+        Problem::NonManifoldEdges(diagnosis.non_manifold_edges.len()),
+        Problem::InconsistentEdges(diagnosis.inconsistent_edges.len()),
+    ];
+    found
+        .into_iter()
+        .filter(|problem| problem.count() != Some(0))
+        .collect()
+}
+
+/// Whether a garment starts deep inside the rest body.
+pub(crate) fn of_start(garment: &BoundGarment) -> Option<Problem> {
+    let cloth = garment.cloth();
+    let far = cloth
+        .rest()
+        .iter()
+        .zip(cloth.skin())
+        .filter_map(|(position, skin)| {
+            let distance = skin.distance_squared.sqrt();
+            (distance > MAX_START_DEPTH).then_some((*position, distance))
+        });
+    let (positions, distances): (Vec<_>, Vec<f32>) = far.unzip();
+    let is_inside = cloth.rest_skin().contains_all(&positions);
+    let inside = distances
+        .into_iter()
+        .zip(is_inside)
+        .filter(|(_, inside)| *inside);
+    let depths: Vec<f32> = inside.map(|(depth, _)| depth).collect();
+    let deepest = depths.iter().copied().fold(0.0, f32::max);
+    (!depths.is_empty()).then_some(Problem::StartsInside(depths.len(), deepest))
+}
+
+/// What is wrong with the fit of a target.
+pub(crate) fn of_fit(residual: f32) -> Option<Problem> {
+    (residual > MAX_RESIDUAL).then_some(Problem::PoorFit(residual))
+}
+
+/// What untangling left.
+pub(crate) fn of_result(report: &UntangleReport) -> Vec<Problem> {
+    let below = report.below_clearance.saturating_sub(report.squeezed);
+    let left = [
+        Problem::Inside(report.inside, report.deepest),
+        Problem::Trapped(report.trapped),
+        Problem::Squeezed(report.squeezed),
+        Problem::BelowClearance(below, report.min_distance),
+        Problem::CrossingFaces(report.crossing_faces),
+    ];
+    left.into_iter()
+        .filter(|problem| problem.count() != Some(0))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_and_many_are_told_apart() {
+        let text = |problem| {
+            let path = PathBuf::from("tee.obj");
+            Warning { path, problem }.to_string()
+        };
+        let (one, many) = (Problem::UnusedVertices(1), Problem::CrossingFaces(2));
+        assert_eq!(text(one), "1 vertex of `tee.obj` belongs to no face");
+        let expected = "2 faces of `tee.obj` cross the skin between vertices that are outside";
+        assert_eq!(text(many), expected);
+    }
+}

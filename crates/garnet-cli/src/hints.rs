@@ -1,0 +1,189 @@
+//! Advice for what can be wrong with files, by the type of the error.
+
+use std::{error::Error as StdError, io};
+
+use garnet::{
+    Error, MeshError, SkinError,
+    io::{
+        ArrayProblem, FileError, FileProblem, ObjError, ObjLineProblem, ObjParseError, WriteError,
+    },
+};
+
+/// The advice of the innermost cause that has one.
+pub(crate) fn for_error(error: &anyhow::Error) -> Option<String> {
+    let links: Vec<&(dyn StdError + 'static)> = error.chain().collect();
+    let hint = links.into_iter().rev().find_map(for_link);
+    hint.map(str::to_owned)
+}
+
+fn for_link(link: &(dyn StdError + 'static)) -> Option<&'static str> {
+    if let Some(error) = link.downcast_ref::<Error>() {
+        return for_garnet(error);
+    }
+    if let Some(error) = link.downcast_ref::<ObjError>() {
+        return for_obj(error);
+    }
+    if let Some(error) = link.downcast_ref::<ObjParseError>() {
+        return Some(for_parse(error));
+    }
+    if let Some(error) = link.downcast_ref::<FileError>() {
+        return for_file(&error.problem);
+    }
+    if let Some(problem) = link.downcast_ref::<FileProblem>() {
+        return for_file(problem);
+    }
+    if let Some(error) = link.downcast_ref::<SkinError>() {
+        return for_skin(error);
+    }
+    if let Some(error) = link.downcast_ref::<MeshError>() {
+        return for_mesh(error);
+    }
+    if let Some(error) = link.downcast_ref::<WriteError>() {
+        return for_write(error);
+    }
+    link.downcast_ref::<io::Error>().and_then(for_io)
+}
+
+fn for_garnet(error: &Error) -> Option<&'static str> {
+    match error {
+        Error::Obj(error) => for_obj(error),
+        Error::File(error) => for_file(&error.problem),
+        Error::Mesh(error) => for_mesh(error),
+        Error::Skin(error) => for_skin(error),
+        Error::NotOnBody { .. } => Some(
+            "the garment must lie on the rest body; `garnet info` shows both boxes; `--units` and \
+             `--up` override what was detected",
+        ),
+        Error::DifferentUnits { .. } => {
+            Some("`garnet info` shows both boxes; `--units GARMENT,BODY` names the units of both")
+        }
+        _ => None,
+    }
+}
+
+fn for_obj(error: &ObjError) -> Option<&'static str> {
+    match error {
+        ObjError::Read { source, .. } => for_io(source),
+        ObjError::Parse { source, .. } => Some(for_parse(source)),
+        ObjError::Write(error) => for_write(error),
+        _ => None,
+    }
+}
+
+fn for_parse(error: &ObjParseError) -> &'static str {
+    match error {
+        ObjParseError::NotObj { .. } => {
+            "garments and bodies are OBJ meshes; a GLB or npz file with a skeleton goes to `--rig`"
+        }
+        ObjParseError::Empty | ObjParseError::NoVertices | ObjParseError::NoFaces => {
+            "export the mesh with its faces as OBJ"
+        }
+        ObjParseError::Line { problem, .. } => match problem {
+            ObjLineProblem::IndexOutOfRange { .. } => {
+                "the file may be cut off, or was joined from files without renumbering the faces"
+            }
+            ObjLineProblem::CoordinateNotFinite { .. } => {
+                "the mesh was written by a computation that failed: export it again"
+            }
+            ObjLineProblem::IndexZero { .. } => "add 1 to all indices of the faces",
+            _ => "correct the line, or export the mesh again as OBJ",
+        },
+        _ => "export the mesh again as OBJ",
+    }
+}
+
+fn for_file(problem: &FileProblem) -> Option<&'static str> {
+    match problem {
+        FileProblem::Io(error) => for_io(error),
+        FileProblem::UnknownFormat => Some(
+            "rigs are npz archives, GLB or glTF files with a skin, or JSON; the OBJ of the rest \
+             body goes to `--rest-body`",
+        ),
+        FileProblem::Json { .. } | FileProblem::Field { .. } | FileProblem::ListLength { .. } => {
+            Some("correct the field; `garnet drape --help` names the formats")
+        }
+        FileProblem::UnknownJointName { .. } => {
+            Some("`garnet info RIG` lists the names of the joints")
+        }
+        FileProblem::NotAUnitQuaternion { .. } => {
+            Some("rotations are written as `[x, y, z, w]` with norm 1")
+        }
+        FileProblem::FrameOutOfRange { .. } => Some("name a frame as `--pose FILE:FRAME`"),
+        FileProblem::NoPose => Some("`garnet drape --help` shows the form of a pose file"),
+        FileProblem::MissingFile { .. } => Some("paths in a JSON file are relative to it"),
+        FileProblem::MissingKeys { .. } => Some(
+            "a rig has the arrays `vertices`, `faces`, `blend_weights`, `joints` and `parents`",
+        ),
+        FileProblem::Archive(_) => Some("the file may be cut off: copy or save it again"),
+        FileProblem::Array { problem, .. } => Some(for_array(problem)),
+        FileProblem::Gltf(_) => {
+            Some("the file may be cut off or have no skinned mesh: export it again with its skin")
+        }
+        FileProblem::Skin(error) => for_skin(error),
+        FileProblem::Mesh(error) => for_mesh(error),
+        FileProblem::Obj(error) => for_obj(error),
+        FileProblem::Other(error) => for_file(&error.problem),
+        _ => None,
+    }
+}
+
+fn for_array(problem: &ArrayProblem) -> &'static str {
+    match problem {
+        ArrayProblem::Unpack { .. } => "the file may be cut off: copy or save it again",
+        _ => "all arrays of a rig must be of the same body: save them again together",
+    }
+}
+
+fn for_skin(error: &SkinError) -> Option<&'static str> {
+    match error {
+        SkinError::CyclicParents { .. } | SkinError::ParentOutOfRange { .. } => {
+            Some("the parents of a skeleton form a tree; a root has the parent -1")
+        }
+        SkinError::NoWeight { .. } => {
+            Some("paint weights for every vertex of the body, then export the rig again")
+        }
+        SkinError::VertexCount { .. } | SkinError::JointCount { .. } => {
+            Some("rig and rest body must be of the same mesh")
+        }
+        SkinError::NoRestMesh => Some("give the rest body with `--rest-body OBJ`"),
+        SkinError::RotationCount { .. } | SkinError::TransformCount { .. } => {
+            Some("the pose must be made for the skeleton of the rig")
+        }
+        SkinError::NotRigid { .. } => Some("bake scales of joints into the mesh before export"),
+        SkinError::NonFiniteWeight { .. }
+        | SkinError::NegativeWeight { .. }
+        | SkinError::NonFiniteJoint { .. } => Some("export the rig again"),
+        SkinError::Singular(_) => Some("`garnet info` shows what is unusual about the garment"),
+        _ => None,
+    }
+}
+
+fn for_mesh(error: &MeshError) -> Option<&'static str> {
+    match error {
+        MeshError::NoFaces => Some("export the mesh with its faces"),
+        MeshError::FaceIndexOutOfRange { .. } | MeshError::NonFiniteCoordinate { .. } => {
+            Some("export the mesh again")
+        }
+        _ => None,
+    }
+}
+
+fn for_write(error: &WriteError) -> Option<&'static str> {
+    match error {
+        WriteError::FolderMissing { .. } => Some("create the folder first"),
+        WriteError::IsFolder { .. } => Some("name a file in it"),
+        WriteError::Io { source, .. } => for_io(source),
+        _ => None,
+    }
+}
+
+fn for_io(error: &io::Error) -> Option<&'static str> {
+    match error.kind() {
+        io::ErrorKind::NotFound => Some("check the path; relative paths start in this folder"),
+        io::ErrorKind::PermissionDenied => Some("check the permissions of the file"),
+        io::ErrorKind::IsADirectory => Some("name a file in the folder"),
+        io::ErrorKind::StorageFull => Some("make room on the disk"),
+        io::ErrorKind::NotADirectory => Some("check the path: a part of it is no folder"),
+        _ => None,
+    }
+}

@@ -1,0 +1,159 @@
+//! What is in an OBJ.
+
+use std::path::Path;
+
+use anyhow::Context;
+use garnet::{Bounds, MeshDiagnosis, diagnose, io::ObjFile};
+use serde::Serialize;
+
+use super::table::Table;
+
+/// What is in a mesh and what is unusual about it. Lengths are in the unit of the file.
+#[derive(Debug, Serialize)]
+pub(crate) struct MeshInfo {
+    vertices: usize,
+    /// Polygons.
+    faces: usize,
+    triangles: usize,
+    edges: usize,
+    texture_vertices: usize,
+    normals: usize,
+    groups: usize,
+    has_vertex_colors: bool,
+    /// Smallest coordinates of vertices that faces name.
+    min: [f32; 3],
+    /// Largest coordinates of vertices that faces name.
+    max: [f32; 3],
+    mean_edge_length: f64,
+    /// The unit, if it is a body.
+    unit_if_body: Option<String>,
+    /// Units that fit, if it is a garment.
+    units_if_garment: Vec<String>,
+    /// The axis that points up, if it is a body that stands.
+    up_if_body: Option<String>,
+    /// Parts that share no vertex.
+    components: usize,
+    is_closed: bool,
+    boundary_loops: usize,
+    /// How many vertices each rim has, the longest first.
+    boundary_lengths: Vec<usize>,
+    unused_vertices: usize,
+    duplicate_vertices: usize,
+    zero_area_faces: usize,
+    duplicate_faces: usize,
+    non_manifold_edges: usize,
+    inconsistent_edges: usize,
+}
+
+impl MeshInfo {
+    pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
+        let file = ObjFile::read(path)?;
+        let mesh = file.mesh();
+        let mesh = mesh.with_context(|| format!("cannot read `{}`", path.display()))?;
+        Ok(Self::new(&file, &diagnose(&mesh)))
+    }
+
+    fn new(file: &ObjFile, found: &MeshDiagnosis) -> Self {
+        let Bounds { min, max } = found.bounds;
+        let mut boundary_lengths: Vec<usize> = found.boundary_loops.iter().map(Vec::len).collect();
+        boundary_lengths.sort_unstable_by(|a, b| b.cmp(a));
+        Self {
+            vertices: found.num_vertices,
+            faces: file.num_polygons(),
+            triangles: found.num_faces,
+            edges: file.polygon_edges().len(),
+            texture_vertices: file.num_texture_vertices(),
+            normals: file.num_normals(),
+            groups: file.num_groups(),
+            has_vertex_colors: file.has_colors(),
+            min: min.coords.into(),
+            max: max.coords.into(),
+            mean_edge_length: found.mean_edge_length,
+            unit_if_body: found.body_unit().map(|unit| unit.to_string()),
+            units_if_garment: found
+                .garment_units()
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
+            up_if_body: found.body_up_axis().map(|up| up.to_string()),
+            components: found.num_components,
+            is_closed: found.is_closed,
+            boundary_loops: boundary_lengths.len(),
+            boundary_lengths,
+            unused_vertices: found.unused_vertices.len(),
+            duplicate_vertices: found.duplicate_vertices.len(),
+            zero_area_faces: found.degenerate_faces.len(),
+            duplicate_faces: found.duplicate_faces.len(),
+            non_manifold_edges: found.non_manifold_edges.len(),
+            inconsistent_edges: found.inconsistent_edges.len(),
+        }
+    }
+
+    pub(crate) fn fill(&self, table: &mut Table) {
+        table.row("kind", "mesh");
+        table.row("vertices", self.vertices);
+        table.row(
+            "faces",
+            format_args!("{} ({} triangles)", self.faces, self.triangles),
+        );
+        table.row("edges", self.edges);
+        table.row("texture vertices", self.texture_vertices);
+        table.row("normals", self.normals);
+        table.row("groups", self.groups);
+        if self.has_vertex_colors {
+            table.row("vertex colors", "yes");
+        }
+        let ends = self.min.iter().zip(&self.max);
+        let axes = ["x", "y", "z"].into_iter().zip(ends);
+        let extents = axes.map(|(axis, (min, max))| format!("{axis} {min:.3} to {max:.3}"));
+        table.row("box", extents.collect::<Vec<_>>().join(", "));
+        table.row("mean edge", format_args!("{:.4}", self.mean_edge_length));
+        let or_unclear = |found: &Option<String>| found.clone().unwrap_or("unclear".to_owned());
+        let units = match self.units_if_garment.as_slice() {
+            [] => "unclear".to_owned(),
+            units => units.join(" or "),
+        };
+        table.row(
+            "unit",
+            format_args!(
+                "{} if a body, {units} if a garment",
+                or_unclear(&self.unit_if_body)
+            ),
+        );
+        table.row(
+            "up",
+            format_args!("{} if a body", or_unclear(&self.up_if_body)),
+        );
+        table.row("components", self.components);
+        let rims = match self.boundary_lengths.as_slice() {
+            [] => "none".to_owned(),
+            lengths => {
+                let shown: Vec<String> = lengths.iter().take(8).map(ToString::to_string).collect();
+                let more = if lengths.len() > shown.len() {
+                    ", ..."
+                } else {
+                    ""
+                };
+                format!("{} ({}{more} vertices)", lengths.len(), shown.join(", "))
+            }
+        };
+        table.row("rims", rims);
+        let oddities = [
+            (self.unused_vertices, "unused vertices"),
+            (self.duplicate_vertices, "duplicate vertices"),
+            (self.zero_area_faces, "faces without area"),
+            (self.duplicate_faces, "duplicate faces"),
+            (self.non_manifold_edges, "non-manifold edges"),
+            (self.inconsistent_edges, "edges between opposite faces"),
+        ];
+        let found = oddities.into_iter().filter(|(count, _)| *count > 0);
+        let found: Vec<String> = found
+            .map(|(count, what)| format!("{count} {what}"))
+            .collect();
+        if found.is_empty() {
+            table.row("unusual", "nothing");
+        } else {
+            table.row("unusual", found.join(", "));
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! `garnet info`: what is in files.
+
+mod mesh;
+mod pose;
+mod rig;
+mod table;
+
+use std::{
+    fs::File,
+    io::Read,
+    path::{Path, PathBuf},
+};
+
+use anyhow::Context;
+use clap::Args;
+use serde::Serialize;
+
+use crate::{
+    console::{Console, print_data, print_document},
+    failure::ExitStatus,
+};
+use mesh::MeshInfo;
+use pose::PoseInfo;
+use rig::{RigInfo, SceneInfo};
+use table::Table;
+
+/// Arguments of `info`.
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// Meshes (OBJ), rigs (npz, GLB, glTF, JSON), scenes and poses (JSON).
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+}
+
+/// The document of `info`: `garnet.info/1`.
+#[derive(Debug, Serialize)]
+struct InfoReport {
+    /// `garnet.info/1`.
+    schema: &'static str,
+    /// One for each file.
+    files: Vec<FileInfo>,
+}
+
+/// What is in a file.
+#[derive(Debug, Serialize)]
+struct FileInfo {
+    /// The file.
+    path: String,
+    /// What it holds.
+    #[serde(flatten)]
+    content: Content,
+}
+
+/// What a file holds.
+#[derive(Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Content {
+    /// A mesh.
+    Mesh(MeshInfo),
+    /// A skeleton with weights.
+    Rig(RigInfo),
+    /// A garment, two bodies and a pose.
+    Scene(SceneInfo),
+    /// A pose, or several.
+    Pose(PoseInfo),
+}
+
+/// Reads each file and tells what is in it.
+pub(crate) fn run(args: &InfoArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    let files = args.files.iter().map(|path| {
+        Ok(FileInfo {
+            path: path.display().to_string(),
+            content: content(path)?,
+        })
+    });
+    let files = files.collect::<anyhow::Result<Vec<_>>>()?;
+    if console.is_json() {
+        let schema = "garnet.info/1";
+        print_document(&InfoReport { schema, files })?;
+        return Ok(ExitStatus::Done);
+    }
+    let tables: Vec<String> = files.iter().map(|file| table(file).to_string()).collect();
+    print_data(&tables.join("\n\n"))?;
+    Ok(ExitStatus::Done)
+}
+
+fn table(file: &FileInfo) -> Table {
+    let mut table = Table::new(&file.path);
+    match &file.content {
+        Content::Mesh(mesh) => mesh.fill(&mut table),
+        Content::Rig(rig) => rig.fill(&mut table),
+        Content::Scene(scene) => scene.fill(&mut table),
+        Content::Pose(pose) => pose.fill(&mut table),
+    }
+    table
+}
+
+fn content(path: &Path) -> anyhow::Result<Content> {
+    Ok(match kind(path)? {
+        Kind::Mesh => Content::Mesh(MeshInfo::read(path)?),
+        Kind::Rig => Content::Rig(RigInfo::read(path)?),
+        Kind::Scene => Content::Scene(SceneInfo::read(path)?),
+        Kind::Pose => Content::Pose(PoseInfo::read(path)?),
+    })
+}
+
+enum Kind {
+    Mesh,
+    Rig,
+    Scene,
+    Pose,
+}
+
+/// The content decides, and the extension where it tells nothing.
+fn kind(path: &Path) -> anyhow::Result<Kind> {
+    let mut start = Vec::new();
+    let mut open = || File::open(path)?.take(64).read_to_end(&mut start);
+    open().with_context(|| format!("cannot read `{}`", path.display()))?;
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    let extension = extension.unwrap_or_default().to_ascii_lowercase();
+    if start.starts_with(b"PK") || start.starts_with(b"glTF") {
+        return Ok(Kind::Rig);
+    }
+    let text = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&start);
+    let is_json = text.trim_ascii_start().first() == Some(&b'{');
+    match extension.as_str() {
+        "npz" | "glb" | "gltf" => Ok(Kind::Rig),
+        _ if is_json => kind_of_json(path),
+        _ => Ok(Kind::Mesh),
+    }
+}
+
+fn kind_of_json(path: &Path) -> anyhow::Result<Kind> {
+    let document = pose::read_json(path)?;
+    let schema = document.get("schema").and_then(|schema| schema.as_str());
+    let joints = document.get("joints");
+    Ok(match schema {
+        Some(schema) if schema.starts_with("drape-scene/") => Kind::Scene,
+        _ if document.get("asset").is_some() => Kind::Rig,
+        _ if joints.is_some_and(serde_json::Value::is_array) => Kind::Rig,
+        _ => Kind::Pose,
+    })
+}

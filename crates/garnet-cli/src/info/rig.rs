@@ -1,0 +1,143 @@
+//! What is in a rig or a scene.
+
+use std::path::Path;
+
+use garnet::{
+    Rig, Skeleton,
+    io::{Scene, read_rig},
+};
+use serde::Serialize;
+
+use super::table::Table;
+
+/// What is in a rig. Lengths are metres.
+#[derive(Debug, Serialize)]
+pub(crate) struct RigInfo {
+    /// Vertices that the weights are for.
+    vertices: usize,
+    /// Triangles of the rest mesh; none if there is no rest mesh.
+    triangles: Option<usize>,
+    /// Most joints that a vertex follows.
+    max_influences: usize,
+    /// Mean number of joints that a vertex follows.
+    mean_influences: f64,
+    /// Whether garments are modelled on another pose than that of the rest mesh.
+    has_rest_pose: bool,
+    joints: Vec<JointInfo>,
+}
+
+/// A joint.
+#[derive(Debug, Serialize)]
+pub(crate) struct JointInfo {
+    name: String,
+    parent: Option<String>,
+    rest_position: [f32; 3],
+}
+
+impl RigInfo {
+    pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
+        Ok(Self::new(&read_rig(path)?))
+    }
+
+    fn new(rig: &Rig) -> Self {
+        let vertices = rig.weights.num_vertices();
+        let influences = || (0..vertices).map(|vertex| rig.weights.vertex(vertex).len());
+        Self {
+            vertices,
+            triangles: rig.rest.as_ref().map(garnet::TriMesh::num_faces),
+            max_influences: influences().max().unwrap_or(0),
+            mean_influences: influences().sum::<usize>() as f64 / vertices.max(1) as f64,
+            has_rest_pose: rig.rest_pose.is_some(),
+            joints: joints(&rig.skeleton),
+        }
+    }
+
+    pub(crate) fn fill(&self, table: &mut Table) {
+        table.row("kind", "rig");
+        table.row("vertices", self.vertices);
+        match self.triangles {
+            Some(triangles) => table.row("triangles", triangles),
+            None => table.row("triangles", "no rest mesh"),
+        }
+        table.row(
+            "weights",
+            format_args!(
+                "{:.1} joints a vertex, {} at most",
+                self.mean_influences, self.max_influences
+            ),
+        );
+        if self.has_rest_pose {
+            table.row(
+                "rest pose",
+                "garments lie on another pose than the rest mesh",
+            );
+        }
+        fill_joints(&self.joints, table);
+    }
+}
+
+fn joints(skeleton: &Skeleton) -> Vec<JointInfo> {
+    let all = skeleton.joints();
+    let info = |joint: &garnet::Joint| JointInfo {
+        name: joint.name.clone(),
+        parent: joint.parent.map(|parent| all[parent].name.clone()),
+        rest_position: joint.rest_position.coords.into(),
+    };
+    all.iter().map(info).collect()
+}
+
+fn fill_joints(joints: &[JointInfo], table: &mut Table) {
+    table.row("joints", joints.len());
+    for joint in joints {
+        let [x, y, z] = joint.rest_position;
+        let parent = joint.parent.as_deref().unwrap_or("none");
+        table.row(
+            &format!("  {}", joint.name),
+            format_args!("at {x:.3} {y:.3} {z:.3}, parent {parent}"),
+        );
+    }
+}
+
+/// What is in a scene. Lengths are metres.
+#[derive(Debug, Serialize)]
+pub(crate) struct SceneInfo {
+    name: String,
+    garment: String,
+    rest_body: String,
+    target_body: String,
+    /// Metres in one unit of the meshes.
+    metres_per_unit: f64,
+    has_weights: bool,
+    has_transforms: bool,
+    joints: Vec<JointInfo>,
+}
+
+impl SceneInfo {
+    pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
+        let scene = Scene::read(path)?;
+        let shown = |path: &Path| path.display().to_string();
+        Ok(Self {
+            garment: shown(&scene.garment),
+            rest_body: shown(&scene.rest_body),
+            target_body: shown(&scene.target_body),
+            metres_per_unit: scene.metres_per_unit,
+            has_weights: scene.weights.is_some(),
+            has_transforms: scene.posed_from_rest.is_some(),
+            joints: joints(&scene.rest_skeleton),
+            name: scene.name,
+        })
+    }
+
+    pub(crate) fn fill(&self, table: &mut Table) {
+        let or_missing = |is_there| if is_there { "yes" } else { "no" };
+        table.row("kind", "scene");
+        table.row("name", &self.name);
+        table.row("garment", &self.garment);
+        table.row("rest body", &self.rest_body);
+        table.row("target body", &self.target_body);
+        table.row("metres a unit", self.metres_per_unit);
+        table.row("weights", or_missing(self.has_weights));
+        table.row("transforms", or_missing(self.has_transforms));
+        fill_joints(&self.joints, table);
+    }
+}

@@ -1,0 +1,338 @@
+//! Bad input ends with 2, one clear error with the path, the line where there is one, and a hint,
+//! and nothing is written.
+
+use garnet::primitives::capsule;
+
+use crate::fixtures::{Fixture, stderr, stdout};
+
+/// Runs a command that must be refused; the error must say all of `expected`.
+fn refused(fixture: &Fixture, arguments: &str, expected: &[&str]) {
+    let before = fixture.names();
+    let output = fixture.garnet(arguments);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
+    assert!(text.starts_with("error: "), "{arguments}: {text}");
+    assert_eq!(text.matches("error: ").count(), 1, "{arguments}: {text}");
+    assert_eq!(text.matches("hint: ").count(), 1, "{arguments}: {text}");
+    for words in expected {
+        assert!(
+            text.contains(words),
+            "{arguments}: `{words}` is not in {text}"
+        );
+    }
+    assert_eq!(stdout(&output), "", "{arguments}");
+    assert_eq!(fixture.names(), before, "{arguments}");
+}
+
+#[test]
+fn missing_and_unreadable_files() {
+    let fixture = Fixture::new();
+    refused(
+        &fixture,
+        "drape nothing.obj body.obj -o out.obj",
+        &["`nothing.obj`"],
+    );
+    refused(
+        &fixture,
+        "drape sleeve.obj nothing.obj -o out.obj",
+        &["`nothing.obj`"],
+    );
+    refused(&fixture, "drape . body.obj -o out.obj", &["`.`"]);
+    refused(
+        &fixture,
+        "drape sleeve.obj bent.obj --rig no.npz -o out.obj",
+        &["`no.npz`"],
+    );
+    refused(
+        &fixture,
+        "drape sleeve.obj body.obj --pose no.json -o out.obj",
+        &["`no.json`"],
+    );
+    refused(&fixture, "drape --scene no.json -o out.obj", &["`no.json`"]);
+    refused(&fixture, "info no.obj", &["`no.obj`"]);
+    refused(&fixture, "render no.obj -o out.png", &["`no.obj`"]);
+}
+
+#[test]
+fn files_that_are_no_meshes() {
+    let fixture = Fixture::new();
+    fixture.bytes("binary.obj", &[0, 159, 146, 150, 0, 1, 2, 3]);
+    fixture.text("empty.obj", "");
+    fixture.text("points.obj", "v 0 0 0\nv 1 0 0\n");
+    for (name, cause) in [
+        ("binary.obj", "not an OBJ mesh"),
+        ("body.rig.npz", "not an OBJ mesh"),
+        ("empty.obj", "empty"),
+        ("points.obj", "no faces"),
+    ] {
+        refused(
+            &fixture,
+            &format!("drape {name} body.obj -o out.obj"),
+            &[name, cause],
+        );
+        refused(
+            &fixture,
+            &format!("drape sleeve.obj {name} -o out.obj"),
+            &[name, cause],
+        );
+    }
+    refused(&fixture, "render empty.obj -o out.png", &["`empty.obj`"]);
+}
+
+#[test]
+fn lines_that_are_wrong() {
+    let fixture = Fixture::new();
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (name, line, cause) in [
+        (
+            "range.obj",
+            "f 1 2 9",
+            "line 4: face corner `9` names vertex 9",
+        ),
+        ("zero.obj", "f 0 1 2", "line 4"),
+        (
+            "nan.obj",
+            "v nan 0 0\nf 1 2 3",
+            "line 4: vertex coordinate `nan` is not finite",
+        ),
+        ("inf.obj", "v 0 inf 0\nf 1 2 3", "line 4"),
+        (
+            "word.obj",
+            "v 0 x 0\nf 1 2 3",
+            "line 4: vertex coordinate `x` is not a number",
+        ),
+        ("short.obj", "f 1 2", "line 4"),
+    ] {
+        fixture.text(name, &format!("{triangle}{line}\n"));
+        let quoted = format!("`{name}`");
+        let run = |arguments: String| refused(&fixture, &arguments, &[&quoted, cause]);
+        run(format!("drape {name} body.obj -o out.obj"));
+        run(format!(
+            "drape sleeve.obj {name} --rig body.rig.npz -o out.obj"
+        ));
+        run(format!("info {name}"));
+    }
+}
+
+#[test]
+fn other_units_and_far_apart() {
+    let fixture = Fixture::new();
+    fixture.moved("sleeve.obj", "large.obj", |point| point * 100.0);
+    fixture.moved("sleeve.obj", "far.obj", |point| {
+        point + garnet::Vector3::x() * 3.0
+    });
+    for name in ["body.obj", "bent.obj"] {
+        fixture.moved(name, &format!("large_{name}"), |point| point * 100.0);
+    }
+    let units = [
+        "the garment looks like centimetres, the body like metres",
+        "`--units cm,m`",
+    ];
+    refused(&fixture, "drape large.obj body.obj -o out.obj", &units);
+    refused(
+        &fixture,
+        "drape sleeve.obj large_bent.obj --rest-body large_body.obj --rig body.rig.npz -o out.obj",
+        &[
+            "the garment looks like metres, the body like centimetres",
+            "`--units m,cm`",
+        ],
+    );
+    refused(
+        &fixture,
+        "drape far.obj body.obj -o out.obj",
+        &["m apart", "`--units"],
+    );
+}
+
+#[test]
+fn bodies_of_other_topology() {
+    let fixture = Fixture::new();
+    fixture.mesh("other.obj", &capsule(0.1, 1.4, 20, 16));
+    refused(
+        &fixture,
+        "drape sleeve.obj other.obj -o out.obj",
+        &[
+            "there is no rig for `other.obj`",
+            "`other.rig.npz`",
+            "--rig",
+        ],
+    );
+    refused(
+        &fixture,
+        "drape sleeve.obj other.obj --rest-body body.obj -o out.obj",
+        &["`other.obj` has another topology", "vertices", "--pose"],
+    );
+    fixture.moved("body.obj", "shuffled.obj", |point| {
+        // Vertices far from their neighbors, as if they were in another order.
+        let turn = (point.x * 9173.0 + point.y * 7919.0 + point.z * 6113.0).sin();
+        garnet::Point3::new(turn, -turn, 1.0 - turn * turn)
+    });
+    refused(
+        &fixture,
+        "drape sleeve.obj shuffled.obj --rest-body body.obj -o out.obj",
+        &["`shuffled.obj` has another topology", "another order"],
+    );
+    refused(
+        &fixture,
+        "drape sleeve.obj bent.obj --rig body.rig.npz --pose bend.json -o out.obj",
+        &["`bent.obj` is not the rest body"],
+    );
+}
+
+#[test]
+fn rigs_that_are_impossible() {
+    let fixture = Fixture::new();
+    let joints = |parents: [i32; 2]| {
+        let [a, b] = parents;
+        format!(
+            r#"[{{"name": "shoulder", "parent": {a}, "rest_position": [0, -0.7, 0]}},
+                {{"name": "elbow", "parent": {b}, "rest_position": [0, 0, 0]}}]"#
+        )
+    };
+    fixture.rig_json("cyclic.json", &joints([1, 0]), [0.5, 0.5]);
+    fixture.rig_json("parent.json", &joints([-1, 7]), [0.5, 0.5]);
+    fixture.rig_json("weights.json", &joints([-1, 0]), [0.0, 0.0]);
+    fixture.rig_json("good.json", &joints([-1, 0]), [0.5, 0.5]);
+    let good = fixture.garnet("drape sleeve.obj body.obj --rig good.json -o good.obj");
+    assert_eq!(good.status.code(), Some(0), "{}", stderr(&good));
+    fixture.mesh("other.obj", &capsule(0.1, 1.4, 20, 16));
+    fixture.half("body.rig.npz", "half.npz");
+    fixture.bytes("half.glb", b"glTF\x02\x00\x00\x00\xff\xff\x00\x00\x10");
+    fixture.text("text.npz", "hello");
+    for (name, cause) in [
+        ("cyclic.json", "is its own ancestor"),
+        ("parent.json", "has the parent 7"),
+        ("weights.json", "follows no joint: its weights sum to"),
+        ("half.npz", "archive"),
+        ("half.glb", "cannot read `half.glb`"),
+        ("text.npz", "archive"),
+        ("bend.json", "bend.json"),
+        ("body.obj", "no rig"),
+    ] {
+        refused(
+            &fixture,
+            &format!("drape sleeve.obj body.obj --rig {name} -o out.obj"),
+            &[name, cause],
+        );
+    }
+    refused(
+        &fixture,
+        "drape sleeve.obj other.obj --rest-body other.obj --rig body.rig.npz -o out.obj",
+        &["`body.rig.npz`", "`other.obj`", "vertices"],
+    );
+}
+
+#[test]
+fn poses_that_do_not_fit() {
+    let fixture = Fixture::new();
+    let pose = |name: &str, text: &str, cause: &str| {
+        fixture.text(name, text);
+        refused(
+            &fixture,
+            &format!("drape sleeve.obj body.obj --pose {name} -o out.obj"),
+            &[name, cause],
+        );
+    };
+    pose(
+        "name.json",
+        r#"{"joints": {"elbo": [0, 0, 0, 1]}}"#,
+        "near it are `elbow`",
+    );
+    pose(
+        "norm.json",
+        r#"{"joints": {"elbow": [1, 1, 1, 1]}}"#,
+        "has the norm 2",
+    );
+    pose("cut.json", r#"{"joints": {"elbow""#, "line 1, column");
+    pose("none.json", "{}", "no pose");
+    refused(
+        &fixture,
+        "drape sleeve.obj body.obj --pose bend.json:3 -o out.obj",
+        &["frame 3 was asked for"],
+    );
+}
+
+#[test]
+fn outputs_that_cannot_be_written() {
+    let fixture = Fixture::new();
+    let missing = ["`missing/out", "does not exist"];
+    refused(
+        &fixture,
+        "drape sleeve.obj body.obj -o missing/out.obj",
+        &missing,
+    );
+    refused(
+        &fixture,
+        "drape sleeve.obj body.obj bent.obj -o missing/out",
+        &["`missing`"],
+    );
+    refused(&fixture, "render body.obj -o missing/out.png", &missing);
+    refused(
+        &fixture,
+        "drape sleeve.obj body.obj -o .",
+        &["`.`", "folder"],
+    );
+    refused(
+        &fixture,
+        "drape sleeve.obj body.obj bent.obj -o body.obj",
+        &["it is a file"],
+    );
+    refused(
+        &fixture,
+        "drape sleeve.obj body.obj -o out.obj --report missing/report.json",
+        &["`missing/report.json`"],
+    );
+}
+
+#[test]
+fn one_bad_body_of_several_stops_all() {
+    let fixture = Fixture::new();
+    fixture.half("bent.obj", "half.obj");
+    refused(
+        &fixture,
+        "drape sleeve.obj body.obj half.obj bent.obj -o several",
+        &["`half.obj`"],
+    );
+}
+
+#[test]
+fn usage_that_is_wrong() {
+    let fixture = Fixture::new();
+    for arguments in [
+        "drape",
+        "drape sleeve.obj -o out.obj",
+        "drape sleeve.obj body.obj",
+        "drape sleeve.obj body.obj -o out.obj --clearance -1",
+        "drape sleeve.obj body.obj -o out.obj --method best",
+        "drape sleeve.obj body.obj -o out.obj --units inch",
+        "drape sleeve.obj body.obj -o out.obj --repeat 0",
+        "drape sleeve.obj body.obj -o out.obj --threads many",
+        "drape --scene scene.json sleeve.obj -o out.obj",
+        "render body.obj -o out.png --size 0x0",
+        "render body.obj -o out.png --color-by mood",
+        "render body.obj -o out.png --range 2:1",
+        "unknown",
+        "",
+    ] {
+        let output = fixture.garnet(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        assert!(
+            !stderr(&output).is_empty() && stdout(&output).is_empty(),
+            "{arguments}"
+        );
+    }
+    assert!(!fixture.path("out.obj").exists() && !fixture.path("out.png").exists());
+}
+
+#[test]
+fn errors_are_documents_too() {
+    let fixture = Fixture::new();
+    for arguments in ["drape no.obj body.obj -o out.obj --json", "drape --json"] {
+        let output = fixture.garnet(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        let document: serde_json::Value = serde_json::from_slice(&output.stderr).unwrap();
+        assert_eq!(document["schema"], "garnet.error/1");
+        assert!(document["error"].is_string() && document["causes"].is_array());
+        assert!(document["hint"].is_string(), "{document}");
+    }
+}

@@ -1,0 +1,182 @@
+//! What `drape` writes.
+
+use garnet::io::ObjFile;
+use serde_json::Value;
+
+use crate::fixtures::{Fixture, stderr};
+
+/// Runs a command that must succeed and gives its report.
+fn reported(fixture: &Fixture, arguments: &str) -> Value {
+    let output = fixture.garnet(&format!("{arguments} --json"));
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{arguments}: {}",
+        stderr(&output)
+    );
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Largest distance between the vertices of two files.
+fn distance(fixture: &Fixture, a: &str, b: &str) -> f32 {
+    let [a, b] = [a, b].map(|name| ObjFile::read(fixture.path(name)).unwrap());
+    assert_eq!(a.num_vertices(), b.num_vertices());
+    let pairs = a.positions().iter().zip(b.positions());
+    pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f32::max)
+}
+
+/// Positions that were brought to other units and back, in metres.
+const CONVERSION: f32 = 1e-5;
+
+/// A pose that was recovered from vertices instead of given, in metres.
+const RECOVERED: f32 = 1e-3;
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let fixture = Fixture::new();
+    for threads in [1, 2, 3] {
+        let arguments = format!("drape sleeve.obj bent.obj --rest-body body.obj -o {threads}.obj");
+        reported(&fixture, &format!("{arguments} --threads {threads}"));
+    }
+    assert!(fixture.read("1.obj") == fixture.read("2.obj"));
+    assert!(fixture.read("1.obj") == fixture.read("3.obj"));
+}
+
+#[test]
+fn nothing_is_left_inside_and_all_but_positions_is_kept() {
+    let fixture = Fixture::new();
+    let report = reported(
+        &fixture,
+        "drape sleeve.obj body.obj --pose bend.json -o out.obj",
+    );
+    let untangle = &report["drapes"][0]["untangle"];
+    assert_eq!(untangle["inside"], 0);
+    assert_eq!(report["schema"], "garnet.drape/1");
+    assert_eq!(report["method"], "warp");
+    assert_eq!(report["garment"]["units"], "m");
+    let kept = |name: &str| -> Vec<String> {
+        let text = String::from_utf8(fixture.read(name)).unwrap();
+        let lines = text.lines().filter(|line| !line.starts_with("v "));
+        lines.map(str::to_owned).collect()
+    };
+    assert_eq!(kept("out.obj"), kept("sleeve.obj"));
+}
+
+#[test]
+fn a_pose_and_its_body_lead_to_the_same_drape() {
+    let fixture = Fixture::new();
+    let arguments =
+        "drape sleeve.obj body.obj --pose bend.json -o posed.obj --body-out posed_body.obj";
+    reported(&fixture, arguments);
+    let arguments = "drape sleeve.obj posed_body.obj --rest-body body.obj -o fitted.obj";
+    let report = reported(&fixture, arguments);
+    assert!(report["drapes"][0]["fit_residual_m"].as_f64().unwrap() < f64::from(RECOVERED));
+    assert!(distance(&fixture, "posed.obj", "fitted.obj") < RECOVERED);
+}
+
+#[test]
+fn units_and_axes_do_not_matter() {
+    let fixture = Fixture::new();
+    let arguments = "drape sleeve.obj bent.obj --rig body.rig.npz --rest-body body.obj -o out.obj";
+    reported(&fixture, arguments);
+    for name in ["sleeve.obj", "bent.obj", "body.obj"] {
+        fixture.moved(name, &format!("cm_{name}"), |p| {
+            100.0 * garnet::Point3::new(p.x, -p.z, p.y)
+        });
+    }
+    let arguments = "drape cm_sleeve.obj cm_bent.obj --rig body.rig.npz --rest-body cm_body.obj";
+    let report = reported(&fixture, &format!("{arguments} -o cm_out.obj"));
+    assert_eq!(report["garment"]["units"], "cm");
+    assert_eq!(report["rest_body"]["up"], "z");
+    fixture.moved("cm_out.obj", "back.obj", |p| {
+        garnet::Point3::new(p.x, p.z, -p.y) / 100.0
+    });
+    assert!(distance(&fixture, "out.obj", "back.obj") < RECOVERED);
+
+    fixture.moved("sleeve.obj", "large.obj", |point| point * 100.0);
+    let arguments = "drape large.obj bent.obj --rest-body body.obj --units cm,m -o large_out.obj";
+    reported(&fixture, arguments);
+    fixture.moved("large_out.obj", "large_back.obj", |point| point / 100.0);
+    assert!(distance(&fixture, "out.obj", "large_back.obj") < RECOVERED.max(CONVERSION));
+}
+
+#[test]
+fn several_bodies_go_to_a_folder() {
+    let fixture = Fixture::new();
+    let arguments = "drape sleeve.obj body.obj bent.obj -o draped --repeat 2";
+    let report = reported(&fixture, arguments);
+    assert_eq!(report["drapes"].as_array().map(Vec::len), Some(2));
+    assert!(
+        report["drapes"][1]["repeated"]["drape"]["median"]
+            .as_f64()
+            .unwrap()
+            > 0.0
+    );
+    assert!(fixture.path("draped/body.obj").is_file());
+    reported(
+        &fixture,
+        "drape sleeve.obj bent.obj --rest-body body.obj -o one.obj",
+    );
+    assert!(fixture.read("draped/bent.obj") == fixture.read("one.obj"));
+}
+
+#[test]
+fn the_output_may_be_the_input() {
+    let fixture = Fixture::new();
+    let arguments = "drape sleeve.obj body.obj --pose bend.json -o";
+    reported(&fixture, &format!("{arguments} out.obj"));
+    reported(&fixture, &format!("{arguments} sleeve.obj"));
+    assert!(fixture.read("out.obj") == fixture.read("sleeve.obj"));
+}
+
+#[test]
+fn a_limit_that_is_exceeded_ends_with_one() {
+    let fixture = Fixture::new();
+    fixture.moved("sleeve.obj", "tight.obj", |p| {
+        garnet::Point3::new(0.7 * p.x, p.y, 0.7 * p.z)
+    });
+    let arguments = "drape tight.obj bent.obj --rest-body body.obj -o out.obj --max-penetration 1";
+    let output = fixture.garnet(&format!("{arguments} --no-untangle"));
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("error: 1 of 1 drapes end deeper than 1 mm in the body"));
+    assert!(fixture.path("out.obj").is_file());
+}
+
+#[test]
+fn unusual_meshes_are_accepted_with_a_warning() {
+    let fixture = Fixture::new();
+    let mut text = String::from_utf8(fixture.read("sleeve.obj")).unwrap();
+    // An unused vertex, a face without area, a third face at an edge, and a piece of its own.
+    text += "v 0 0 0.2\nv 0.13 0.1 0.01\nv 0.14 0.1 0.01\nv 0.13 0.11 0.01\nf 1 2 2\nf 1 2 30\n";
+    text += "f 1242 1243 1244\n";
+    fixture.text("odd.obj", &text);
+    let report = reported(
+        &fixture,
+        "drape odd.obj bent.obj --rest-body body.obj -o out.obj",
+    );
+    let kinds: Vec<&str> = report["warnings"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|warning| warning["kind"].as_str().unwrap())
+        .collect();
+    for kind in [
+        "unused_vertices",
+        "zero_area_faces",
+        "non_manifold_edges",
+        "components",
+    ] {
+        assert!(kinds.contains(&kind), "{kind} is not in {kinds:?}");
+    }
+}
+
+#[test]
+fn a_report_can_go_to_a_file() {
+    let fixture = Fixture::new();
+    let arguments = "drape sleeve.obj body.obj -o out.obj --report report.json -q";
+    let output = fixture.garnet(arguments);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+    let report: Value = serde_json::from_slice(&fixture.read("report.json")).unwrap();
+    assert_eq!(report["drapes"][0]["output"], "out.obj");
+}

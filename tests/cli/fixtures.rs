@@ -1,0 +1,141 @@
+//! A small body with a rig, a garment on it, and files that are wrong, made anew for each test.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+use garnet::{
+    Body, Joint, Point3, Pose, Rig, Skeleton, SkinWeights, TriMesh, UnitQuaternion, Vector3,
+    io::{write_obj, write_rig_npz},
+    primitives::{capsule, tube},
+};
+
+/// A folder with the files of a small scene.
+#[derive(Debug)]
+pub(crate) struct Fixture {
+    folder: tempfile::TempDir,
+}
+
+/// What a pose file says: the elbow bent by 60 degrees.
+const BEND: &str = r#"{"schema": "garnet.pose/1", "joints": {"elbow": [0.5, 0, 0, 0.866025]}}"#;
+
+impl Fixture {
+    /// `body.obj` with `body.rig.npz`, `bent.obj`, `bend.json`, and `sleeve.obj`.
+    pub(crate) fn new() -> Self {
+        let fixture = Self {
+            folder: tempfile::tempdir().unwrap(),
+        };
+        let body = body();
+        let mut pose = Pose::rest(2);
+        pose.rotations[1] = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 1.0);
+        let bent = body.posed(&pose).unwrap().skin().positions().to_vec();
+        fixture.mesh("body.obj", body.rest());
+        fixture.mesh("bent.obj", &body.rest().with_positions(bent).unwrap());
+        write_rig_npz(fixture.path("body.rig.npz"), &Rig::from(body)).unwrap();
+        fixture.mesh("sleeve.obj", &tube(0.13, 0.8, 40, 30));
+        fixture.text("bend.json", BEND);
+        fixture
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder().join(name)
+    }
+
+    pub(crate) fn mesh(&self, name: &str, mesh: &TriMesh) {
+        write_obj(self.path(name), mesh).unwrap();
+    }
+
+    pub(crate) fn text(&self, name: &str, text: &str) {
+        self.bytes(name, text.as_bytes());
+    }
+
+    pub(crate) fn bytes(&self, name: &str, bytes: &[u8]) {
+        fs::write(self.path(name), bytes).unwrap();
+    }
+
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap()
+    }
+
+    /// A copy of a file with its first half alone.
+    pub(crate) fn half(&self, name: &str, copy: &str) {
+        let bytes = self.read(name);
+        self.bytes(copy, &bytes[..bytes.len() / 2]);
+    }
+
+    /// A copy of a mesh with other positions.
+    pub(crate) fn moved(&self, name: &str, copy: &str, by: impl Fn(&Point3) -> Point3) {
+        let file = garnet::io::ObjFile::read(self.path(name)).unwrap();
+        let positions: Vec<Point3> = file.positions().iter().map(by).collect();
+        file.write_with_positions(self.path(copy), &positions)
+            .unwrap();
+    }
+
+    /// A rig JSON of `body.obj` with these joints and with these weights of every vertex.
+    pub(crate) fn rig_json(&self, name: &str, joints: &str, weights: [f32; 2]) {
+        let [a, b] = weights;
+        let num_vertices = body().rest().num_vertices();
+        let rows = |row: &str| vec![row; num_vertices].join(",");
+        let file = format!("{name}.weights.json");
+        let text = format!(
+            r#"{{"joints": 2, "influences_per_vertex": 2,
+                "joint_index": [{}], "weight": [{}]}}"#,
+            rows("[0, 1]"),
+            rows(&format!("[{a}, {b}]"))
+        );
+        self.text(&file, &text);
+        let text = format!(r#"{{"mesh": "body.obj", "joints": {joints}, "weights": "{file}"}}"#);
+        self.text(name, &text);
+    }
+
+    /// Runs the command in the folder; words are split at spaces.
+    pub(crate) fn garnet(&self, arguments: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_garnet"))
+            .args(arguments.split_whitespace())
+            .current_dir(self.folder())
+            .env_remove("NO_COLOR")
+            .output()
+            .unwrap()
+    }
+
+    /// Names of all files and folders, sorted.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder()).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.collect();
+        names.sort();
+        names
+    }
+}
+
+/// An arm along y with a shoulder and an elbow, as tall as a person.
+fn body() -> Body {
+    let mesh = capsule(0.1, 1.4, 24, 16);
+    let joint = |name: &str, parent, y| Joint {
+        name: name.to_owned(),
+        parent,
+        rest_position: Point3::new(0.0, y, 0.0),
+    };
+    let joints = vec![joint("shoulder", None, -0.7), joint("elbow", Some(0), 0.0)];
+    let forearm = |p: &Point3| (0.5 + p.y / 0.2).clamp(0.0, 1.0);
+    let positions = mesh.positions().iter();
+    let rows = positions.map(|p| [(0, 1.0 - forearm(p)), (1, forearm(p))]);
+    let weights = SkinWeights::from_influences(2, rows).unwrap();
+    Body::new(mesh, Skeleton::new(joints).unwrap(), weights).unwrap()
+}
+
+/// Stderr as text.
+pub(crate) fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Stdout as text.
+pub(crate) fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}

@@ -1,0 +1,64 @@
+//! What `render` and `info` give.
+
+use crate::fixtures::{Fixture, stderr, stdout};
+
+#[test]
+fn pictures_are_png_of_the_size_asked_for() {
+    let fixture = Fixture::new();
+    for options in [
+        "",
+        "--wireframe --views side,top --zoom 1.5",
+        "--color-by distance=body.obj --range -5:30",
+        "--color-by displacement=sleeve.obj --up z",
+        "--color-by stretch=sleeve.obj --body bent.obj",
+    ] {
+        let arguments = format!("render sleeve.obj body.obj -o out.png --size 320x120 {options}");
+        let output = fixture.garnet(&arguments);
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{arguments}: {}",
+            stderr(&output)
+        );
+        let png = fixture.read("out.png");
+        assert!(png.starts_with(b"\x89PNG"), "{arguments}");
+        assert_eq!(png[16..24], [0, 0, 1, 64, 0, 0, 0, 120], "{arguments}");
+    }
+}
+
+#[test]
+fn values_that_do_not_fit_are_refused() {
+    let fixture = Fixture::new();
+    fixture.text("few.txt", "1 2 3");
+    fixture.text("words.txt", "1\nx\n");
+    for (what, words) in [
+        ("file=few.txt", "it has 3 numbers"),
+        ("file=words.txt", "line 2: `x` is not a number"),
+        ("stretch=body.obj", "`body.obj`"),
+        ("distance=no.obj", "`no.obj`"),
+    ] {
+        let output = fixture.garnet(&format!("render sleeve.obj -o out.png --color-by {what}"));
+        assert_eq!(output.status.code(), Some(2), "{what}");
+        assert!(
+            stderr(&output).contains(words),
+            "{what}: {}",
+            stderr(&output)
+        );
+        assert!(!fixture.path("out.png").exists());
+    }
+}
+
+#[test]
+fn info_tells_each_kind_of_file() {
+    let fixture = Fixture::new();
+    let output = fixture.garnet("info sleeve.obj body.rig.npz bend.json --json");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let document: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let kinds: Vec<_> = [0, 1, 2]
+        .map(|file| document["files"][file]["kind"].clone())
+        .into();
+    assert_eq!(kinds, ["mesh", "rig", "pose"]);
+    assert_eq!(document["files"][0]["boundary_loops"], 2);
+    assert_eq!(document["files"][1]["joints"][1]["parent"], "shoulder");
+    assert_eq!(document["files"][2]["joints"][0], "elbow");
+}
