@@ -100,7 +100,8 @@ impl SkinWeights {
         if sum <= 0.0 {
             return Err(SkinError::NoWeight {
                 vertex,
-                sum: sum as f32,
+                // The sum of nothing is -0.
+                sum: sum as f32 + 0.0,
             });
         }
         for &(joint, weight) in &*row {

@@ -30,7 +30,7 @@ const KEEP_DISTANCE: f32 = 5e-4;
 const REST_DISTANCE: f32 = 3e-4;
 
 /// Projections at the end, each onto contacts found anew.
-const POLISH_ROUNDS: usize = 12;
+const POLISH_ROUNDS: usize = 8;
 
 /// How much longer a way out of a part of the body may be that leads to the side the cloth belongs
 /// to. The first is used, the others to mend what it tears.
@@ -195,11 +195,11 @@ impl<'a> Cloth<'a> {
 
     pub(crate) fn sweep(&mut self, times: usize, region: &Region) {
         for _ in 0..times {
-            self.positions = self.sweeper.sweep(
-                &self.positions,
+            self.sweeper.sweep(
+                &mut self.positions,
                 &self.contacts,
                 &self.clearances,
-                region.mask(),
+                region,
             );
         }
     }

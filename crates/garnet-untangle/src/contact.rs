@@ -7,8 +7,8 @@ use crate::Binding;
 use crate::embedded::EmbeddedSkin;
 use crate::skin_normals::SkinNormals;
 
-/// Own skin is looked for no farther than this, in metres.
-const OWN_REACH: f32 = 0.10;
+/// Own skin that a node may be inside of is looked for no farther than this, in metres.
+const OWN_REACH: f32 = 0.08;
 
 /// Own skin turned farther away from the cloth than this cosine is the far side of a limb.
 const OWN_COSINE: f32 = -0.6;
@@ -103,12 +103,13 @@ impl ContactFinder<'_> {
                 return contact;
             }
         }
-        let own = self.skin.closest_where(position, OWN_REACH, is_own);
+        let winding = self.winding(position);
+        let own_reach = if winding > 0 { OWN_REACH } else { reach };
+        let own = self.skin.closest_where(position, own_reach, is_own);
         let own_side = own.map_or(1.0, |own| self.side(position, &own));
         contact.own = own
             .filter(|own| own_side < 0.0 || own.distance_squared < reach * reach)
             .map(|own| self.own_plane(node, position, &own, own_side));
-        let winding = self.winding(position);
         contact.own_parts = i32::from(own_side < 0.0);
         contact.foreign_parts = (winding - contact.own_parts).max(0);
         if winding > 0 {

@@ -17,8 +17,8 @@ const INSIDE_RADIUS: f32 = 0.06;
 /// A node outside, but too near to the skin, moves by at most this, in metres.
 const NEAR_RADIUS: f32 = 0.008;
 
-/// Steps along each direction, in metres.
-const STEP: f32 = 0.001;
+/// Steps along each direction are no shorter than this, in metres.
+const MIN_STEP: f32 = 5e-4;
 
 /// Edges may be stretched this much by the move before it counts as longer than it is.
 const FREE_STRETCH: f32 = 1.5;
@@ -48,17 +48,14 @@ pub(crate) fn free_places(
         };
         let mut best: Option<(f32, Point3)> = None;
         for direction in normals.into_iter().chain(all_round()) {
-            let mut length = STEP;
-            while length <= best.map_or(radius, |(cost, _)| cost.min(radius)) {
-                let place = positions[node] + length * direction;
-                if is_free(finder, place, clearance, contact.closest.face) {
-                    let cost = length + stretch_cost(graph, positions, node, place);
-                    if best.is_none_or(|(lowest, _)| cost < lowest) {
-                        best = Some((cost, place));
-                    }
-                    break;
+            let limit = best.map_or(radius, |(cost, _)| cost.min(radius));
+            let place_at = |length: f32| positions[node] + length * direction;
+            let hint = contact.closest.face;
+            if let Some(length) = free_length(finder, place_at, clearance, limit, hint) {
+                let cost = length + stretch_cost(graph, positions, node, place_at(length));
+                if best.is_none_or(|(lowest, _)| cost < lowest) {
+                    best = Some((cost, place_at(length)));
                 }
-                length += STEP;
             }
         }
         best.map(|(_, place)| place)
@@ -66,9 +63,43 @@ pub(crate) fn free_places(
     nodes.par_iter().map(search).collect()
 }
 
-fn is_free(finder: &ContactFinder<'_>, place: Point3, clearance: f32, hint: u32) -> bool {
-    let closest = finder.skin.closest_from(place, hint);
-    closest.distance_squared >= clearance * clearance && finder.winding(place) == 0
+/// The first length, no longer than `limit`, whose place is outside and keeps the clearance.
+fn free_length(
+    finder: &ContactFinder<'_>,
+    place_at: impl Fn(f32) -> Point3,
+    clearance: f32,
+    limit: f32,
+    hint: u32,
+) -> Option<f32> {
+    let mut length = 0.0;
+    while let Some(step) = step_to_free(finder, place_at(length), clearance, hint) {
+        length += step.max(MIN_STEP);
+        if length > limit {
+            return None;
+        }
+    }
+    Some(length)
+}
+
+/// `None` if a place is outside and keeps the clearance; else a distance within which no place does.
+fn step_to_free(
+    finder: &ContactFinder<'_>,
+    place: Point3,
+    clearance: f32,
+    hint: u32,
+) -> Option<f32> {
+    let distance = finder
+        .skin
+        .closest_from(place, hint)
+        .distance_squared
+        .sqrt();
+    if finder.winding(place) > 0 {
+        Some(distance + clearance)
+    } else if distance < clearance {
+        Some(clearance - distance)
+    } else {
+        None
+    }
 }
 
 /// How much farther a place counts for the edges that it stretches.

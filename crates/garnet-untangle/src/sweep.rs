@@ -2,14 +2,15 @@
 //!
 //! A sweep is one step of projected successive over-relaxation for: least squared deviation of the
 //! edges from those of the relaxed warp, held by a screening, under the half spaces of the contacts.
-//! Blocks of nodes are swept in place, and see the other blocks as they were before the sweep, so
-//! that the result does not depend on the number of threads.
+//! Small regions are swept in place. Of large ones, blocks of nodes are, and see the other blocks as
+//! they were before the sweep, so that the result does not depend on the number of threads.
 
 use garnet_mesh::{Point3, Vector3};
 use garnet_skin::ClothGraph;
 use rayon::prelude::*;
 
 use crate::contact::Contact;
+use crate::region::Region;
 
 /// Nodes of a block.
 const BLOCK: usize = 1024;
@@ -41,35 +42,42 @@ pub(crate) struct Sweeper<'a> {
 }
 
 impl Sweeper<'_> {
-    /// Sweeps once over the nodes for which `is_moved`.
+    /// Sweeps once over the nodes of a region.
     pub(crate) fn sweep(
         &self,
-        positions: &[Point3],
+        positions: &mut Vec<Point3>,
         contacts: &[Contact],
         clearances: &[f32],
-        is_moved: &[bool],
-    ) -> Vec<Point3> {
-        let mut moved = positions.to_vec();
-        moved
-            .par_chunks_mut(BLOCK)
-            .enumerate()
-            .for_each(|(block, own)| {
-                let first = block * BLOCK;
-                for index in 0..own.len() {
-                    let node = first + index;
-                    if !is_moved[node] {
-                        continue;
-                    }
-                    let position_of = |other: u32| {
-                        let in_block = (other as usize).wrapping_sub(first);
-                        own.get(in_block).unwrap_or(&positions[other as usize])
-                    };
-                    let wanted = self.wanted(node, &own[index], position_of);
-                    let relaxed = own[index] + OVER_RELAXATION * (wanted - own[index]);
-                    own[index] = projected(relaxed, &contacts[node], clearances[node]);
+        region: &Region,
+    ) {
+        if region.nodes().len() <= BLOCK {
+            for &node in region.nodes() {
+                let node = node as usize;
+                let wanted =
+                    self.wanted(node, &positions[node], |other| &positions[other as usize]);
+                let relaxed = positions[node] + OVER_RELAXATION * (wanted - positions[node]);
+                positions[node] = projected(relaxed, &contacts[node], clearances[node]);
+            }
+            return;
+        }
+        let before = positions.clone();
+        let blocks = positions.par_chunks_mut(BLOCK).enumerate();
+        blocks.for_each(|(block, own)| {
+            let first = block * BLOCK;
+            for index in 0..own.len() {
+                let node = first + index;
+                if !region.mask()[node] {
+                    continue;
                 }
-            });
-        moved
+                let position_of = |other: u32| {
+                    let in_block = (other as usize).wrapping_sub(first);
+                    own.get(in_block).unwrap_or(&before[other as usize])
+                };
+                let wanted = self.wanted(node, &own[index], position_of);
+                let relaxed = own[index] + OVER_RELAXATION * (wanted - own[index]);
+                own[index] = projected(relaxed, &contacts[node], clearances[node]);
+            }
+        });
     }
 
     /// Where the neighbours and the anchor want a node.

@@ -19,13 +19,15 @@ const RELAX_BEYOND: f32 = 1.1;
 const STRETCHED_SHARE: f32 = 0.005;
 
 /// Steps of relaxation, at most.
-const RELAX_STEPS: usize = 10;
+const RELAX_STEPS: usize = 6;
 
 /// What untangling gives.
 #[derive(Debug, Clone)]
 pub struct Untangled {
     /// Positions `[node]`, in metres.
     pub positions: Vec<Point3>,
+    /// Whether each node is caught where the body runs through itself `[node]`.
+    pub is_trapped: Vec<bool>,
     /// What was found and what is left.
     pub report: UntangleReport,
 }
@@ -86,9 +88,10 @@ pub fn untangle(
     if cloth.mend() {
         crossing = cloth.lift_crossing_faces()?;
     }
-    let report = verified(garment, &finder, warped, &cloth, &crossing);
+    let (report, is_trapped) = verified(garment, &finder, warped, &cloth, &crossing);
     Ok(Untangled {
         positions: cloth.positions,
+        is_trapped,
         report,
     })
 }

@@ -10,14 +10,15 @@ use crate::contact::ContactFinder;
 /// A vertex that moved farther than this counts as moved, in metres.
 const MOVED: f32 = 1e-4;
 
-/// Tests every node by winding number and distance, and counts what is left.
+/// Tests every node by winding number and distance, and counts what is left; tells which nodes are
+/// trapped.
 pub(crate) fn verified(
     garment: &BoundGarment,
     finder: &ContactFinder<'_>,
     warped: &[Point3],
     cloth: &Cloth<'_>,
     crossing: &[u32],
-) -> UntangleReport {
+) -> (UntangleReport, Vec<bool>) {
     let skin = finder.skin;
     let mut report = UntangleReport {
         inside_before: cloth.inside_before.0,
@@ -59,5 +60,5 @@ pub(crate) fn verified(
             report.crossing_faces += 1;
         }
     }
-    report
+    (report, is_trapped)
 }

@@ -24,7 +24,7 @@ const HALVINGS: usize = 4;
 const NO_WAY_LENGTH: f32 = 0.16;
 
 /// At most this many nodes of a patch are asked for the direction.
-const MAX_SAMPLES: usize = 24;
+const MAX_SAMPLES: usize = 12;
 
 /// The skin at the end of the way is left along its own normal if that deviates from the way by no
 /// less than this cosine, else along the way.
@@ -128,20 +128,23 @@ fn shortest_direction(
         .unwrap_or_else(Vector3::x);
     let stride = patch.len().div_ceil(MAX_SAMPLES);
     let samples: Vec<usize> = patch.iter().step_by(stride).copied().collect();
-    let cost = |direction: &Vector3| {
-        let lengths = samples.iter().map(|&node| {
-            let length = way_out_length(finder, positions[node], *direction, &contacts[node]);
-            length.unwrap_or(NO_WAY_LENGTH)
-        });
-        let squares: f32 = lengths.map(|length| length * length).sum();
+    let mut shortest = (f32::INFINITY, home);
+    for direction in std::iter::once(home).chain(all_round()) {
         let away = 0.5 * (1.0 - direction.dot(&home));
-        squares * (1.0 + (home_preference - 1.0) * away).powi(2)
-    };
-    let mut candidates = vec![home];
-    candidates.extend(all_round());
-    let costs: Vec<f32> = candidates.par_iter().map(cost).collect();
-    let best = (0..candidates.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]));
-    best.map_or(home, |best| candidates[best])
+        let factor = (1.0 + (home_preference - 1.0) * away).powi(2);
+        let mut cost = 0.0;
+        for &node in &samples {
+            let length = way_out_length(finder, positions[node], direction, &contacts[node]);
+            cost += factor * length.unwrap_or(NO_WAY_LENGTH).powi(2);
+            if cost >= shortest.0 {
+                break;
+            }
+        }
+        if cost < shortest.0 {
+            shortest = (cost, direction);
+        }
+    }
+    shortest.1
 }
 
 /// How far a node must move along `direction` to leave the foreign parts that it is in.
@@ -152,7 +155,11 @@ fn way_out_length(
     contact: &Contact,
 ) -> Option<f32> {
     let num_steps = (MAX_LENGTH / STEP) as usize;
-    (1..=num_steps)
+    // No skin is nearer than the closest, so no way out is shorter.
+    let moved = (position - contact.position).norm();
+    let nearest = (contact.closest.distance_squared.sqrt() - moved).max(0.0);
+    let first = ((nearest / STEP) as usize).max(1);
+    (first..=num_steps)
         .map(|count| count as f32 * STEP)
         .find(|&length| finder.winding(position + length * direction) <= contact.own_parts)
 }

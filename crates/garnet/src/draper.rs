@@ -20,6 +20,9 @@ pub struct DrapeOptions {
 pub struct Drape {
     /// Positions `[vertex]`, in metres, in the order of the garment's mesh.
     pub positions: Vec<Point3>,
+    /// Whether each vertex is caught where the body runs through itself `[vertex]`; empty if
+    /// untangling was not asked for.
+    pub is_trapped: Vec<bool>,
     /// What untangling found and left; `None` if it was not asked for.
     pub report: Option<UntangleReport>,
 }
@@ -106,6 +109,7 @@ impl Draper {
         let Some(options) = &self.options.untangle else {
             return Ok(Drape {
                 positions: weld.scatter(&warped.nodes),
+                is_trapped: Vec::new(),
                 report: None,
             });
         };
@@ -118,6 +122,7 @@ impl Draper {
         )?;
         Ok(Drape {
             positions: weld.scatter(&untangled.positions),
+            is_trapped: weld.scatter(&untangled.is_trapped),
             report: Some(untangled.report),
         })
     }
