@@ -34,7 +34,7 @@ const POLISH_ROUNDS: usize = 8;
 
 /// How much longer a way out of a part of the body may be that leads to the side the cloth belongs
 /// to. The first is used, the others to mend what it tears.
-pub(crate) const HOME_PREFERENCES: [f32; 3] = [4.0, 1.0, 0.25];
+pub(crate) const HOME_PREFERENCES: [f32; 2] = [4.0, 1.0];
 
 /// Which contacts are found anew.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -29,11 +29,10 @@ pub(crate) struct Tears {
 
 impl Cloth<'_> {
     /// Starts again where the cloth was torn apart: nodes that went round a part of the body on
-    /// different sides come together without regard to the skin, and leave it on one side. False if
-    /// there is nothing to mend or it does not help.
-    pub(crate) fn mend(&mut self) -> bool {
+    /// different sides come together without regard to the skin, and leave it on one side. Returns the
+    /// stretch beyond what counts as torn that is left, summed over torn edges.
+    pub(crate) fn mend(&mut self) -> f32 {
         let mut tears = self.tears();
-        let mut is_mended = false;
         for preference in HOME_PREFERENCES {
             if tears.nodes.is_empty() {
                 break;
@@ -44,13 +43,12 @@ impl Cloth<'_> {
             let left = self.tears();
             if left.excess < tears.excess {
                 tears = left;
-                is_mended = true;
             } else {
                 (self.positions, self.contacts) = kept;
             }
         }
         self.home_preference = HOME_PREFERENCES[0];
-        is_mended
+        tears.excess
     }
 
     fn close_tears(&mut self, nodes: &[u32]) {

@@ -83,9 +83,10 @@ pub fn untangle(
     };
     let mut cloth = Cloth::new(garment, &finder, &sweeper, options);
     cloth.push_out();
-    cloth.mend();
+    let torn = cloth.mend();
     let mut crossing = cloth.lift_crossing_faces()?;
-    if cloth.mend() {
+    if cloth.tears().excess > torn {
+        cloth.mend();
         crossing = cloth.lift_crossing_faces()?;
     }
     let (report, is_trapped) = verified(garment, &finder, warped, &cloth, &crossing);
