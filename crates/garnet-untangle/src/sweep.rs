@@ -45,7 +45,7 @@ impl Sweeper<'_> {
     /// Sweeps once over the nodes of a region.
     pub(crate) fn sweep(
         &self,
-        positions: &mut Vec<Point3>,
+        positions: &mut [Point3],
         contacts: &[Contact],
         clearances: &[f32],
         region: &Region,
@@ -60,7 +60,7 @@ impl Sweeper<'_> {
             }
             return;
         }
-        let before = positions.clone();
+        let before = positions.to_vec();
         let blocks = positions.par_chunks_mut(BLOCK).enumerate();
         blocks.for_each(|(block, own)| {
             let first = block * BLOCK;

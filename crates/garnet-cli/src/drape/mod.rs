@@ -167,7 +167,12 @@ fn drape_one(
         times.push(time);
     }
     let rest = bound.garment.mesh().positions();
-    let stretch = edge_stretch(rest, &drape.positions, &bound.edges)?;
+    let (free, trapped): (Vec<[u32; 2]>, Vec<[u32; 2]>) = bound
+        .edges
+        .iter()
+        .partition(|edge| !edge.iter().any(|&vertex| is_trapped(&drape, vertex)));
+    let stretch = edge_stretch(rest, &drape.positions, &free)?;
+    let stretch_at_trapped = edge_stretch(rest, &drape.positions, &trapped)?;
     let mut problems: Vec<Problem> = warning::of_fit(posed.max_residual()).into_iter().collect();
     let inside = if let Some(report) = &drape.report {
         problems.extend(warning::of_result(report));
@@ -201,11 +206,20 @@ fn drape_one(
             p99: stretch.p99,
             max: stretch.max,
             edges: stretch.count,
+            max_at_trapped: (!trapped.is_empty()).then_some(stretch_at_trapped.max),
         },
         seconds: time,
         repeated: RepeatedSeconds::of(&times),
     };
     Ok((output, problems))
+}
+
+/// Whether a vertex is caught where the body runs through itself.
+fn is_trapped(drape: &Drape, vertex: u32) -> bool {
+    drape
+        .is_trapped
+        .get(vertex as usize)
+        .is_some_and(|&is_trapped| is_trapped)
 }
 
 fn drape_timed(

@@ -163,13 +163,15 @@ impl From<&UntangleReport> for Untangle {
     }
 }
 
-/// Length over rest length of edges.
+/// Length over rest length of the garment's own edges, without those at trapped vertices.
 #[derive(Debug, Serialize)]
 pub(crate) struct Stretch {
     pub(crate) p50: f32,
     pub(crate) p99: f32,
     pub(crate) max: f32,
     pub(crate) edges: usize,
+    /// The largest at trapped vertices, if there are any.
+    pub(crate) max_at_trapped: Option<f32>,
 }
 
 /// Times of what is done once.
