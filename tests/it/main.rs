@@ -1,1 +1,11 @@
-//! Whole pipelines on small generated scenes, and the rules of the workspace.
+//! Whole pipelines on generated bodies, the architecture, the demo files, and scenes from outside.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
+
+mod architecture;
+mod assets;
+mod demo;
+mod garbage;
+mod held;
+mod pipeline;
+mod stability;

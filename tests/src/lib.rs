@@ -1,1 +1,23 @@
-//! What the tests of whole pipelines share: generated scenes and the folder of outside assets.
+//! Generated bodies and garments, and an independent judge of drapes, for tests, benches and the demo.
+//!
+//! Nothing here is read from outside: bodies are level sets of smooth unions of tapered bones,
+//! garments are quad panels wrapped around them. Only sums, products and square roots are used, so
+//! the same meshes come out on every machine, to the last bit.
+//!
+//! - [`mannequin`]: one smooth, closed body with 16 joints, at any resolution.
+//! - [`tunic`]: a garment with sleeves on it, of quads with texture coordinates.
+//! - [`capsules`]: small bodies of capsules that run through each other, and an arm.
+//! - [`Judge`]: what a drape must hold, measured apart from the code that made it.
+//! - [`demo`]: the files in `models/demo`.
+
+mod bone;
+pub mod capsules;
+pub mod demo;
+mod judge;
+mod mannequin;
+mod surface_nets;
+mod tunic;
+
+pub use judge::{Judge, Judgement, trapped};
+pub use mannequin::{mannequin, reach, stride};
+pub use tunic::{Tunic, tunic};

@@ -35,6 +35,9 @@ impl Region {
         let mut first = 0;
         for _ in 0..rings {
             let end = nodes.len();
+            if first == end {
+                break;
+            }
             for index in first..end {
                 for half in graph.half_edges(nodes[index] as usize) {
                     if !mask[half.node as usize] {

@@ -1,0 +1,168 @@
+//! The rules of ARCHITECTURE.md that a machine can hold.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// Each crate and the crates of this workspace that it may use.
+const ARROWS: [(&str, &[&str]); 14] = [
+    ("garnet-mesh", &[]),
+    ("garnet-knn", &["mesh"]),
+    ("garnet-skin", &["mesh", "knn"]),
+    ("garnet-untangle", &["mesh", "knn", "skin"]),
+    ("garnet-body", &["mesh", "knn", "skin"]),
+    ("garnet-pattern", &["mesh"]),
+    ("garnet-sim", &["mesh", "knn"]),
+    (
+        "garnet-data",
+        &["mesh", "knn", "skin", "body", "pattern", "sim"],
+    ),
+    ("garnet-kernel", &[]),
+    ("garnet-net", &["mesh", "knn", "kernel"]),
+    (
+        "garnet-train",
+        &[
+            "net", "data", "untangle", "mesh", "knn", "skin", "body", "pattern", "sim", "kernel",
+        ],
+    ),
+    ("garnet-view", &["mesh"]),
+    (
+        "garnet",
+        &[
+            "mesh", "knn", "skin", "untangle", "body", "pattern", "sim", "data", "kernel", "net",
+            "train",
+        ],
+    ),
+    ("garnet-cli", &["garnet", "view"]),
+];
+
+/// Third parties that only some crates may name.
+const OWNERS: [(&str, &[&str]); 8] = [
+    ("tobj", &["garnet-mesh"]),
+    ("kiddo", &["garnet-knn"]),
+    ("burn", &["garnet-net", "garnet-train"]),
+    ("clap", &["garnet-cli"]),
+    ("anyhow", &["garnet-cli"]),
+    ("indicatif", &["garnet-cli"]),
+    ("faer", &["garnet-skin"]),
+    ("image", &["garnet-view"]),
+];
+
+/// Packages that may use any crate: they are used by none.
+const OUTERMOST: [&str; 2] = ["garnet-tests", "garnet-benches"];
+
+/// Lines of a source file, its tests included.
+const MAX_LINES: usize = 600;
+
+/// The packages of the workspace, each with the names of all that it depends on.
+fn packages() -> BTreeMap<String, (PathBuf, Vec<String>)> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--no-deps",
+            "--offline",
+        ])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let text = |value: &Value| value.as_str().unwrap().to_owned();
+    let package = |package: &Value| {
+        let dependencies = package["dependencies"].as_array().unwrap();
+        let names = dependencies
+            .iter()
+            .map(|dependency| text(&dependency["name"]));
+        let manifest = PathBuf::from(text(&package["manifest_path"]));
+        (text(&package["name"]), (manifest, names.collect()))
+    };
+    metadata["packages"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(package)
+        .collect()
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The name of a crate from its short form in the table.
+fn full_name(short: &str) -> String {
+    match short {
+        "garnet" => short.to_owned(),
+        _ => format!("garnet-{short}"),
+    }
+}
+
+#[test]
+fn crates_use_only_the_crates_that_they_may_use() {
+    for (name, (_, dependencies)) in packages() {
+        if OUTERMOST.contains(&name.as_str()) {
+            continue;
+        }
+        let row = ARROWS.iter().find(|(row, _)| *row == name);
+        let (_, allowed) = row.unwrap_or_else(|| panic!("`{name}` is not in the table of crates"));
+        let allowed: Vec<String> = allowed.iter().map(|short| full_name(short)).collect();
+        for dependency in dependencies.iter().filter(|d| d.starts_with("garnet")) {
+            assert!(
+                allowed.contains(dependency),
+                "`{name}` must not use `{dependency}`"
+            );
+        }
+    }
+}
+
+#[test]
+fn third_parties_stay_behind_the_crates_that_own_them() {
+    for (name, (_, dependencies)) in packages() {
+        for (third_party, owners) in OWNERS {
+            let is_used = dependencies
+                .iter()
+                .any(|dependency| dependency == third_party);
+            assert!(
+                !is_used || owners.contains(&name.as_str()),
+                "`{name}` names `{third_party}`"
+            );
+        }
+    }
+}
+
+#[test]
+fn all_packages_share_the_lints_of_the_workspace() {
+    for (name, (manifest, _)) in packages() {
+        let manifest = fs::read_to_string(manifest).unwrap().replace('\r', "");
+        assert!(
+            manifest.contains("[lints]\nworkspace = true"),
+            "`{name}` has other lints"
+        );
+    }
+}
+
+#[test]
+fn no_source_file_is_longer_than_a_reader_can_hold() {
+    let mut folders = vec![
+        root().join("crates"),
+        root().join("tests"),
+        root().join("benches"),
+    ];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let lines = fs::read_to_string(&path).unwrap().lines().count();
+                assert!(lines <= MAX_LINES, "{} has {lines} lines", path.display());
+            }
+        }
+    }
+}
