@@ -100,7 +100,11 @@ fn one_bound_garment_drapes_many_bodies_at_once() {
     assert_eq!(alone, together);
 }
 
-/// Arms come down onto the trunk in small steps, until they run into it. Their tips move 1 cm a step; cloth on the trunk must neither jump from one step to the next nor be drawn along.
+/// Arms come down onto the trunk in small steps, until they touch it. Their tips move 1 cm a step;
+/// cloth on the trunk must neither jump from one step to the next nor be drawn along.
+///
+/// Some steps farther on the arms run into the trunk, and cloth that is caught between them may jump
+/// by centimeters: README, known limits.
 #[test]
 fn an_arm_that_comes_to_rest_on_the_trunk_does_not_make_the_shirt_jump() {
     const STEP: f32 = 0.018;
