@@ -9,9 +9,6 @@ const PROBE_DISTANCE: f32 = 5e-4;
 /// Skin this near to embedded skin leaves no room for cloth, in metres.
 const TRAP_DISTANCE: f32 = 0.01;
 
-/// Skin this near to embedded skin leaves no room beyond doubt, in metres.
-const SURE_TRAP_DISTANCE: f32 = 0.008;
-
 /// Skin farther from the garment than this cannot trap it, in metres.
 const REACH: f32 = 0.05;
 
@@ -68,17 +65,9 @@ impl EmbeddedSkin {
 
     /// Whether cloth whose closest skin is `point` on `face` is trapped.
     pub(crate) fn is_trap(&self, face: u32, point: Point3) -> bool {
-        self.is_trap_within(face, point, TRAP_DISTANCE)
-    }
-
-    /// Whether it is trapped beyond doubt: cloth at the rim of a trap may still find room.
-    pub(crate) fn is_sure_trap(&self, face: u32, point: Point3) -> bool {
-        self.is_trap_within(face, point, SURE_TRAP_DISTANCE)
-    }
-
-    fn is_trap_within(&self, face: u32, point: Point3, distance: f32) -> bool {
         let near = self.centers.as_ref().and_then(|tree| tree.nearest(point));
-        self.is_embedded(face) || near.is_some_and(|n| n.distance_squared < distance * distance)
+        self.is_embedded(face)
+            || near.is_some_and(|n| n.distance_squared < TRAP_DISTANCE * TRAP_DISTANCE)
     }
 }
 

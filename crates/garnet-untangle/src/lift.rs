@@ -81,11 +81,7 @@ impl Cloth<'_> {
             let (closest, distance) = self.closest(node as usize);
             let is_lacking = distance < self.options.clearance
                 || self.finder.winding(self.positions[node as usize]) > 0;
-            is_lacking
-                && !self
-                    .finder
-                    .embedded
-                    .is_sure_trap(closest.face, closest.point)
+            is_lacking && !self.finder.embedded.is_trap(closest.face, closest.point)
         };
         let nodes = 0..self.positions.len() as u32;
         let lacking: Vec<u32> = nodes.into_par_iter().filter(lacks).collect();
