@@ -1,7 +1,6 @@
 //! Lifting cloth whose triangles cross the skin though their corners are outside.
 
 use garnet_knn::Surface;
-use rayon::prelude::*;
 
 use crate::UntangleError;
 use crate::cloth::{CLEARANCE_MARGIN, Cloth, Refresh, SWEEPS};
@@ -78,13 +77,22 @@ impl Cloth<'_> {
     /// place; returns those that found one.
     fn rescue(&mut self) -> Vec<u32> {
         let lacks = |&node: &u32| {
-            let (closest, distance) = self.closest(node as usize);
-            let is_lacking = distance < self.options.clearance
-                || self.finder.winding(self.positions[node as usize]) > 0;
-            is_lacking && !self.finder.embedded.is_trap(closest.face, closest.point)
+            let node = node as usize;
+            let position = self.positions[node];
+            let contact = &self.contacts[node];
+            let moved = (position - contact.position).norm();
+            if moved < contact.distance - self.options.clearance || self.is_trapped(node) {
+                return false;
+            }
+            let closest = self
+                .finder
+                .skin
+                .closest_from(position, contact.closest.face);
+            closest.distance_squared < self.options.clearance.powi(2)
+                || self.finder.winding(position) > 0
         };
         let nodes = 0..self.positions.len() as u32;
-        let lacking: Vec<u32> = nodes.into_par_iter().filter(lacks).collect();
+        let lacking: Vec<u32> = nodes.filter(lacks).collect();
         let goal = self.options.clearance + 0.5 * CLEARANCE_MARGIN;
         let places = free_places(
             self.finder,
