@@ -5,7 +5,7 @@ use garnet_mesh::{Point3, Topology, TriMesh};
 
 use crate::pieces::Pieces;
 use crate::shape::offsets_at_skin;
-use crate::transfer::{transfer_screening, transferred_weights};
+use crate::transfer::{PIECE_LENGTH, transfer_screening, transferred_weights};
 use crate::{
     Body, ClothGraph, PosedBody, ScreenedPoisson, SkinError, SkinWeights, TransferOptions, Weld,
     skin_dual_quaternion, skin_linear,
@@ -13,9 +13,6 @@ use crate::{
 
 /// Length over which the body's change of shape is smoothed on the cloth, in metres.
 const SHAPE_LENGTH: f64 = 0.05;
-
-/// The same for pieces that sit on other cloth and follow it.
-const PIECE_LENGTH: f64 = 10.0;
 
 /// How a garment is brought from rest to the target body before cloth is considered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -33,7 +33,7 @@ impl Default for TransferOptions {
 }
 
 /// Pieces that sit on other cloth have no skin of their own: their smoothing length, in metres.
-const PIECE_LENGTH: f64 = 10.0;
+pub(crate) const PIECE_LENGTH: f64 = 10.0;
 
 /// The screening `[node]` that smooths over the lengths of `options`.
 pub(crate) fn transfer_screening(

@@ -15,29 +15,28 @@ const SIZE_RATIO: [f32; 2] = [0.02, 4.0];
 /// A garment that lies on a body in its rest pose.
 #[derive(Debug, Clone)]
 pub struct Garment {
-    mesh: TriMesh,
-    transfer: TransferOptions,
+    cloth: garnet_skin::Garment,
 }
 
 impl Garment {
     /// A garment as modelled on the rest body, in metres.
     pub fn new(mesh: TriMesh) -> Self {
         Self {
-            mesh,
-            transfer: TransferOptions::default(),
+            cloth: garnet_skin::Garment::new(mesh),
         }
     }
 
     /// The same with other lengths of weight smoothing.
     #[must_use]
-    pub fn with_transfer(mut self, transfer: TransferOptions) -> Self {
-        self.transfer = transfer;
-        self
+    pub fn with_transfer(self, transfer: TransferOptions) -> Self {
+        Self {
+            cloth: self.cloth.with_transfer(transfer),
+        }
     }
 
     /// The mesh at rest.
     pub fn mesh(&self) -> &TriMesh {
-        &self.mesh
+        self.cloth.mesh()
     }
 
     /// Computes all that does not depend on the target body: weights taken from the rest body, and
@@ -48,7 +47,7 @@ impl Garment {
     /// [`Error::NotOnBody`] or [`Error::DifferentUnits`] if the garment does not lie on the body;
     /// [`Error::Skin`] or [`Error::Untangle`] for a garment too degenerate to be smoothed.
     pub fn bind(self, body: &Body) -> Result<BoundGarment, Error> {
-        let garment_bounds = Bounds::of(self.mesh.positions()).ok_or(MeshError::NoFaces)?;
+        let garment_bounds = Bounds::of(self.mesh().positions()).ok_or(MeshError::NoFaces)?;
         let body_bounds = Bounds::of(body.rest().positions()).ok_or(MeshError::NoFaces)?;
         let (garment_size, body_size) = (garment_bounds.diagonal(), body_bounds.diagonal());
         let ratio = garment_size / body_size.max(f32::MIN_POSITIVE);
@@ -58,9 +57,7 @@ impl Garment {
                 body_size,
             });
         }
-        let cloth = garnet_skin::Garment::new(self.mesh)
-            .with_transfer(self.transfer)
-            .bind(body)?;
+        let cloth = self.cloth.bind(body)?;
         let squared = cloth.skin().iter().map(|skin| skin.distance_squared);
         let distance = squared.fold(f32::INFINITY, f32::min).sqrt();
         if distance > MAX_DISTANCE {
