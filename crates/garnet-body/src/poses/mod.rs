@@ -1,0 +1,1 @@
+//! Poses of the built-in body: a library and a sampler.

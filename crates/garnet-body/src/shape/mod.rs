@@ -1,0 +1,1 @@
+//! The shape of a human body from tape measures.
