@@ -78,10 +78,27 @@ impl Surface {
         max_distance: f32,
         accept: impl Fn(u32) -> bool,
     ) -> Option<ClosestPoint> {
+        self.closest_where_from(point, max_distance, NONE, accept)
+    }
+
+    /// Like [`Surface::closest_where`], with the same answer, but faster where `hint_face` is near
+    /// and taken: its distance is the first bound. A face that does not exist gives no hint.
+    pub fn closest_where_from(
+        &self,
+        point: Point3,
+        max_distance: f32,
+        hint_face: u32,
+        accept: impl Fn(u32) -> bool,
+    ) -> Option<ClosestPoint> {
         if !(max_distance >= 0.0 && point.iter().all(|value| value.is_finite())) {
             return None;
         }
         let mut best = Best::within(max_distance * max_distance);
+        if let Some(corners) = self.triangle_f64(hint_face)
+            && accept(hint_face)
+        {
+            best.offer(hint_face, &project(point.coords.cast(), &corners));
+        }
         search(self.bvh(), point, &mut best, accept);
         Some(self.finished(point, &best)?.0)
     }
@@ -348,6 +365,11 @@ mod tests {
             .closest_where(point, f32::INFINITY, |face| face != nearest)
             .unwrap();
         assert_ne!(other.face, nearest);
+        for hint in [0, other.face, nearest, u32::MAX] {
+            let is_other = |face| face != nearest;
+            let hinted = surface.closest_where_from(point, f32::INFINITY, hint, is_other);
+            assert_eq!(hinted, Some(other));
+        }
         assert_eq!(surface.closest_where(point, f32::INFINITY, |_| false), None);
         assert_eq!(surface.closest_where(point, f32::NAN, |_| true), None);
         assert_eq!(surface.closest_where(point, -1.0, |_| true), None);

@@ -29,6 +29,7 @@ mod error;
 mod intersections;
 mod lanes;
 mod pair_filter;
+mod passages;
 mod pseudonormals;
 #[cfg(test)]
 mod shapes;
@@ -41,6 +42,7 @@ mod winding;
 pub use closest::ClosestPoint;
 pub use closest_on_triangle::Feature;
 pub use error::KnnError;
+pub use passages::Passage;
 pub use pseudonormals::SignedDistance;
 pub use surface::Surface;
 pub use vertex_tree::{Neighbor, NeighborTable, VertexTree};

@@ -119,6 +119,11 @@ impl ClothGraph {
         &self.half_edges[self.starts[node] as usize..self.starts[node + 1] as usize]
     }
 
+    /// The edges at all nodes, those of one node together.
+    pub fn all_half_edges(&self) -> &[HalfEdge] {
+        &self.half_edges
+    }
+
     /// Where the half edges of each node start; the last entry is their number.
     pub fn starts(&self) -> &[u32] {
         &self.starts

@@ -50,7 +50,7 @@ pub(crate) enum Refresh {
 pub(crate) struct Cloth<'a> {
     pub(crate) garment: &'a BoundGarment,
     pub(crate) finder: &'a ContactFinder<'a>,
-    sweeper: &'a Sweeper<'a>,
+    pub(crate) sweeper: &'a Sweeper<'a>,
     pub(crate) options: &'a UntangleOptions,
     pub(crate) positions: Vec<Point3>,
     pub(crate) contacts: Vec<Contact>,
@@ -76,13 +76,13 @@ impl<'a> Cloth<'a> {
         sweeper: &'a Sweeper<'a>,
         options: &'a UntangleOptions,
     ) -> Self {
-        let num_nodes = sweeper.anchors.len();
+        let num_nodes = sweeper.anchors().len();
         let mut cloth = Self {
             garment,
             finder,
             sweeper,
             options,
-            positions: sweeper.anchors.to_vec(),
+            positions: sweeper.anchors().to_vec(),
             contacts: Vec::new(),
             inside_before: (0, 0.0),
             contact_rounds: 1,
@@ -194,14 +194,13 @@ impl<'a> Cloth<'a> {
     }
 
     pub(crate) fn sweep(&mut self, times: usize, region: &Region) {
-        for _ in 0..times {
-            self.sweeper.sweep(
-                &mut self.positions,
-                &self.contacts,
-                &self.clearances,
-                region,
-            );
-        }
+        self.sweeper.sweep(
+            times,
+            &mut self.positions,
+            &self.contacts,
+            &self.clearances,
+            region,
+        );
     }
 
     /// Projects the nodes of a region that lack clearance until none does, or as often as allowed.

@@ -105,7 +105,7 @@ impl ContactFinder<'_> {
         }
         let winding = self.winding(position);
         let own_reach = if winding > 0 { OWN_REACH } else { reach };
-        let own = self.skin.closest_where(position, own_reach, is_own);
+        let own = self.own_skin(node, position, own_reach, is_own);
         let own_side = own.map_or(1.0, |own| self.side(position, &own));
         contact.own = own
             .filter(|own| own_side < 0.0 || own.distance_squared < reach * reach)
@@ -127,7 +127,19 @@ impl ContactFinder<'_> {
         contact
     }
 
-    /// The node's own skin nearest to `position`, wherever it is.
+    /// The node's own skin nearest to `position`.
+    fn own_skin(
+        &self,
+        node: usize,
+        position: Point3,
+        reach: f32,
+        is_own: impl Fn(u32) -> bool,
+    ) -> Option<ClosestPoint> {
+        let hint = self.binding.skin[node].face;
+        self.skin.closest_where_from(position, reach, hint, is_own)
+    }
+
+    /// Whether a face is the node's own skin.
     fn is_own(&self, node: usize, face: u32, normal: Vector3) -> bool {
         self.binding.is_own(node, face) && self.normals.face(face).dot(&normal) > OWN_COSINE
     }

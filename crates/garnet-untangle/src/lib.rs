@@ -33,6 +33,7 @@ mod cloth;
 mod contact;
 mod crossing;
 mod directions;
+mod ease;
 mod embedded;
 mod lift;
 mod mend;

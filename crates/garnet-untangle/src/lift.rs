@@ -15,7 +15,7 @@ const LIFT_SEARCHES: usize = 2;
 const LIFT_RADIUS: f32 = 0.03;
 
 /// Lifting ends when this many rounds did not lessen the number of crossing faces.
-const IDLE_ROUNDS: usize = 2;
+const IDLE_ROUNDS: usize = 1;
 
 /// Lifting must not add more than this to the stretch beyond that, summed over torn edges.
 const MAX_ADDED_EXCESS: f32 = 0.5;
@@ -24,8 +24,9 @@ const MAX_ADDED_EXCESS: f32 = 0.5;
 const MAX_LIFT: f32 = 0.015;
 
 impl Cloth<'_> {
-    /// Lifts cloth whose triangles cross the skin; returns the faces that still do.
-    pub(crate) fn lift_crossing_faces(&mut self) -> Result<Vec<u32>, UntangleError> {
+    /// Lifts cloth whose triangles cross the skin; returns the faces that still do, and the
+    /// surface of the cloth.
+    pub(crate) fn lift_crossing_faces(&mut self) -> Result<(Surface, Vec<u32>), UntangleError> {
         let mut surface = self.finder.binding.surface.moved(self.positions.clone())?;
         let mut crossing = crossing_faces(&surface, self.finder.skin);
         let mut fewest = usize::MAX;
@@ -45,11 +46,22 @@ impl Cloth<'_> {
                 crossing = self.crossing_near(&mut surface, region.nodes(), crossing)?;
             }
         }
-        let moved = self.rescue();
-        if !moved.is_empty() {
-            crossing = self.crossing_near(&mut surface, &moved, crossing)?;
+        Ok((surface, crossing))
+    }
+
+    /// Moves single nodes that are left inside the body or too near to it to free places, and draws
+    /// the cloth along; returns the faces that cross the skin after that.
+    pub(crate) fn rescue_lacking(
+        &mut self,
+        mut surface: Surface,
+        crossing: Vec<u32>,
+    ) -> Result<Vec<u32>, UntangleError> {
+        let mut moved = self.rescue();
+        moved.extend(self.ease());
+        if moved.is_empty() {
+            return Ok(crossing);
         }
-        Ok(crossing)
+        self.crossing_near(&mut surface, &moved, crossing)
     }
 
     /// The faces that cross the skin, after `moved` nodes were moved: tests their faces and those

@@ -71,15 +71,20 @@ impl Cloth<'_> {
 
     /// The edges that are torn apart where the body leaves room.
     pub(crate) fn tears(&self) -> Tears {
+        self.tears_beyond(TORN_STRETCH)
+    }
+
+    /// The edges that are stretched beyond `limit` where the body leaves room.
+    pub(crate) fn tears_beyond(&self, limit: f32) -> Tears {
         let graph = self.garment.graph();
         let edges = graph.edges()[..graph.num_cloth_edges()].iter();
         let mut tears = Tears::default();
         for (&[a, b], rest_length) in edges.zip(graph.rest_lengths()) {
             let edge = self.positions[b as usize] - self.positions[a as usize];
-            let is_torn = edge.norm_squared() > (TORN_STRETCH * rest_length).powi(2);
+            let is_torn = edge.norm_squared() > (limit * rest_length).powi(2);
             if is_torn && !self.is_trapped(a as usize) && !self.is_trapped(b as usize) {
                 let rest_length = rest_length.max(f32::MIN_POSITIVE);
-                tears.excess += edge.norm() / rest_length - TORN_STRETCH;
+                tears.excess += edge.norm() / rest_length - limit;
                 tears.nodes.extend([a, b]);
             }
         }

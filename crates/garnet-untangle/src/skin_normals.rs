@@ -51,11 +51,15 @@ impl SkinNormals {
 
     /// The corners' normals interpolated at a point of the skin.
     pub(crate) fn smooth(&self, skin: &Surface, point: &ClosestPoint) -> Vector3 {
-        let corners = skin.faces()[point.face as usize];
+        self.smooth_at(skin, point.face, point.barycentric)
+    }
+
+    /// The corners' normals interpolated at a place on a face.
+    pub(crate) fn smooth_at(&self, skin: &Surface, face: u32, barycentric: [f32; 3]) -> Vector3 {
+        let corners = skin.faces()[face as usize];
         let normals = corners.map(|vertex| self.vertices[vertex as usize]);
-        let parts = normals.iter().zip(point.barycentric);
+        let parts = normals.iter().zip(barycentric);
         let sum: Vector3 = parts.map(|(normal, share)| share * normal).sum();
-        sum.try_normalize(0.0)
-            .unwrap_or_else(|| self.face(point.face))
+        sum.try_normalize(0.0).unwrap_or_else(|| self.face(face))
     }
 }

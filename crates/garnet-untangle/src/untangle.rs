@@ -57,6 +57,18 @@ pub fn untangle(
     if found != expected {
         return Err(UntangleError::PositionCount { found, expected });
     }
+    // Inside the pool, parallel loops need no hand-over of their own.
+    rayon::scope(|_| untangled(garment, binding, body, warped, options))
+}
+
+/// The work of [`untangle`], whose arguments fit together.
+fn untangled(
+    garment: &BoundGarment,
+    binding: &Binding,
+    body: &PosedBody,
+    warped: &[Point3],
+    options: &UntangleOptions,
+) -> Result<Untangled, UntangleError> {
     let embedded = EmbeddedSkin::new(body.skin(), warped)?;
     let skin_normals = SkinNormals::new(body.skin());
     let finder = ContactFinder {
@@ -72,24 +84,24 @@ pub fn untangle(
         max: options.max_stretch,
     };
     let edges = clamped_edges(graph, &anchors, range);
-    let strength = 1.0 / (options.push_length * options.push_length);
-    let screening: Vec<f32> = graph.node_areas().iter().map(|a| a * strength).collect();
-    let sweeper = Sweeper {
+    let sweeper = Sweeper::new(
         graph,
-        anchors: &anchors,
-        screening: &screening,
-        edges: &edges,
-        max_stretch: options.max_stretch,
-    };
+        &anchors,
+        &edges,
+        options.push_length,
+        options.max_stretch,
+    );
     let mut cloth = Cloth::new(garment, &finder, &sweeper, options);
     cloth.push_out();
     let torn = cloth.mend();
-    let mut crossing = cloth.lift_crossing_faces()?;
+    let (mut surface, mut crossing) = cloth.lift_crossing_faces()?;
     if cloth.tears().excess > torn {
         cloth.mend();
-        crossing = cloth.lift_crossing_faces()?;
+        (surface, crossing) = cloth.lift_crossing_faces()?;
     }
+    let crossing = cloth.rescue_lacking(surface, crossing)?;
     let (report, is_trapped) = verified(garment, &finder, warped, &cloth, &crossing);
+
     Ok(Untangled {
         positions: cloth.positions,
         is_trapped,

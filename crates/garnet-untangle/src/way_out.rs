@@ -14,10 +14,13 @@ use crate::directions::all_round;
 /// No way out is longer than this, in metres.
 const MAX_LENGTH: f32 = 0.08;
 
-/// Steps in which a way out is probed, in metres.
+/// Room between two parts of the body that counts as outside, in metres.
+const MIN_GAP: f32 = 0.003;
+
+/// Steps in which a way out of a body with holes is probed, in metres.
 const STEP: f32 = 0.005;
 
-/// Halvings of the step in which a way out ends.
+/// Halvings of the step in which such a way out ends.
 const HALVINGS: usize = 4;
 
 /// A node that finds no way out in a direction counts as if it had this way, in metres.
@@ -127,14 +130,17 @@ fn shortest_direction(
         .try_normalize(f32::MIN_POSITIVE)
         .unwrap_or_else(Vector3::x);
     let stride = patch.len().div_ceil(MAX_SAMPLES);
-    let samples: Vec<usize> = patch.iter().step_by(stride).copied().collect();
+    let samples = patch.iter().step_by(stride);
+    let samples: Vec<Start> = samples
+        .map(|&node| Start::new(finder, positions[node], &contacts[node]))
+        .collect();
     let mut shortest = (f32::INFINITY, home);
     for direction in std::iter::once(home).chain(all_round()) {
         let away = 0.5 * (1.0 - direction.dot(&home));
         let factor = (1.0 + (home_preference - 1.0) * away).powi(2);
         let mut cost = 0.0;
-        for &node in &samples {
-            let length = way_out_length(finder, positions[node], direction, &contacts[node]);
+        for start in &samples {
+            let length = start.exit(finder, direction).map(|exit| exit.length);
             cost += factor * length.unwrap_or(NO_WAY_LENGTH).powi(2);
             if cost >= shortest.0 {
                 break;
@@ -147,23 +153,6 @@ fn shortest_direction(
     shortest.1
 }
 
-/// How far a node must move along `direction` to leave the foreign parts that it is in.
-fn way_out_length(
-    finder: &ContactFinder<'_>,
-    position: Point3,
-    direction: Vector3,
-    contact: &Contact,
-) -> Option<f32> {
-    let num_steps = (MAX_LENGTH / STEP) as usize;
-    // No skin is nearer than the closest, so no way out is shorter.
-    let moved = (position - contact.position).norm();
-    let nearest = (contact.closest.distance_squared.sqrt() - moved).max(0.0);
-    let first = ((nearest / STEP) as usize).max(1);
-    (first..=num_steps)
-        .map(|count| count as f32 * STEP)
-        .find(|&length| finder.winding(position + length * direction) <= contact.own_parts)
-}
-
 /// The half space that a node inside foreign parts reaches along `direction`.
 pub(crate) fn way_out(
     finder: &ContactFinder<'_>,
@@ -171,18 +160,10 @@ pub(crate) fn way_out(
     direction: Vector3,
     contact: &Contact,
 ) -> Option<Plane> {
-    let mut outside = way_out_length(finder, position, direction, contact)?;
-    let mut inside = outside - STEP;
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (inside + outside);
-        if finder.winding(position + middle * direction) <= contact.own_parts {
-            outside = middle;
-        } else {
-            inside = middle;
-        }
-    }
-    let exit = finder.skin.closest(position + outside * direction);
-    let skin_normal = finder.normals.smooth(finder.skin, &exit);
+    let exit = Start::new(finder, position, contact).exit(finder, direction)?;
+    let skin_normal = finder
+        .normals
+        .smooth_at(finder.skin, exit.face, exit.barycentric);
     let normal = if skin_normal.dot(&direction) > MIN_COSINE {
         skin_normal
     } else {
@@ -190,6 +171,91 @@ pub(crate) fn way_out(
     };
     Some(Plane {
         normal,
-        offset: normal.dot(&exit.point.coords),
+        offset: normal.dot(&(position + exit.length * direction).coords),
     })
+}
+
+/// Where a node starts that has to leave foreign parts.
+#[derive(Debug, Clone, Copy)]
+struct Start {
+    position: Point3,
+    /// Inside how many parts of the body it is.
+    parts: i32,
+    /// Inside how many it may stay.
+    own_parts: i32,
+}
+
+/// Where a way out ends.
+#[derive(Debug, Clone, Copy)]
+struct Exit {
+    length: f32,
+    face: u32,
+    barycentric: [f32; 3],
+}
+
+impl Start {
+    fn new(finder: &ContactFinder<'_>, position: Point3, contact: &Contact) -> Self {
+        Self {
+            position,
+            parts: finder.winding(position),
+            own_parts: contact.own_parts,
+        }
+    }
+
+    /// The first place along `direction` that is in no more parts of the body than it may be.
+    fn exit(&self, finder: &ContactFinder<'_>, direction: Vector3) -> Option<Exit> {
+        if self.parts <= self.own_parts {
+            return Some(exit_near(finder, self.position, 0.0));
+        }
+        if !finder.skin.is_closed() {
+            return self.probed_exit(finder, direction);
+        }
+        let mut parts = self.parts;
+        let reach = MAX_LENGTH + MIN_GAP;
+        let passages = finder.skin.passages(self.position, direction, reach);
+        for (index, passage) in passages.iter().enumerate() {
+            parts -= passage.turn;
+            let next = passages.get(index + 1).map_or(f32::INFINITY, |p| p.length);
+            if parts <= self.own_parts
+                && passage.length <= MAX_LENGTH
+                && next - passage.length >= MIN_GAP
+            {
+                return Some(Exit {
+                    length: passage.length,
+                    face: passage.face,
+                    barycentric: passage.barycentric,
+                });
+            }
+        }
+        None
+    }
+
+    /// The same on a body with holes, which no count of passages makes sense of.
+    fn probed_exit(&self, finder: &ContactFinder<'_>, direction: Vector3) -> Option<Exit> {
+        let place = |length: f32| self.position + length * direction;
+        let is_out = |length: f32| finder.winding(place(length)) <= self.own_parts;
+        let num_steps = (MAX_LENGTH / STEP) as usize;
+        let mut steps = (1..=num_steps).map(|count| count as f32 * STEP);
+        let mut outside = steps.find(|&length| is_out(length))?;
+        let mut inside = outside - STEP;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            if is_out(middle) {
+                outside = middle;
+            } else {
+                inside = middle;
+            }
+        }
+        Some(exit_near(finder, place(outside), outside))
+    }
+}
+
+/// The exit after `length` at the skin nearest to `place`.
+fn exit_near(finder: &ContactFinder<'_>, place: Point3, length: f32) -> Exit {
+    let closest = finder.skin.closest(place);
+    Exit {
+        length,
+        face: closest.face,
+        barycentric: closest.barycentric,
+    }
 }
