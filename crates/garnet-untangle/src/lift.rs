@@ -7,6 +7,7 @@ use crate::cloth::{CLEARANCE_MARGIN, Cloth, Refresh, SWEEPS};
 use crate::crossing::{crossing_faces, raise_clearances};
 use crate::region::{Region, rings_of};
 use crate::rescue::free_places;
+use crate::verify::inside;
 
 /// Searches for contacts while crossing faces are lifted once.
 const LIFT_SEARCHES: usize = 2;
@@ -56,7 +57,7 @@ impl Cloth<'_> {
         mut surface: Surface,
         crossing: Vec<u32>,
     ) -> Result<Vec<u32>, UntangleError> {
-        let mut moved = self.rescue();
+        let mut moved = self.rescue(&crossing);
         moved.extend(self.ease());
         if moved.is_empty() {
             return Ok(crossing);
@@ -87,21 +88,20 @@ impl Cloth<'_> {
 
     /// Moves single nodes that are left inside the body or too near to it to the nearest free
     /// place; returns those that found one.
-    fn rescue(&mut self) -> Vec<u32> {
+    fn rescue(&mut self, crossing: &[u32]) -> Vec<u32> {
+        let is_inside = inside(self.garment, self.finder.skin, &self.positions, crossing);
         let lacks = |&node: &u32| {
             let node = node as usize;
             let position = self.positions[node];
             let contact = &self.contacts[node];
             let moved = (position - contact.position).norm();
-            if moved < contact.distance - self.options.clearance || self.is_trapped(node) {
+            let is_clear = moved < contact.distance - self.options.clearance;
+            if is_clear && !is_inside[node] || self.is_trapped(node) {
                 return false;
             }
-            let closest = self
-                .finder
-                .skin
-                .closest_from(position, contact.closest.face);
-            closest.distance_squared < self.options.clearance.powi(2)
-                || self.finder.winding(position) > 0
+            let hint = contact.closest.face;
+            let closest = self.finder.skin.closest_from(position, hint);
+            is_inside[node] || closest.distance_squared < self.options.clearance.powi(2)
         };
         let nodes = 0..self.positions.len() as u32;
         let lacking: Vec<u32> = nodes.filter(lacks).collect();

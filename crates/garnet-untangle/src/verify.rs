@@ -82,7 +82,7 @@ pub(crate) fn verified(
 ///
 /// Nodes of a face that does not cross a closed skin are on the same side of it: one node of each
 /// patch of such faces is tested. On a body with holes every node is.
-fn inside(
+pub(crate) fn inside(
     garment: &BoundGarment,
     skin: &Surface,
     positions: &[Point3],
