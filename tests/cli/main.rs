@@ -9,6 +9,7 @@ mod bad_input;
 mod drape;
 mod fixtures;
 mod garbage;
+mod readme;
 mod render;
 
 use fixtures::Fixture;

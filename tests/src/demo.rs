@@ -1,7 +1,7 @@
 //! The files in `models/demo`: a mannequin, a tunic on it, and a pose.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use garnet::io::{ObjFile, write_atomically, write_rig_npz};
 use garnet::{Body, Pose, Rig};
@@ -34,7 +34,17 @@ impl Demo {
     ///
     /// Never: the parts fit together.
     pub fn new() -> Self {
-        let generated = mannequin(SPACING);
+        Self::of_size(SPACING, TUNIC_VERTICES)
+    }
+
+    /// Generates a demo with vertices of the mannequin `spacing` metres apart, and about as many
+    /// vertices of the tunic as told.
+    ///
+    /// # Panics
+    ///
+    /// Never: the parts fit together.
+    pub fn of_size(spacing: f32, tunic_vertices: usize) -> Self {
+        let generated = mannequin(spacing);
         let body_obj = body_text(&generated);
         let file = ObjFile::parse(body_obj.clone().into_bytes(), "body.obj");
         let mesh = file.ok().and_then(|file| file.mesh().ok());
@@ -46,7 +56,7 @@ impl Demo {
             reach_json: pose_text(&body, &reach()),
             body,
             body_obj,
-            tunic_obj: tunic(TUNIC_VERTICES).to_obj(),
+            tunic_obj: tunic(tunic_vertices).to_obj(),
         }
     }
 
@@ -57,13 +67,12 @@ impl Demo {
             .collect()
     }
 
-    /// Writes all files into [`Demo::folder`].
+    /// Writes all files into a folder: [`Demo::folder`] for those of the repository.
     ///
     /// # Errors
     ///
     /// What the system refuses.
-    pub fn write(&self) -> Result<(), Box<dyn std::error::Error>> {
-        let folder = Self::folder();
+    pub fn write(&self, folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
         for (name, text) in [
             ("body.obj", &self.body_obj),
             ("tunic.obj", &self.tunic_obj),

@@ -59,10 +59,8 @@ impl Cloth<'_> {
         if way.norm() < 0.2 * REST_STEP || self.is_trapped(node) {
             return None;
         }
-        let places = SHARES.iter().map(|share| position + *share * way);
-        places
-            .filter_map(|place| self.free_place_at(node, place))
-            .next()
+        let mut places = SHARES.iter().map(|share| position + *share * way);
+        places.find_map(|place| self.free_place_at(node, place))
     }
 
     /// The place itself, or the one in front of the skin that it is too near to, if that is free.

@@ -57,3 +57,8 @@ pub use garnet_skin::{
 pub use garnet_untangle::{UntangleOptions, UntangleReport};
 pub use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 pub use penetration::{Penetration, penetration};
+
+/// Compiles the program of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -1,0 +1,62 @@
+//! Untangling on scenes of real garments and bodies, as they are and subdivided once.
+//!
+//! `GARNET_ASSETS` names a folder with `scenes/*/scene.json`; without it there is nothing to measure.
+
+use std::path::{Path, PathBuf};
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use garnet::{Draper, Garment, io::ObjFile};
+use garnet_benches::{group, subdivided};
+use garnet_skin::Scene;
+
+#[expect(
+    clippy::print_stdout,
+    reason = "the bench says why it measures nothing"
+)]
+fn bench_scenes(criterion: &mut Criterion) {
+    let Some(assets) = std::env::var_os("GARNET_ASSETS") else {
+        println!("GARNET_ASSETS is not set: no scenes are measured");
+        return;
+    };
+    let mut group = group(criterion, "scenes/untangle");
+    for path in scene_files(&Path::new(&assets).join("scenes")) {
+        let scene = Scene::read(&path).expect("the scene can be read");
+        let mesh_of = |path: &Path| {
+            let file = ObjFile::read(path).expect("the mesh can be read");
+            file.mesh().expect("the mesh has faces")
+        };
+        let rig = scene.rig().expect("the scene has a rig");
+        let body = rig.into_body().expect("the rig fits its mesh");
+        let target = mesh_of(&scene.target_body);
+        let posed = match scene.posed_from_rest.clone() {
+            Some(transforms) => body.fitted_by(target.positions(), transforms),
+            None => body.fitted(target.positions()),
+        };
+        let posed = posed.expect("the target has the vertices of the rest body");
+        let authored = mesh_of(&scene.garment);
+        for mesh in [subdivided(&authored), authored] {
+            let bound = Garment::new(mesh).bind(&body).expect("the garment binds");
+            let draper = Draper::new();
+            let warped = draper.warp(&bound, &posed).expect("the body fits");
+            let num_nodes = bound.cloth().rest().len();
+            group.throughput(Throughput::Elements(num_nodes as u64));
+            let id = BenchmarkId::new(&scene.name, num_nodes);
+            group.bench_function(id, |bencher| {
+                bencher.iter(|| draper.finish(&bound, &posed, &warped));
+            });
+        }
+    }
+    group.finish();
+}
+
+/// The scenes below a folder, by name.
+fn scene_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("GARNET_ASSETS has a folder `scenes`");
+    let scenes = entries.filter_map(|entry| Some(entry.ok()?.path().join("scene.json")));
+    let mut scenes: Vec<PathBuf> = scenes.filter(|path| path.is_file()).collect();
+    scenes.sort();
+    scenes
+}
+
+criterion_group!(benches, bench_scenes);
+criterion_main!(benches);
