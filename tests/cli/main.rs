@@ -6,6 +6,7 @@
 )]
 
 mod bad_input;
+mod body;
 mod drape;
 mod fixtures;
 mod garbage;

@@ -1,63 +1,76 @@
-//! The files in `models/demo`: a mannequin, a tunic on it, and a pose.
+//! The files in `models/demo`: a tunic on the built-in body, and that body in a few poses; and a larger
+//! scene to measure the command with.
 
+use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use garnet::io::{ObjFile, write_atomically, write_rig_npz};
-use garnet::{Body, Pose, Rig};
+use garnet::io::{write_atomically, write_rig_npz};
+use garnet::motion::{Ground, put_on_ground};
+use garnet::poses::{Poser, SelfContact, SeparationOptions, key_pose};
+use garnet::shape::{BodyParameters, Measure, ParametricBody};
+use garnet::{Body, Method, Point3, Pose, Rig};
 
-use crate::{mannequin, reach, tunic};
+use crate::{Form, mannequin, reach, tunic, tunic_on};
 
-/// Spacing of the mannequin's vertices, in metres.
-const SPACING: f32 = 0.02;
-
-/// About how many vertices the tunic has.
+/// About how many vertices the tunic of the demo has.
 const TUNIC_VERTICES: usize = 3_000;
+
+/// Posed bodies of the demo: file and pose of the library.
+pub const POSES: [(&str, &str); 3] = [
+    ("reach", "reach_front"),
+    ("lunge", "warrior_two"),
+    ("dance", "port_de_bras_four"),
+];
+
+/// Spacing of the vertices of a mannequin of 13 000, in metres.
+const FINE_SPACING: f32 = 0.0132;
+
+/// About how many vertices the tunic on it has.
+const FINE_TUNIC: usize = 10_000;
 
 /// The contents of the demo.
 #[derive(Debug, Clone)]
 pub struct Demo {
-    /// The mannequin at rest, with the positions that `body.obj` has.
+    /// The body at rest.
     pub body: Body,
-    /// The text of `body.obj`.
-    pub body_obj: String,
     /// The text of `tunic.obj`.
     pub tunic_obj: String,
-    /// The text of `reach.json`.
-    pub reach_json: String,
+    /// Name and text of each posed body.
+    pub posed: Vec<(&'static str, String)>,
 }
 
 impl Demo {
     /// Generates the demo.
     ///
-    /// # Panics
+    /// # Errors
     ///
-    /// Never: the parts fit together.
-    pub fn new() -> Self {
-        Self::of_size(SPACING, TUNIC_VERTICES)
-    }
-
-    /// Generates a demo with vertices of the mannequin `spacing` metres apart, and about as many
-    /// vertices of the tunic as told.
-    ///
-    /// # Panics
-    ///
-    /// Never: the parts fit together.
-    pub fn of_size(spacing: f32, tunic_vertices: usize) -> Self {
-        let generated = mannequin(spacing);
-        let body_obj = body_text(&generated);
-        let file = ObjFile::parse(body_obj.clone().into_bytes(), "body.obj");
-        let mesh = file.ok().and_then(|file| file.mesh().ok());
-        let mesh = mesh.expect("the text was made of a mesh");
-        let skeleton = generated.skeleton().clone();
-        let body = Body::new(mesh, skeleton, generated.weights().clone());
-        let body = body.expect("the text has the vertices of the mannequin");
-        Self {
-            reach_json: pose_text(&body, &reach()),
-            body,
-            body_obj,
-            tunic_obj: tunic(tunic_vertices).to_obj(),
+    /// What the built-in body refuses.
+    pub fn new() -> Result<Self, Box<dyn Error>> {
+        let parameters = BodyParameters::new(1.0)
+            .with(Measure::Stature, 1.70)
+            .with_bmi(22.0);
+        let body = ParametricBody::build(&parameters)?.into_body();
+        let form = Form::of_body(&parameters, &body)?;
+        let poser = Poser::new(body.skeleton())?;
+        let contact = SelfContact::new(&body)?;
+        let mut posed = Vec::new();
+        for (name, pose) in POSES {
+            let angles = key_pose(pose)
+                .ok_or("the library has the poses of the demo")?
+                .angles;
+            let pose = poser.pose(&angles);
+            let separated = contact.separated(&pose, &SeparationOptions::default())?;
+            let mut poses = [separated.map_or(pose, |separated| separated.pose)];
+            put_on_ground(&body, &mut poses, Ground::EachPose)?;
+            let positions = body.posed_positions(&poses[0], Method::DualQuaternion)?;
+            posed.push((name, body_text(&positions, &body)));
         }
+        Ok(Self {
+            tunic_obj: tunic_on(&form, TUNIC_VERTICES).to_obj(),
+            body,
+            posed,
+        })
     }
 
     /// The folder of the committed files.
@@ -67,33 +80,49 @@ impl Demo {
             .collect()
     }
 
-    /// Writes all files into a folder: [`Demo::folder`] for those of the repository.
+    /// Writes all files into [`Demo::folder`].
     ///
     /// # Errors
     ///
     /// What the system refuses.
-    pub fn write(&self, folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
-        for (name, text) in [
-            ("body.obj", &self.body_obj),
-            ("tunic.obj", &self.tunic_obj),
-            ("reach.json", &self.reach_json),
-        ] {
-            write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
+    pub fn write(&self) -> Result<(), Box<dyn Error>> {
+        let folder = Self::folder();
+        write(&folder, "tunic.obj", &self.tunic_obj)?;
+        for (name, text) in &self.posed {
+            write(&folder, &format!("{name}.obj"), text)?;
         }
         write_rig_npz(folder.join("body.rig.npz"), &Rig::from(self.body.clone()))?;
         Ok(())
     }
 }
 
-impl Default for Demo {
-    fn default() -> Self {
-        Self::new()
-    }
+/// Writes the scene that the times of the command are stated for: a tunic of 10 000 vertices on a
+/// [`mannequin`] of 13 000, and the pose [`reach`].
+///
+/// # Errors
+///
+/// What the system refuses.
+pub fn write_fine(folder: &Path) -> Result<(), Box<dyn Error>> {
+    let body = mannequin(FINE_SPACING);
+    write(
+        folder,
+        "body.obj",
+        &body_text(body.rest().positions(), &body),
+    )?;
+    write(folder, "tunic.obj", &tunic(FINE_TUNIC).to_obj())?;
+    write(folder, "reach.json", &pose_text(&body, &reach()))?;
+    write_rig_npz(folder.join("body.rig.npz"), &Rig::from(body))?;
+    Ok(())
 }
 
-fn body_text(body: &Body) -> String {
-    let mut text = String::from("# a mannequin, in metres\no body\n");
-    for point in body.rest().positions() {
+fn write(folder: &Path, name: &str, text: &str) -> Result<(), Box<dyn Error>> {
+    write_atomically(folder.join(name), |file| file.write_all(text.as_bytes()))?;
+    Ok(())
+}
+
+fn body_text(positions: &[Point3], body: &Body) -> String {
+    let mut text = String::from("# a body, in metres\no body\n");
+    for point in positions {
         let line = writeln!(text, "v {:.5} {:.5} {:.5}", point.x, point.y, point.z);
         line.expect("a string takes all text");
     }

@@ -1,8 +1,8 @@
 //! Generated bodies and garments, and an independent judge of drapes, for tests, benches and the demo.
 //!
 //! Nothing here is read from outside: bodies are level sets of smooth unions of tapered bones,
-//! garments are quad panels wrapped around them. Only sums, products and square roots are used, so
-//! the same meshes come out on every machine, to the last bit.
+//! garments are quad panels wrapped around them. Only sums, products and square roots are used for
+//! the mannequin, so the same meshes come out on every machine, to the last bit.
 //!
 //! - [`mannequin`]: one smooth, closed body with 16 joints, at any resolution.
 //! - [`tunic`]: a garment with sleeves on it, of quads with texture coordinates.
@@ -13,11 +13,13 @@
 mod bone;
 pub mod capsules;
 pub mod demo;
+mod form;
 mod judge;
 mod mannequin;
 mod surface_nets;
 mod tunic;
 
+pub use form::Form;
 pub use judge::{Judge, Judgement, trapped};
 pub use mannequin::{mannequin, reach, stride};
-pub use tunic::{Tunic, tunic};
+pub use tunic::{Tunic, tunic, tunic_on};

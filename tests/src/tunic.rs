@@ -5,13 +5,7 @@ use std::fmt::Write;
 use garnet::{Point3, TriMesh, Vector3};
 
 use crate::bone::onto_level;
-use crate::mannequin::{ARM_DIRECTION, SHOULDER, Shape, form_distance};
-
-/// Height of the hem, in metres.
-const HEM: f32 = 0.66;
-
-/// Height of the neckline, in metres.
-const NECK: f32 = 1.455;
+use crate::form::Form;
 
 /// Distance of the cuffs from the shoulder, along the arm, in metres.
 const CUFF: f32 = 0.23;
@@ -72,17 +66,21 @@ impl Tunic {
 /// A tunic with short sleeves for the [`mannequin`](crate::mannequin), of about `num_vertices`
 /// vertices (1 000 and more), 14 mm before the skin and wider at the hem.
 pub fn tunic(num_vertices: usize) -> Tunic {
+    tunic_on(&Form::of_mannequin(), num_vertices)
+}
+
+/// The same tunic for another form.
+pub fn tunic_on(form: &Form, num_vertices: usize) -> Tunic {
     let num_refinements = [3_000, 20_000]
         .iter()
         .filter(|&&n| num_vertices > n)
         .count();
     let coarse = num_vertices as f32 / (1 << (2 * num_refinements)) as f32;
-    let mut panels = Panels::new((CLOTH_AREA / coarse).sqrt());
-    let shape = Shape::new();
-    panels.wrap(&shape, STEPS[0]);
+    let mut panels = Panels::new((CLOTH_AREA / coarse).sqrt(), form);
+    panels.wrap(form, STEPS[0]);
     for _ in 0..num_refinements {
         panels = panels.refined();
-        panels.wrap(&shape, STEPS[1]);
+        panels.wrap(form, STEPS[1]);
     }
     panels.into_tunic()
 }
@@ -106,7 +104,7 @@ struct Panels {
 }
 
 impl Panels {
-    fn new(spacing: f32) -> Self {
+    fn new(spacing: f32, form: &Form) -> Self {
         let cells = |length: f32| ((length / spacing) as i32).max(2);
         let mut panels = Self {
             spacing,
@@ -119,7 +117,7 @@ impl Panels {
             positions: Vec::new(),
         };
         panels.number_vertices();
-        panels.positions = panels.start();
+        panels.positions = panels.start(form);
         panels
     }
 
@@ -187,9 +185,9 @@ impl Panels {
     }
 
     /// Wide positions around the form, before the panels are wrapped.
-    fn start(&self) -> Vec<Point3> {
+    fn start(&self, form: &Form) -> Vec<Point3> {
         let mut positions = self.positions.clone();
-        let arm = Vector3::from(ARM_DIRECTION);
+        let arm = form.arm_direction;
         for [side, row, column] in self.nodes() {
             let outward = if side == 0 { 1.0 } else { -1.0 };
             let depth = if self.is_sewn(row, column) {
@@ -202,13 +200,13 @@ impl Panels {
             let point = if beyond == 0 {
                 let share = row as f32 / self.rows as f32;
                 let x = 0.24 * column as f32 / self.trunk as f32;
-                Vector3::new(x, HEM + share * (NECK - HEM), 0.25 * depth)
+                Vector3::new(x, form.hem + share * (form.neck - form.hem), 0.25 * depth)
             } else {
                 let across = Vector3::new(-arm.y, arm.x, 0.0);
                 let middle = self.rows as f32 - 0.5 * self.sleeve_rows as f32;
                 let height = 0.22 * (row as f32 - middle) / self.sleeve_rows as f32;
                 let along = 0.06 + (CUFF - 0.06) * beyond as f32 / self.sleeve as f32;
-                let left = Vector3::from(SHOULDER) + along * arm + height * across;
+                let left = form.shoulder + along * arm + height * across;
                 Vector3::new(mirror * left.x, left.y, 0.15 * depth)
             };
             positions[self.vertex(side, row, column) as usize] = point.into();
@@ -217,10 +215,10 @@ impl Panels {
     }
 
     /// Smooths the cloth at a distance from the form, with hem, neckline and cuffs in planes.
-    fn wrap(&mut self, shape: &Shape, steps: usize) {
-        let field = |point| form_distance(shape, point);
+    fn wrap(&mut self, form: &Form, steps: usize) {
+        let field = |point| (form.distance)(point);
         let quads = self.quads();
-        let rims = self.rims();
+        let rims = self.rims(form);
         for _ in 0..steps {
             let mut sums = vec![(Vector3::zeros(), 0.0_f32); self.positions.len()];
             for [_, quad] in &quads {
@@ -249,17 +247,17 @@ impl Panels {
     }
 
     /// The vertices of hem, neckline and cuffs, each with the plane that it stays in.
-    fn rims(&self) -> Vec<(usize, Vector3, f32)> {
+    fn rims(&self, form: &Form) -> Vec<(usize, Vector3, f32)> {
         let mut rims = Vec::new();
         for [side, row, column] in self.nodes() {
             let vertex = self.vertex(side, row, column) as usize;
             if row == 0 {
-                rims.push((vertex, Vector3::y(), HEM));
+                rims.push((vertex, Vector3::y(), form.hem));
             } else if row == self.rows && column.abs() <= self.neck {
-                rims.push((vertex, Vector3::y(), NECK));
+                rims.push((vertex, Vector3::y(), form.neck));
             } else if column.abs() == self.half_width() {
-                let mut normal = Vector3::from(ARM_DIRECTION);
-                let offset = normal.dot(&Vector3::from(SHOULDER)) + CUFF;
+                let mut normal = form.arm_direction;
+                let offset = normal.dot(&form.shoulder) + CUFF;
                 normal.x *= if column < 0 { -1.0 } else { 1.0 };
                 rims.push((vertex, normal, offset));
             }

@@ -1,10 +1,8 @@
 //! The arguments of the command.
 
-use std::path::PathBuf;
-
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::{drape::DrapeArgs, info::InfoArgs, render::RenderArgs};
+use crate::{body::BodyArgs, drape::DrapeArgs, info::InfoArgs, render::RenderArgs};
 
 /// Drapes garment meshes on body meshes.
 #[derive(Debug, Parser)]
@@ -24,6 +22,8 @@ const AFTER_HELP: &str = "Exit codes: 0 done; 1 done, but a limit that was asked
 pub(crate) enum Command {
     /// Drape a garment on a body in another pose and shape.
     Drape(Box<DrapeArgs>),
+    /// Make bodies from measures, at rest or in poses.
+    Body(Box<BodyArgs>),
     /// Tell what is in a file, and what is unusual about a mesh.
     Info(InfoArgs),
     /// Draw a shaded picture of meshes.
@@ -87,37 +87,6 @@ pub(crate) fn millimetres(text: &str) -> Result<f32, String> {
     }
 }
 
-/// A path, and a number after a colon.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct FrameOfFile {
-    /// The file.
-    pub(crate) path: PathBuf,
-    /// The frame in it, from 0.
-    pub(crate) frame: Option<usize>,
-}
-
-impl From<&str> for FrameOfFile {
-    /// Splits `FILE:FRAME`; a file whose own name ends like this comes first.
-    fn from(text: &str) -> Self {
-        let whole = Self {
-            path: text.into(),
-            frame: None,
-        };
-        if whole.path.exists() {
-            return whole;
-        }
-        let split = text.rsplit_once(':').filter(|(path, _)| !path.is_empty());
-        let frame = split.and_then(|(path, frame)| Some((path, frame.parse().ok()?)));
-        match frame {
-            Some((path, frame)) => Self {
-                path: path.into(),
-                frame: Some(frame),
-            },
-            None => whole,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
@@ -127,14 +96,6 @@ mod tests {
     #[test]
     fn the_arguments_are_consistent() {
         Cli::command().debug_assert();
-    }
-
-    #[test]
-    fn a_frame_follows_the_last_colon() {
-        let split = |text: &str| FrameOfFile::from(text);
-        assert_eq!(split("walk.json:12").frame, Some(12));
-        assert_eq!(split("a:b/walk.json").path, PathBuf::from("a:b/walk.json"));
-        assert_eq!(split(":3").frame, None);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use garnet::{
     io::{
         ArrayProblem, FileError, FileProblem, ObjError, ObjLineProblem, ObjParseError, WriteError,
     },
+    motion::{MotionError, MotionProblem, RetargetError},
 };
 
 /// The advice of the innermost cause that has one.
@@ -31,6 +32,12 @@ fn for_link(link: &(dyn StdError + 'static)) -> Option<&'static str> {
     }
     if let Some(problem) = link.downcast_ref::<FileProblem>() {
         return for_file(problem);
+    }
+    if let Some(error) = link.downcast_ref::<MotionError>() {
+        return for_motion(&error.problem);
+    }
+    if let Some(error) = link.downcast_ref::<RetargetError>() {
+        return for_retarget(error);
     }
     if let Some(error) = link.downcast_ref::<SkinError>() {
         return for_skin(error);
@@ -57,6 +64,29 @@ fn for_garnet(error: &Error) -> Option<&'static str> {
         Error::DifferentUnits { .. } => {
             Some("`garnet info` shows both boxes; `--units GARMENT,BODY` names the units of both")
         }
+        _ => None,
+    }
+}
+
+fn for_motion(problem: &MotionProblem) -> Option<&'static str> {
+    match problem {
+        MotionProblem::Io(source) => for_io(source),
+        _ => Some(
+            "motions are BVH, npz with `poses` as in AMASS, or pose JSON; a file that ends early was \
+             not copied whole",
+        ),
+    }
+}
+
+fn for_retarget(error: &RetargetError) -> Option<&'static str> {
+    match error {
+        RetargetError::FrameOutOfRange { .. } | RetargetError::NoFrames { .. } => {
+            Some("`garnet info` tells how many frames a motion has")
+        }
+        RetargetError::MissingJoints { .. } => Some(
+            "joints are known by the names that SMPL, CMU, MakeHuman, Mixamo and Blender give them; \
+             rename those of the file",
+        ),
         _ => None,
     }
 }

@@ -4,12 +4,14 @@
 //! its arguments, a checked job, and one function that reads as the list of its steps.
 
 mod args;
+mod body;
 mod console;
 mod drape;
 mod failure;
 mod hints;
 mod info;
 mod output;
+mod posing;
 mod render;
 
 use std::process::ExitCode;
@@ -43,6 +45,7 @@ fn main() -> ExitCode {
 fn run(command: Command, console: &Console) -> anyhow::Result<ExitStatus> {
     match command {
         Command::Drape(args) => drape::run(*args, console),
+        Command::Body(args) => body::run(*args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Render(args) => render::run(&args, console),
     }

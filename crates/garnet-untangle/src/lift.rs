@@ -96,12 +96,14 @@ impl Cloth<'_> {
             let contact = &self.contacts[node];
             let moved = (position - contact.position).norm();
             let is_clear = moved < contact.distance - self.options.clearance;
-            if is_clear && !is_inside[node] || self.is_trapped(node) {
+            if is_clear && !is_inside[node] {
                 return false;
             }
             let hint = contact.closest.face;
             let closest = self.finder.skin.closest_from(position, hint);
-            is_inside[node] || closest.distance_squared < self.options.clearance.powi(2)
+            let is_near = closest.distance_squared < self.options.clearance.powi(2);
+            let is_trapped = self.finder.embedded.is_trap(closest.face, closest.point);
+            (is_inside[node] || is_near) && !is_trapped
         };
         let nodes = 0..self.positions.len() as u32;
         let lacking: Vec<u32> = nodes.filter(lacks).collect();

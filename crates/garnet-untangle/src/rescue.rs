@@ -15,7 +15,7 @@ use crate::directions::all_round;
 const INSIDE_RADIUS: f32 = 0.06;
 
 /// A node outside, but too near to the skin, moves by at most this, in metres.
-const NEAR_RADIUS: f32 = 0.008;
+const NEAR_RADIUS: f32 = 0.012;
 
 /// Steps along each direction are no shorter than this, in metres.
 const MIN_STEP: f32 = 5e-4;
@@ -40,14 +40,20 @@ pub(crate) fn free_places(
         let node = node as usize;
         let contact = &contacts[node];
         let planes = [contact.own, contact.foreign].into_iter().flatten();
-        let normals: Vec<Vector3> = planes.map(|plane| plane.normal).collect();
+        let normals = planes.map(|plane| plane.normal);
+        // Where a neighbour is free, there is a free place on the way to it.
+        let neighbours = graph.half_edges(node).iter().filter_map(|half| {
+            let way = positions[half.node as usize] - positions[node];
+            way.try_normalize(f32::MIN_POSITIVE)
+        });
+        let likely: Vec<Vector3> = normals.chain(neighbours).collect();
         let radius = if finder.winding(positions[node]) > 0 {
             INSIDE_RADIUS
         } else {
             NEAR_RADIUS
         };
         let mut best: Option<(f32, Point3)> = None;
-        for direction in normals.into_iter().chain(all_round()) {
+        for direction in likely.into_iter().chain(all_round()) {
             let limit = best.map_or(radius, |(cost, _)| cost.min(radius));
             let place_at = |length: f32| positions[node] + length * direction;
             let hint = contact.closest.face;

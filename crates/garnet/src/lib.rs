@@ -44,6 +44,7 @@ mod penetration;
 pub use draper::{Drape, DrapeOptions, Draper, Warped};
 pub use error::Error;
 pub use garment::{BoundGarment, Garment};
+pub use garnet_body::{motion, poses, shape};
 pub use garnet_knn::{ClosestPoint, Surface};
 pub use garnet_mesh::{
     Bounds, MeshDiagnosis, MeshError, Point3, StretchSummary, TriMesh, Unit, UnitError, UpAxis,

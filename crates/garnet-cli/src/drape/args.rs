@@ -7,9 +7,10 @@ use clap::{Args, ValueEnum};
 use garnet::{DrapeOptions, Unit, UnitError, UntangleOptions, UpAxis, Warp};
 
 use crate::{
-    args::{FrameOfFile, millimetres},
+    args::millimetres,
     failure::{Hint, refused},
     output,
+    posing::PoseSource,
 };
 
 /// Arguments of `drape`.
@@ -38,10 +39,11 @@ pub(crate) struct DrapeArgs {
     /// Body on which the garment lies, as OBJ [default: the rest mesh of the rig].
     #[arg(long, value_name = "OBJ")]
     rest_body: Option<PathBuf>,
-    /// Pose the rest body, instead of taking the pose from BODY.
-    #[arg(long, value_name = "FILE[:FRAME]")]
-    pose: Option<FrameOfFile>,
-    /// Write the posed body, as OBJ.
+    /// Pose the rest body, instead of taking the pose from BODY: a pose file, a frame of a motion
+    /// (BVH, npz as in AMASS, pose JSON), several as FIRST:END:STEP, or a pose of the library.
+    #[arg(long, value_name = "FILE[:FRAMES]|NAME")]
+    pose: Option<PoseSource>,
+    /// Write the posed body, as OBJ; a folder for several.
     #[arg(long, value_name = "OBJ", requires = "pose")]
     body_out: Option<PathBuf>,
     /// How the garment is brought to the body.
@@ -75,7 +77,7 @@ The rig of a body is found in this order: --rig; `<rest body>.rig.npz` beside th
 --rest-body; `<body>.rig.npz` beside BODY. Without --pose, the pose and shape of BODY are \
 recovered from its vertices, which must be those of the rest body.
 
-A pose file is JSON: {\"schema\": \"garnet.pose/1\", \"joints\": {\"left_knee\": [0.5, 0, 0, \
+Motions are carried over by the names of the joints. A pose file is JSON: {\"schema\": \"garnet.pose/1\", \"joints\": {\"left_knee\": [0.5, 0, 0, \
 0.866025]}, \"root_translation\": [0, 0, 0]}, rotations as [x, y, z, w] about the axes of the \
 world at rest; with \"frames\", a list of such poses.";
 
@@ -129,7 +131,7 @@ fn units(text: &str) -> Result<UnitsTaken, String> {
 #[derive(Debug)]
 pub(crate) struct Job {
     pub(crate) source: Source,
-    /// One for each target.
+    /// One for each target; none where the frames of a motion name them.
     pub(crate) outputs: Vec<PathBuf>,
     /// The folder that the outputs go to, if there are several.
     pub(crate) folder: Option<PathBuf>,
@@ -159,17 +161,21 @@ pub(crate) struct SourceFiles {
     pub(crate) bodies: Vec<PathBuf>,
     pub(crate) rig: Option<PathBuf>,
     pub(crate) rest_body: Option<PathBuf>,
-    pub(crate) pose: Option<FrameOfFile>,
+    pub(crate) pose: Option<PoseSource>,
     pub(crate) units: UnitsTaken,
     pub(crate) up: Option<UpAxis>,
 }
 
 impl Job {
     pub(crate) fn new(args: DrapeArgs) -> anyhow::Result<Self> {
-        let is_several = args.bodies.len() > 1;
+        let has_frames = args.pose.as_ref().is_some_and(PoseSource::is_several);
+        let is_several = args.bodies.len() > 1 || has_frames;
         let outputs = if is_several {
             output::check_folder(&args.output)?;
-            output::names_in(&args.output, &args.bodies)?
+            match has_frames {
+                true => Vec::new(),
+                false => output::names_in(&args.output, &args.bodies)?,
+            }
         } else {
             output::check_file(&args.output)?;
             vec![args.output.clone()]
@@ -179,8 +185,13 @@ impl Job {
             .as_ref()
             .is_some_and(|path| path.as_os_str() == "-");
         let report = args.report.filter(|_| !prints_report);
-        for path in report.iter().chain(&args.body_out) {
+        if let Some(path) = &report {
             output::check_file(path)?;
+        }
+        match &args.body_out {
+            Some(folder) if has_frames => output::check_folder(folder)?,
+            Some(path) => output::check_file(path)?,
+            None => {}
         }
         let options = DrapeOptions {
             warp: args.method.warp(),

@@ -12,7 +12,7 @@ mod summary;
 mod timing;
 mod warning;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
@@ -43,6 +43,9 @@ pub(crate) fn run(args: DrapeArgs, console: &Console) -> anyhow::Result<ExitStat
         let job = Job::new(args)?;
         let (prepared, read) = timed(|| Prepared::read(&job.source));
         let prepared = prepared?;
+        for note in &prepared.notes {
+            console.detail(&format_args!("note: {note}"));
+        }
         let (bound, bind) = timed(|| Bound::new(prepared));
         let mut bound = bound?;
         let drapes = drape_all(&mut bound, &job, console)?;
@@ -69,7 +72,7 @@ struct Bound {
     body: Body,
     rest: RestBody,
     targets: Vec<Target>,
-    pose: Option<crate::args::FrameOfFile>,
+    pose: Option<crate::posing::PoseSource>,
     warnings: Vec<Warning>,
 }
 
@@ -83,6 +86,7 @@ impl Bound {
             body,
             targets,
             pose,
+            notes: _,
         } = prepared;
         let unusual = || unusual(&garment, &body);
         let edges = || garment_file.polygon_edges();
@@ -133,10 +137,26 @@ fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<
     if let Some(folder) = &job.folder {
         output::make_folder(folder)?;
     }
+    let named = bound
+        .targets
+        .iter()
+        .filter_map(|target| target.stem.as_ref());
+    let folder = job.folder.as_deref().unwrap_or(Path::new(""));
+    let named: Vec<PathBuf> = named
+        .map(|stem| folder.join(format!("{stem}.obj")))
+        .collect();
+    let outputs = if named.is_empty() {
+        &job.outputs
+    } else {
+        &named
+    };
+    if let Some(folder) = job.body_out.as_ref().filter(|_| !named.is_empty()) {
+        output::make_folder(folder)?;
+    }
     let draper = Draper::with_options(job.options);
     let bar = console.progress(bound.targets.len());
     let mut drapes = Vec::with_capacity(bound.targets.len());
-    for (target, output) in bound.targets.iter().zip(&job.outputs) {
+    for (target, output) in bound.targets.iter().zip(outputs) {
         bar.set_message(target.path.display().to_string());
         let (drape, problems) = drape_one(bound, &draper, target, output, job)?;
         let warnings = problems.into_iter().map(|problem| Warning {
@@ -191,6 +211,10 @@ fn drape_one(
     let (written, write) = timed(write);
     written?;
     if let Some(path) = &job.body_out {
+        let path = match &target.stem {
+            Some(stem) => &path.join(format!("{stem}.obj")),
+            None => path,
+        };
         write_body(path, &bound.rest, &posed)?;
     }
     time.write = write;
@@ -290,7 +314,7 @@ impl Bound {
             },
             pose: self.pose.as_ref().map(|pose| PoseReport {
                 path: shown(&pose.path),
-                frame: pose.frame.unwrap_or(0),
+                frame: pose.frames.map_or(0, garnet::motion::FrameRange::first),
             }),
             method: method_name(warp),
             untangled: untangle.is_some(),

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
-    Body, Isometry3, Method, Point3, Pose, PosedBody, TriMesh, Unit, UpAxis,
-    io::{ObjFile, read_pose},
+    Body, Isometry3, Method, Point3, Pose, PosedBody, TriMesh, Unit, UpAxis, io::ObjFile,
 };
 
 use super::{
@@ -13,10 +12,13 @@ use super::{
     files::{BodyFile, Files, SceneFiles},
     frame::Frame,
     placement,
-    rest_body::{RestBodies, does_not_fit, in_metres, largest_distance, rest_body_of},
+    rest_body::{RestBodies, Zero, does_not_fit, in_metres, largest_distance, rest_body_of},
     rest_mesh::{Frames, RestMesh, mesh_of, same_vertices},
 };
-use crate::{args::FrameOfFile, failure::refused};
+use crate::{
+    failure::refused,
+    posing::{PoseSource, Posing},
+};
 
 /// All that a drape starts from, in metres with y up.
 #[derive(Debug)]
@@ -27,7 +29,9 @@ pub(crate) struct Prepared {
     pub(crate) rest: RestBody,
     pub(crate) body: Body,
     pub(crate) targets: Vec<Target>,
-    pub(crate) pose: Option<FrameOfFile>,
+    pub(crate) pose: Option<PoseSource>,
+    /// What was taken for granted while poses were read.
+    pub(crate) notes: Vec<String>,
 }
 
 /// Where the rest body came from.
@@ -49,6 +53,8 @@ pub(crate) struct RestBody {
 pub(crate) struct Target {
     /// The file that tells its pose.
     pub(crate) path: PathBuf,
+    /// What outputs are called, if it is one frame of several.
+    pub(crate) stem: Option<String>,
     pub(crate) aim: Aim,
 }
 
@@ -130,9 +136,11 @@ impl Prepared {
             body,
             targets: vec![Target {
                 path: scene.target_body,
+                stem: None,
                 aim,
             }],
             pose: None,
+            notes: Vec::new(),
         })
     }
 
@@ -167,9 +175,9 @@ impl Prepared {
                 (body.rest.rest(), frames.obj.unit),
             )?;
         }
-        let targets = match &source.pose {
-            Some(pose) => vec![posed_target(pose, &body, &bodies, &frames)?],
-            None => mesh_targets(bodies, &body.rest, &frames)?,
+        let (targets, notes) = match &source.pose {
+            Some(pose) => posed_targets(pose, &body, &bodies, &frames)?,
+            None => (mesh_targets(bodies, &body.rest, &frames)?, Vec::new()),
         };
         Ok(Self {
             garment: in_metres(garment_mesh, garment_frame)?,
@@ -188,6 +196,7 @@ impl Prepared {
             body: body.rest,
             targets,
             pose: source.pose.clone(),
+            notes,
         })
     }
 }
@@ -203,18 +212,19 @@ fn mesh_targets(
         same_vertices(&body.path, &positions, rest.rest())?;
         targets.push(Target {
             path: body.path,
+            stem: None,
             aim: Aim::Vertices(positions),
         });
     }
     Ok(targets)
 }
 
-fn posed_target(
-    source: &FrameOfFile,
+fn posed_targets(
+    source: &PoseSource,
     bodies: &RestBodies,
     given: &[BodyFile],
     frames: &Frames,
-) -> anyhow::Result<Target> {
+) -> anyhow::Result<(Vec<Target>, Vec<String>)> {
     let rest = &bodies.rest;
     for (body, frame) in given.iter().zip(&frames.bodies) {
         let positions = frame.to_metres(body.positions.clone());
@@ -234,19 +244,34 @@ fn posed_target(
             ));
         }
     }
-    let path = source.path.clone();
-    let Some(zero) = &bodies.zero else {
-        let pose = read_pose(&path, source.frame, rest.skeleton())?;
-        let aim = Aim::Pose(pose);
-        return Ok(Target { path, aim });
-    };
-    let pose = read_pose(&path, source.frame, zero.body.skeleton())?;
-    let posed_from_zero = zero.body.skeleton().transforms(&pose)?;
+    let posed = bodies.zero.as_ref().map_or(rest, |zero| &zero.body);
+    let Posing { poses, notes } = source.read(posed)?;
+    let mut targets = Vec::with_capacity(poses.len());
+    for named in poses {
+        let aim = match &bodies.zero {
+            None => Aim::Pose(named.pose),
+            Some(zero) => from_zero(zero, &named.pose)?,
+        };
+        let is_several = source.is_several();
+        targets.push(Target {
+            path: match is_several {
+                true => named.label.into(),
+                false => source.path.clone(),
+            },
+            stem: is_several.then_some(named.stem),
+            aim,
+        });
+    }
+    Ok((targets, notes))
+}
+
+/// A pose of the body that the rig has in its pose zero.
+fn from_zero(zero: &Zero, pose: &Pose) -> anyhow::Result<Aim> {
+    let posed_from_zero = zero.body.skeleton().transforms(pose)?;
     let positions = zero
         .body
         .transformed_positions(&posed_from_zero, Method::DualQuaternion);
     let pairs = posed_from_zero.iter().zip(&zero.rest_from_zero);
     let posed_from_rest = pairs.map(|(posed, rest)| posed * rest.inverse()).collect();
-    let aim = Aim::Transforms(positions, posed_from_rest);
-    Ok(Target { path, aim })
+    Ok(Aim::Transforms(positions, posed_from_rest))
 }

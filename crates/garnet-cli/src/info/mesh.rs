@@ -3,10 +3,13 @@
 use std::path::Path;
 
 use anyhow::Context;
-use garnet::{Bounds, MeshDiagnosis, diagnose, io::ObjFile};
+use garnet::{
+    Bounds, MeshDiagnosis, diagnose,
+    io::{ObjFile, read_rig},
+};
 use serde::Serialize;
 
-use super::table::Table;
+use super::{rig::tape, table::Table};
 
 /// What is in a mesh and what is unusual about it. Lengths are in the unit of the file.
 #[derive(Debug, Serialize)]
@@ -43,6 +46,8 @@ pub(crate) struct MeshInfo {
     duplicate_faces: usize,
     non_manifold_edges: usize,
     inconsistent_edges: usize,
+    /// Tape measures at rest, in centimetres, if there is the rig of a built-in body beside it.
+    tape_cm: Option<Vec<(&'static str, f64)>>,
 }
 
 impl MeshInfo {
@@ -50,7 +55,12 @@ impl MeshInfo {
         let file = ObjFile::read(path)?;
         let mesh = file.mesh();
         let mesh = mesh.with_context(|| format!("cannot read `{}`", path.display()))?;
-        Ok(Self::new(&file, &diagnose(&mesh)))
+        let rig = path.with_extension("rig.npz");
+        let rig = rig.is_file().then(|| read_rig(&rig).ok()).flatten();
+        Ok(Self {
+            tape_cm: rig.as_ref().and_then(tape),
+            ..Self::new(&file, &diagnose(&mesh))
+        })
     }
 
     fn new(file: &ObjFile, found: &MeshDiagnosis) -> Self {
@@ -86,6 +96,7 @@ impl MeshInfo {
             duplicate_faces: found.duplicate_faces.len(),
             non_manifold_edges: found.non_manifold_edges.len(),
             inconsistent_edges: found.inconsistent_edges.len(),
+            tape_cm: None,
         }
     }
 
@@ -154,6 +165,9 @@ impl MeshInfo {
             table.row("unusual", "nothing");
         } else {
             table.row("unusual", found.join(", "));
+        }
+        for (name, centimetres) in self.tape_cm.iter().flatten() {
+            table.row(name, format_args!("{centimetres:.1} cm"));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! `garnet info`: what is in files.
 
 mod mesh;
+mod motion;
 mod pose;
 mod rig;
 mod table;
@@ -20,6 +21,7 @@ use crate::{
     failure::ExitStatus,
 };
 use mesh::MeshInfo;
+use motion::MotionInfo;
 use pose::PoseInfo;
 use rig::{RigInfo, SceneInfo};
 use table::Table;
@@ -27,7 +29,7 @@ use table::Table;
 /// Arguments of `info`.
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// Meshes (OBJ), rigs (npz, GLB, glTF, JSON), scenes and poses (JSON).
+    /// Meshes (OBJ), rigs (npz, GLB, glTF, JSON), scenes and poses (JSON), motions (BVH, npz).
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 }
@@ -63,6 +65,8 @@ enum Content {
     Scene(SceneInfo),
     /// A pose, or several.
     Pose(PoseInfo),
+    /// A motion with a skeleton of its own.
+    Motion(MotionInfo),
 }
 
 /// Reads each file and tells what is in it.
@@ -91,6 +95,7 @@ fn table(file: &FileInfo) -> Table {
         Content::Rig(rig) => rig.fill(&mut table),
         Content::Scene(scene) => scene.fill(&mut table),
         Content::Pose(pose) => pose.fill(&mut table),
+        Content::Motion(motion) => motion.fill(&mut table),
     }
     table
 }
@@ -98,7 +103,11 @@ fn table(file: &FileInfo) -> Table {
 fn content(path: &Path) -> anyhow::Result<Content> {
     Ok(match kind(path)? {
         Kind::Mesh => Content::Mesh(MeshInfo::read(path)?),
-        Kind::Rig => Content::Rig(RigInfo::read(path)?),
+        Kind::Rig => match RigInfo::read(path) {
+            Ok(rig) => Content::Rig(rig),
+            Err(error) => Content::Motion(MotionInfo::read(path).ok().ok_or(error)?),
+        },
+        Kind::Motion => Content::Motion(MotionInfo::read(path)?),
         Kind::Scene => Content::Scene(SceneInfo::read(path)?),
         Kind::Pose => Content::Pose(PoseInfo::read(path)?),
     })
@@ -109,6 +118,7 @@ enum Kind {
     Rig,
     Scene,
     Pose,
+    Motion,
 }
 
 /// The content decides, and the extension where it tells nothing.
@@ -123,7 +133,12 @@ fn kind(path: &Path) -> anyhow::Result<Kind> {
     }
     let text = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&start);
     let is_json = text.trim_ascii_start().first() == Some(&b'{');
+    let first_word = text.trim_ascii_start().get(..9);
+    if first_word.is_some_and(|word| word.eq_ignore_ascii_case(b"HIERARCHY")) {
+        return Ok(Kind::Motion);
+    }
     match extension.as_str() {
+        "bvh" => Ok(Kind::Motion),
         "npz" | "glb" | "gltf" => Ok(Kind::Rig),
         _ if is_json => kind_of_json(path),
         _ => Ok(Kind::Mesh),

@@ -9,6 +9,7 @@ use garnet::{
 use serde::Serialize;
 
 use super::table::Table;
+use crate::body::rows_of;
 
 /// What is in a rig. Lengths are metres.
 #[derive(Debug, Serialize)]
@@ -23,6 +24,8 @@ pub(crate) struct RigInfo {
     mean_influences: f64,
     /// Whether garments are modelled on another pose than that of the rest mesh.
     has_rest_pose: bool,
+    /// Tape measures of the built-in body, in centimetres; none of other bodies.
+    tape_cm: Option<Vec<(&'static str, f64)>>,
     joints: Vec<JointInfo>,
 }
 
@@ -48,6 +51,7 @@ impl RigInfo {
             max_influences: influences().max().unwrap_or(0),
             mean_influences: influences().sum::<usize>() as f64 / vertices.max(1) as f64,
             has_rest_pose: rig.rest_pose.is_some(),
+            tape_cm: tape(rig),
             joints: joints(&rig.skeleton),
         }
     }
@@ -72,8 +76,17 @@ impl RigInfo {
                 "garments lie on another pose than the rest mesh",
             );
         }
+        for (name, centimetres) in self.tape_cm.iter().flatten() {
+            table.row(name, format_args!("{centimetres:.1} cm"));
+        }
         fill_joints(&self.joints, table);
     }
+}
+
+/// What the tape measures, if it is the built-in body at rest.
+pub(super) fn tape(rig: &Rig) -> Option<Vec<(&'static str, f64)>> {
+    let body = rig.clone().into_body().ok()?;
+    Some(rows_of(&garnet::shape::tape_measures(&body)?))
 }
 
 fn joints(skeleton: &Skeleton) -> Vec<JointInfo> {

@@ -1,0 +1,243 @@
+//! Pictures of the key poses, the gait cycle or drawn poses on a rigged body:
+//! `cargo run --release -p garnet-body --example pose_sheet -- BODY FOLDER [KIND]…`.
+//!
+//! BODY is a rig or `SEX,STATURE,BMI` of the built-in body; KIND is `keys`, `gait`, `samples`, `sound`, `stats`, the
+//! beginning of names of key poses or a motion file.
+
+use std::{
+    collections::BTreeMap,
+    env,
+    error::Error,
+    io::{self, Write},
+    path::Path,
+    time::Instant,
+};
+
+use garnet_body::{
+    motion::{Ground, ReadOptions, RetargetOptions, Take, put_on_ground},
+    poses::{GaitCycle, Outcome, PoseSampler, Poser, SelfContact, SeparationOptions, key_poses},
+    shape::{BodyParameters, Measure, ParametricBody},
+};
+use garnet_mesh::TriMesh;
+use garnet_skin::{Body, Method, Pose, read_rig};
+use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
+
+const COLUMNS: usize = 6;
+const ROWS: usize = 2;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let [rig, folder, kinds @ ..] = arguments.as_slice() else {
+        return Err(
+            "usage: pose_sheet RIG|SEX,STATURE,BMI FOLDER [keys|gait|samples|PREFIX|MOTION]…"
+                .into(),
+        );
+    };
+    let body = body(rig)?;
+    let poser = Poser::new(body.skeleton())?;
+    let contact = SelfContact::new(&body)?;
+    let all = ["keys".to_owned(), "gait".to_owned()];
+    for kind in if kinds.is_empty() { &all } else { kinds } {
+        if kind == "stats" {
+            statistics(&poser, &contact)?;
+            continue;
+        }
+        let poses = poses_of(kind, &poser, &contact)?;
+        let (names, mut poses): (Vec<String>, Vec<Pose>) = poses.into_iter().unzip();
+        put_on_ground(&body, &mut poses, Ground::EachPose)?;
+        let mut log = io::stdout().lock();
+        for (name, pose) in names.iter().zip(&poses) {
+            for contact in contact.report(pose)?.contacts {
+                let depth = 1e3 * contact.depth;
+                if depth > 5.0 {
+                    writeln!(
+                        log,
+                        "{name}: {:?} {:?} {depth:.0} mm",
+                        contact.kind, contact.parts
+                    )?;
+                }
+            }
+        }
+        let sheets = names
+            .chunks(COLUMNS * ROWS)
+            .zip(poses.chunks(COLUMNS * ROWS));
+        for (index, (names, poses)) in sheets.enumerate() {
+            let path = Path::new(folder).join(format!("{}_{index}.png", file_stem(kind)));
+            sheet(&body, names, poses, &path)?;
+        }
+    }
+    Ok(())
+}
+
+/// Says how many drawn poses were sound, corrected and thrown away, and how long that took.
+fn statistics(poser: &Poser, contact: &SelfContact) -> Result<(), Box<dyn Error>> {
+    const NUM_POSES: u64 = 1000;
+    let mut log = io::stdout().lock();
+    let sampler = PoseSampler::new(1);
+    let poses: Vec<Pose> = (0..NUM_POSES)
+        .map(|index| poser.pose(&sampler.sample(index).angles))
+        .collect();
+    let start = Instant::now();
+    for pose in &poses {
+        contact.report(pose)?;
+    }
+    writeln!(
+        log,
+        "{:.2} ms a check",
+        1e3 * start.elapsed().as_secs_f64() / NUM_POSES as f64
+    )?;
+    let start = Instant::now();
+    let [mut corrected, mut rejected, mut touching, mut failed] = [0; 4];
+    let mut turns = Vec::new();
+    let mut worst: BTreeMap<&str, u32> = BTreeMap::new();
+    for index in 0..NUM_POSES {
+        let Ok(sound) = sampler.sample_for(poser, contact, index) else {
+            failed += 1;
+            *worst.entry(sampler.sample(index).sequence).or_default() += 8;
+            continue;
+        };
+        if let Outcome::Corrected { turn } = sound.outcome {
+            corrected += 1;
+            turns.push(turn.to_degrees());
+        }
+        rejected += sound.num_rejected;
+        touching += u32::from(sound.depths[1] > 0.0);
+        if sound.num_rejected > 0 {
+            *worst.entry(sound.sequence).or_default() += sound.num_rejected;
+        }
+    }
+    turns.sort_by(f64::total_cmp);
+    let seconds = start.elapsed().as_secs_f64();
+    writeln!(
+        log,
+        "of {NUM_POSES} poses {corrected} corrected (median {:.1}, largest {:.1} degrees), {rejected} draws \
+         rejected, {failed} not found, {touching} touching; {:.1} ms each; rejected by sequence: {worst:?}",
+        turns.get(turns.len() / 2).unwrap_or(&0.0),
+        turns.last().unwrap_or(&0.0),
+        1e3 * seconds / NUM_POSES as f64
+    )?;
+    Ok(())
+}
+
+/// The body of a rig file, or the built-in one of `SEX,STATURE,BMI` (stature in metres).
+fn body(text: &str) -> Result<Body, Box<dyn Error>> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .filter_map(|part| part.parse().ok())
+        .collect();
+    let [sex, stature, bmi] = *numbers.as_slice() else {
+        return Ok(read_rig(text)?.into_body()?);
+    };
+    let parameters = BodyParameters::new(sex)
+        .with(Measure::Stature, stature)
+        .with_bmi(bmi);
+    Ok(ParametricBody::build(&parameters)?.into_body())
+}
+
+fn file_stem(path: &str) -> String {
+    let stem = Path::new(path).file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+/// The poses of a kind and what to call them.
+fn poses_of(
+    kind: &str,
+    poser: &Poser,
+    contact: &SelfContact,
+) -> Result<Vec<(String, Pose)>, Box<dyn Error>> {
+    let mut poses: Vec<(String, Pose)> = Vec::new();
+    match kind {
+        "gait" => {
+            for step in 0..12 {
+                let phase = f64::from(step) / 12.0;
+                let angles = GaitCycle::default().angles(phase);
+                poses.push((format!("gait {:.0} %", 100.0 * phase), poser.pose(&angles)));
+            }
+        }
+        "samples" => {
+            let sampler = PoseSampler::new(1);
+            for index in 0..36 {
+                let sound = sampler.sample_for(poser, contact, index)?;
+                poses.push((
+                    format!("{index} {} {:.2}", sound.sequence, sound.phase),
+                    sound.pose,
+                ));
+            }
+        }
+        file if Path::new(file).exists() => {
+            let take = Take::read(file, &ReadOptions::default())?;
+            let step = take.num_frames().div_ceil(COLUMNS * ROWS).max(1);
+            let range = format!("::{step}").parse()?;
+            let found = take.poses(poser.skeleton(), range, &RetargetOptions::default())?;
+            let name = |index: usize| format!("{} {}", file_stem(file), index * step);
+            poses.extend(
+                found
+                    .into_iter()
+                    .enumerate()
+                    .map(|(index, pose)| (name(index), pose)),
+            );
+        }
+        "sound" => {
+            for key in key_poses() {
+                let pose = poser.pose(&key.angles);
+                match contact.separated(&pose, &SeparationOptions::default())? {
+                    Some(separated) => poses.push((key.name.to_owned(), separated.pose)),
+                    None => poses.push((format!("REJECTED {}", key.name), pose)),
+                }
+            }
+        }
+        prefix => {
+            for key in key_poses() {
+                if prefix == "keys" || key.name.starts_with(prefix) {
+                    poses.push((key.name.to_owned(), poser.pose(&key.angles)));
+                }
+            }
+        }
+    }
+    Ok(poses)
+}
+
+fn sheet(body: &Body, names: &[String], poses: &[Pose], path: &Path) -> Result<(), Box<dyn Error>> {
+    let mut meshes: Vec<TriMesh> = Vec::new();
+    let mut captions = Vec::new();
+    for (name, pose) in names.iter().zip(poses) {
+        let positions = body.posed_positions(pose, Method::DualQuaternion)?;
+        captions.push(name.clone());
+        meshes.push(body.rest().with_positions(positions)?);
+    }
+    let mut views = Vec::new();
+    let cameras = [Camera::new(0.5, 0.15), Camera::left()];
+    for row in 0..meshes.len().div_ceil(COLUMNS) {
+        for (side, camera) in cameras.into_iter().enumerate() {
+            for column in 0..COLUMNS {
+                let index = row * COLUMNS + column;
+                let is_there = index < meshes.len();
+                let shown = vec![index.min(meshes.len() - 1)];
+                views.push(View {
+                    caption: if side == 0 && is_there {
+                        captions[index].clone()
+                    } else {
+                        String::new()
+                    },
+                    shown: Some(shown.clone()),
+                    framed: Some(shown),
+                    ..View::new(camera)
+                });
+            }
+        }
+    }
+    let rows = views.len() / COLUMNS;
+    let layers = meshes.iter().map(|mesh| Layer {
+        paint: Paint::Plain(palette::SKIN),
+        ..Layer::new(mesh)
+    });
+    let image = render(&Picture {
+        layers: layers.collect(),
+        views,
+        columns: Some(COLUMNS as u32),
+        supersampling: 2,
+        ..Picture::new(300 * COLUMNS as u32, 330 * rows as u32)
+    })?;
+    image.write_png(path)?;
+    Ok(())
+}

@@ -1,0 +1,296 @@
+//! Drawing poses.
+
+use garnet_skin::{Body, Pose};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::{
+    BodyAngles, NUM_ANGLES, Poser, SelfContact, SeparationOptions, Sequence, ranges,
+    sequences::Group,
+};
+use crate::motion::{Ground, RetargetError, put_on_ground};
+
+/// How often a pose is drawn anew before the sampler gives up.
+const MAX_TRIES: u32 = 8;
+
+/// Draws poses: by group in the shares of [`Group::percent`], within a group any sequence, within a
+/// sequence any phase, left and right exchanged in half of them, with noise inside the ranges of
+/// motion.
+///
+/// A pose depends on seed and number alone: poses can be drawn in any order, on any thread.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseSampler {
+    seed: u64,
+    noise: f64,
+}
+
+/// A drawn pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SampledPose {
+    /// Name of its sequence.
+    pub sequence: &'static str,
+    /// Kind of its sequence.
+    pub group: Group,
+    /// Where in the sequence it is, 0 to 1.
+    pub phase: f64,
+    /// Whether left and right are exchanged.
+    pub is_mirrored: bool,
+    /// The pose.
+    pub angles: BodyAngles,
+}
+
+/// What the test for self-contact made of a pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Outcome {
+    /// Nothing.
+    Sound,
+    /// Joints were turned until the parts of the body were apart.
+    Corrected {
+        /// The largest turn of a joint, in radians.
+        turn: f64,
+    },
+}
+
+/// A pose in which a body does not run through itself, standing on the ground.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SoundPose {
+    /// Name of its sequence.
+    pub sequence: &'static str,
+    /// Where in the sequence it is, 0 to 1.
+    pub phase: f64,
+    /// The pose.
+    pub pose: Pose,
+    /// What was done to it.
+    pub outcome: Outcome,
+    /// How many draws were thrown away before it.
+    pub num_rejected: u32,
+    /// The deepest self-contact before and after correction, in metres.
+    pub depths: [f32; 2],
+}
+
+/// Why no pose can be drawn for a body.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SampleError {
+    /// The body runs through itself in every draw.
+    #[error("pose {index}: the body runs through itself in each of {tries} draws of `{sequence}`")]
+    NoSoundPose {
+        /// Number of the pose.
+        index: u64,
+        /// The sequence.
+        sequence: &'static str,
+        /// How many draws were made.
+        tries: u32,
+    },
+    /// The skeleton is no human figure or the pose impossible.
+    #[error(transparent)]
+    Pose(#[from] RetargetError),
+}
+
+impl PoseSampler {
+    /// A sampler; samplers with other seeds draw other poses.
+    pub const fn new(seed: u64) -> Self {
+        Self { seed, noise: 1.0 }
+    }
+
+    /// The noise scaled by `noise`; 0 stays on the sequences.
+    #[must_use]
+    pub const fn with_noise(self, noise: f64) -> Self {
+        Self { noise, ..self }
+    }
+
+    /// The pose of a number.
+    pub fn sample(&self, index: u64) -> SampledPose {
+        self.draw(index, 0)
+    }
+
+    /// The pose of a number in one sequence.
+    pub fn sample_of(&self, sequence: &'static Sequence, index: u64) -> SampledPose {
+        draw_of(sequence, &mut self.source(index, 0), self.noise)
+    }
+
+    /// The pose of a number on a body: corrected if its parts run into each other, drawn anew from
+    /// the same sequence if that does not help, and put on the ground.
+    ///
+    /// # Errors
+    ///
+    /// [`SampleError::NoSoundPose`] after 8 draws, the last of them without noise.
+    pub fn sample_for(
+        &self,
+        poser: &Poser,
+        contact: &SelfContact,
+        index: u64,
+    ) -> Result<SoundPose, SampleError> {
+        let mut name = "";
+        for try_index in 0..MAX_TRIES {
+            let drawn = self.draw(index, try_index);
+            name = drawn.sequence;
+            let pose = poser.pose(&drawn.angles);
+            let separated = contact.separated(&pose, &SeparationOptions::default());
+            let Some(separated) = separated.map_err(RetargetError::from)? else {
+                continue;
+            };
+            let mut poses = [separated.pose];
+            on_ground(contact.body(), &mut poses)?;
+            let [pose] = poses;
+            return Ok(SoundPose {
+                sequence: drawn.sequence,
+                phase: drawn.phase,
+                pose,
+                outcome: match separated.num_steps {
+                    0 => Outcome::Sound,
+                    _ => Outcome::Corrected {
+                        turn: separated.largest_turn,
+                    },
+                },
+                num_rejected: try_index,
+                depths: separated.depths,
+            });
+        }
+        Err(SampleError::NoSoundPose {
+            index,
+            sequence: name,
+            tries: MAX_TRIES,
+        })
+    }
+
+    fn draw(&self, index: u64, try_index: u32) -> SampledPose {
+        // Later tries keep the sequence: the shares stay as they are.
+        let mut of_sequence = self.source(index, 0);
+        let mut percent = below(&mut of_sequence, 100);
+        let mut group = Group::Walk;
+        for other in Group::ALL {
+            group = other;
+            if percent < other.percent() {
+                break;
+            }
+            percent -= other.percent();
+        }
+        let sequences: Vec<&'static Sequence> = Sequence::of_group(group).collect();
+        let pick = below(&mut of_sequence, sequences.len() as u64) as usize;
+        let less = 1.0 - f64::from(try_index) / f64::from(MAX_TRIES - 1);
+        let mut source = if try_index == 0 {
+            of_sequence
+        } else {
+            self.source(index, try_index)
+        };
+        draw_of(sequences[pick], &mut source, self.noise * less)
+    }
+
+    fn source(&self, index: u64, try_index: u32) -> ChaCha8Rng {
+        let mut seed = [0_u8; 32];
+        seed[..8].copy_from_slice(&self.seed.to_le_bytes());
+        seed[8..16].copy_from_slice(&index.to_le_bytes());
+        seed[16..20].copy_from_slice(&try_index.to_le_bytes());
+        seed[20..].copy_from_slice(b"garnet poses");
+        ChaCha8Rng::from_seed(seed)
+    }
+}
+
+fn draw_of(sequence: &'static Sequence, source: &mut ChaCha8Rng, noise: f64) -> SampledPose {
+    let phase = uniform(source);
+    let is_mirrored = below(source, 2) == 1;
+    let angles = sequence.angles(phase);
+    let angles = if is_mirrored {
+        angles.mirrored()
+    } else {
+        angles
+    };
+    let mut shifts = [0.0; NUM_ANGLES];
+    for (shift, range) in shifts.iter_mut().zip(ranges()) {
+        *shift = noise * range.noise * bell(source);
+    }
+    SampledPose {
+        sequence: sequence.name,
+        group: sequence.group,
+        phase,
+        is_mirrored,
+        angles: angles.moved_within_ranges(&shifts),
+    }
+}
+
+fn on_ground(body: &Body, poses: &mut [Pose]) -> Result<(), RetargetError> {
+    Ok(put_on_ground(body, poses, Ground::EachPose)?)
+}
+
+/// A number from 0 to 1, without 1.
+fn uniform(source: &mut ChaCha8Rng) -> f64 {
+    (source.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// A whole number below `end`.
+fn below(source: &mut ChaCha8Rng, end: u64) -> u64 {
+    (uniform(source) * end as f64) as u64
+}
+
+/// About a normal number of variance 1, within 3: the sum of three uniform ones.
+fn bell(source: &mut ChaCha8Rng) -> f64 {
+    2.0 * (uniform(source) + uniform(source) + uniform(source) - 1.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    #[test]
+    fn a_pose_depends_on_seed_and_number_alone() {
+        let sampler = PoseSampler::new(3);
+        let forwards: Vec<SampledPose> = (0..50).map(|index| sampler.sample(index)).collect();
+        let backwards: Vec<SampledPose> =
+            (0..50).rev().map(|index| sampler.sample(index)).collect();
+        assert!(forwards.iter().eq(backwards.iter().rev()));
+        assert_ne!(forwards[0], PoseSampler::new(4).sample(0));
+        assert_ne!(forwards[0].angles, forwards[1].angles);
+    }
+
+    #[test]
+    fn groups_come_in_their_shares() {
+        const NUM_POSES: u64 = 4000;
+        let sampler = PoseSampler::new(1);
+        let mut counts: BTreeMap<Group, u64> = BTreeMap::new();
+        for index in 0..NUM_POSES {
+            *counts.entry(sampler.sample(index).group).or_default() += 1;
+        }
+        for group in Group::ALL {
+            let percent = counts[&group] as f64 * 100.0 / NUM_POSES as f64;
+            // Three standard deviations of a share of 30 % of 4000.
+            assert!(
+                (percent - group.percent() as f64).abs() < 2.2,
+                "{group:?}: {percent}"
+            );
+        }
+    }
+
+    #[test]
+    fn every_angle_stays_in_the_ranges_of_trained_people() {
+        let sampler = PoseSampler::new(5).with_noise(3.0);
+        for index in 0..2000 {
+            let sample = sampler.sample(index);
+            assert_eq!(
+                sample.angles.beyond_ranges(),
+                Vec::new(),
+                "{}",
+                sample.sequence
+            );
+        }
+    }
+
+    #[test]
+    fn without_noise_a_sample_lies_on_its_sequence() {
+        let sampler = PoseSampler::new(2).with_noise(0.0);
+        for index in 0..20 {
+            let sample = sampler.sample(index);
+            let expected = Sequence::find(sample.sequence)
+                .unwrap()
+                .angles(sample.phase);
+            let expected = if sample.is_mirrored {
+                expected.mirrored()
+            } else {
+                expected
+            };
+            assert_eq!(sample.angles, expected);
+        }
+    }
+}

@@ -1,0 +1,327 @@
+//! Pushing the parts of a body apart.
+//!
+//! Every contact that is too deep asks its vertex to leave the other part by the shortest way. How
+//! far a turn of a shoulder, elbow, hip or knee on the way between the two parts moves them against
+//! each other is known from the skeleton; the smallest turns that fulfil all wishes at once are
+//! taken (damped least squares, as in inverse kinematics), a few degrees at a time, and the contacts
+//! measured anew. Feet that stand keep their direction.
+
+use garnet_skin::{Pose, Skeleton, SkinError};
+use nalgebra::{DMatrix, DVector, Unit, Vector3};
+
+use super::{Contact, ContactKind, ContactReport, SelfContact};
+use crate::motion::{Role, Side, world_rotations};
+
+type Rotation = nalgebra::UnitQuaternion<f64>;
+
+/// When a pose is sound, and how it may be changed until it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeparationOptions {
+    /// Depth up to which contact is light, in metres.
+    pub max_depth: f32,
+    /// Depth up to which flesh may meet beyond the crease of an elbow or knee, in metres.
+    pub max_fold_depth: f32,
+    /// Number of corrections.
+    pub max_steps: u32,
+    /// The largest turn of a joint in all corrections, in radians.
+    pub max_turn: f64,
+}
+
+impl Default for SeparationOptions {
+    fn default() -> Self {
+        Self {
+            max_depth: 0.010,
+            max_fold_depth: 0.025,
+            max_steps: 12,
+            max_turn: 0.6,
+        }
+    }
+}
+
+/// A pose in which no contact is too deep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Separated {
+    /// The pose.
+    pub pose: Pose,
+    /// Number of corrections; 0 if the pose is as it was.
+    pub num_steps: u32,
+    /// The largest turn of a joint, in radians.
+    pub largest_turn: f64,
+    /// The deepest contact that is no fold, before and after, in metres.
+    pub depths: [f32; 2],
+    /// The contacts of the pose.
+    pub report: ContactReport,
+}
+
+/// Turn of a joint in one correction at most, in radians.
+const MAX_STEP: f64 = 0.12;
+
+/// Depth that is left, in parts of the allowed one.
+const KEPT: f32 = 0.6;
+
+/// Damping of the least squares, against squared lever arms of a few decimetres.
+const DAMPING: f64 = 2e-3;
+
+/// Cosine of the slope of a foot that stands.
+const LEVEL: f64 = 0.95;
+
+/// A turn of a joint about an axis in the world.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    joint: usize,
+    axis: Vector3<f64>,
+    weight: f64,
+    /// Whether the joint bends about this axis alone.
+    is_hinge: bool,
+}
+
+impl SelfContact {
+    /// The pose with its parts apart; none if that takes more than the options allow.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Skeleton::transforms`].
+    pub fn separated(
+        &self,
+        pose: &Pose,
+        options: &SeparationOptions,
+    ) -> Result<Option<Separated>, SkinError> {
+        let mut pose = pose.clone();
+        let given_pose = pose.clone();
+        let mut first_depth = None;
+        for num_steps in 0..=options.max_steps {
+            let report = self.report(&pose)?;
+            let first = *first_depth.get_or_insert(report.depth());
+            let limit = |contact: &Contact| match contact.kind {
+                ContactKind::Contact => options.max_depth,
+                ContactKind::Fold => options.max_fold_depth,
+                ContactKind::Crease => f32::INFINITY,
+            };
+            let is_deep = |contact: &&Contact| contact.depth > limit(contact);
+            let largest_turn = largest_turn(&given_pose, &pose);
+            if largest_turn > options.max_turn {
+                return Ok(None);
+            }
+            if !report.contacts.iter().any(|contact| is_deep(&contact)) {
+                return Ok(Some(Separated {
+                    num_steps,
+                    largest_turn,
+                    depths: [first, report.depth()],
+                    pose,
+                    report,
+                }));
+            }
+            // Contacts that are nearly too deep are kept from becoming so.
+            let wishes = report
+                .contacts
+                .iter()
+                .filter(|contact| contact.depth > KEPT * limit(contact));
+            let wishes: Vec<(Contact, f64)> = wishes
+                .map(|contact| (*contact, f64::from(contact.depth - KEPT * limit(contact))))
+                .collect();
+            self.push(&mut pose, &wishes)?;
+        }
+        Ok(None)
+    }
+
+    /// Turns joints so that each contact's vertex leaves by its distance in metres.
+    fn push(&self, pose: &mut Pose, wishes: &[(Contact, f64)]) -> Result<(), SkinError> {
+        let body = self.body();
+        let skeleton = body.skeleton();
+        let transforms = skeleton.transforms(pose)?;
+        let position = |joint: usize| -> Vector3<f64> {
+            (transforms[joint] * skeleton.joints()[joint].rest_position)
+                .coords
+                .cast()
+        };
+        let turns = self.turns(position);
+        let mut levers: DMatrix<f64> = DMatrix::zeros(wishes.len(), turns.len());
+        let mut lengths: DVector<f64> = DVector::zeros(wishes.len());
+        for (row, (contact, length)) in wishes.iter().enumerate() {
+            let Some(out) = self.way_out(contact, &turns, position) else {
+                continue;
+            };
+            lengths[row] = *length;
+            let ends = [
+                (contact.vertex, contact.position, 1.0),
+                (contact.exit_vertex, contact.exit, -1.0),
+            ];
+            for (vertex, point, sign) in ends {
+                let joint = body.weights().heaviest(vertex as usize);
+                for (column, turn) in turns.iter().enumerate() {
+                    if hangs_on(skeleton, joint, turn.joint) {
+                        let arm = point.coords.cast() - position(turn.joint);
+                        levers[(row, column)] +=
+                            sign * turn.weight * turn.axis.cross(&arm).dot(&out);
+                    }
+                }
+            }
+        }
+        let mut square: DMatrix<f64> = &levers * levers.transpose();
+        for index in 0..wishes.len() {
+            square[(index, index)] += DAMPING;
+        }
+        let Some(factor) = square.cholesky() else {
+            return Ok(());
+        };
+        let turned: DVector<f64> = levers.transpose() * factor.solve(&lengths);
+
+        let mut world = world_rotations(skeleton, pose);
+        let feet = self.standing_feet(&world, position);
+        let feet: Vec<(usize, Rotation)> = feet.map(|foot| (foot, world[foot])).collect();
+        let mut vectors = vec![Vector3::<f64>::zeros(); skeleton.num_joints()];
+        for (turn, amount) in turns.iter().zip(turned.iter()) {
+            vectors[turn.joint] += turn.axis * (turn.weight * amount);
+        }
+        let mut own = vec![Rotation::identity(); skeleton.num_joints()];
+        for &joint in skeleton.parents_first() {
+            let vector = vectors[joint];
+            let length = vector.norm();
+            let vector = if length > MAX_STEP {
+                vector * (MAX_STEP / length)
+            } else {
+                vector
+            };
+            let above = skeleton.joints()[joint]
+                .parent
+                .map_or_else(Rotation::identity, |parent| own[parent]);
+            own[joint] = above * Rotation::from_scaled_axis(vector);
+            world[joint] = own[joint] * world[joint];
+        }
+        for (foot, rotation) in feet {
+            set_subtree(skeleton, &mut world, foot, rotation);
+        }
+        for (joint, rotation) in pose.rotations.iter_mut().enumerate() {
+            let parent = skeleton.joints()[joint].parent;
+            let parent = parent.map_or_else(Rotation::identity, |parent| world[parent]);
+            let local = parent.inverse() * world[joint];
+            *rotation = nalgebra::UnitQuaternion::new_normalize(local.into_inner().cast());
+        }
+        Ok(())
+    }
+
+    /// The direction in which the vertex of a contact shall leave the other part: the shortest way,
+    /// and the way that opens the joint for a fold.
+    fn way_out(
+        &self,
+        contact: &Contact,
+        turns: &[Turn],
+        position: impl Fn(usize) -> Vector3<f64>,
+    ) -> Option<Unit<Vector3<f64>>> {
+        let shortest = (contact.exit - contact.position).cast::<f64>();
+        let [tested, within] = contact.parts;
+        let is_below = tested.parent() == Some(within);
+        let hinge = if is_below { tested } else { within }.joint();
+        let joint = hinge.and_then(|role| self.figure().joint(role));
+        let hinge = turns
+            .iter()
+            .find(|turn| turn.is_hinge && Some(turn.joint) == joint);
+        let way = match hinge.filter(|_| contact.kind == ContactKind::Fold) {
+            Some(turn) => {
+                let arm = contact.position.coords.cast() - position(turn.joint);
+                // The axis is the one about which the joint closes.
+                let closes = turn.axis.cross(&arm);
+                if is_below { -closes } else { closes }
+            }
+            None => shortest,
+        };
+        Unit::try_new(way, 1e-6)
+    }
+
+    /// Ankles of feet that are level and as low as the other one.
+    fn standing_feet(
+        &self,
+        world: &[Rotation],
+        position: impl Fn(usize) -> Vector3<f64>,
+    ) -> impl Iterator<Item = usize> {
+        let up = self.figure().rest_from_body() * Vector3::y();
+        let feet = Side::BOTH.map(|side| self.figure().joint(Role::Ankle(side)));
+        let feet = feet.map(|foot| foot.map(|foot| (foot, position(foot).y)));
+        let low = feet.iter().flatten().map(|(_, height)| *height);
+        let low = low.fold(f64::INFINITY, f64::min) + 0.1 * self.figure().leg_length();
+        let stands = |&(foot, height): &(usize, f64)| height <= low && (world[foot] * up).y > LEVEL;
+        let standing: Vec<_> = feet.into_iter().flatten().filter(stands).collect();
+        standing.into_iter().map(|(foot, _)| foot)
+    }
+
+    fn turns(&self, position: impl Fn(usize) -> Vector3<f64>) -> Vec<Turn> {
+        let mut turns = Vec::new();
+        for side in Side::BOTH {
+            // Arms give way before legs.
+            for (role, weight) in [(Role::Shoulder(side), 1.0), (Role::Hip(side), 0.5)] {
+                let Some(joint) = self.figure().joint(role) else {
+                    continue;
+                };
+                for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+                    turns.push(Turn {
+                        joint,
+                        axis,
+                        weight,
+                        is_hinge: false,
+                    });
+                }
+            }
+            for (above, role, end, weight) in [
+                (
+                    Role::Shoulder(side),
+                    Role::Elbow(side),
+                    Role::Wrist(side),
+                    0.7,
+                ),
+                (Role::Hip(side), Role::Knee(side), Role::Ankle(side), 0.5),
+            ] {
+                let joints = [above, role, end].map(|role| self.figure().joint(role));
+                let [Some(above), Some(joint), Some(end)] = joints else {
+                    continue;
+                };
+                let bones = [
+                    position(joint) - position(above),
+                    position(end) - position(joint),
+                ];
+                // A straight limb has no axis to bend about, nor need of one.
+                let across = bones[0].cross(&bones[1]);
+                let least = 0.1 * bones[0].norm() * bones[1].norm();
+                if let Some(axis) = Unit::try_new(across, least.max(1e-9)) {
+                    let axis = axis.into_inner();
+                    turns.push(Turn {
+                        joint,
+                        axis,
+                        weight,
+                        is_hinge: true,
+                    });
+                }
+            }
+        }
+        turns
+    }
+}
+
+fn hangs_on(skeleton: &Skeleton, joint: usize, ancestor: usize) -> bool {
+    let mut next = Some(joint);
+    while let Some(joint) = next {
+        if joint == ancestor {
+            return true;
+        }
+        next = skeleton.joints()[joint].parent;
+    }
+    false
+}
+
+/// Gives a joint a rotation in the world and turns what hangs on it along.
+fn set_subtree(skeleton: &Skeleton, world: &mut [Rotation], root: usize, rotation: Rotation) {
+    let turn = rotation * world[root].inverse();
+    for (joint, world) in world.iter_mut().enumerate() {
+        if hangs_on(skeleton, joint, root) {
+            *world = turn * *world;
+        }
+    }
+}
+
+/// The largest angle between local rotations of two poses, in radians.
+fn largest_turn(a: &Pose, b: &Pose) -> f64 {
+    let angles = a.rotations.iter().zip(&b.rotations).map(|(a, b)| {
+        let turn = a.inverse() * b;
+        2.0 * f64::from(turn.vector().norm()).atan2(f64::from(turn.w.abs()))
+    });
+    angles.fold(0.0, f64::max)
+}

@@ -1,0 +1,435 @@
+//! Bodies: the template on the surface of its measures, with a skeleton and weights.
+
+use std::sync::OnceLock;
+
+use garnet_mesh::{Point3, TriMesh};
+use garnet_skin::{Body, SkinWeights};
+use nalgebra::{SMatrix, SVector};
+
+use super::anatomy::{Anatomy, Corrections};
+use super::anthropometry::Dimension;
+use super::carry::Carrier;
+use super::measure::Measures;
+use super::primitives::Vec3;
+use super::surface::BodySurface;
+use super::tape::{self, BODY_DENSITY};
+use super::template::Template;
+use super::{BodyParameters, Measure, NUM_JOINTS, ShapeError};
+
+/// The measures are fitted at most so often.
+const MAX_ROUNDS: usize = 14;
+
+/// Fitting ends when every girth is this close, relative.
+const GIRTH_TOLERANCE: f64 = 8e-4;
+
+/// And, where no girth is given, the mass.
+const MASS_TOLERANCE: f64 = 4e-3;
+
+/// A given girth that is farther off than this cannot be had together with the others, relative.
+const CONFLICT_TOLERANCE: f64 = 5e-3;
+
+/// What does not depend on the body.
+struct Shared {
+    carrier: Carrier,
+    /// Whether a vertex of the whole hangs on an arm.
+    is_arm: Vec<bool>,
+    weights: SkinWeights,
+}
+
+fn shared() -> &'static Shared {
+    static SHARED: OnceLock<Shared> = OnceLock::new();
+    SHARED.get_or_init(|| {
+        let template = Template::stored();
+        Shared {
+            carrier: Carrier::new(template, &BodySurface::template()),
+            is_arm: template
+                .influences()
+                .iter()
+                .map(|row| follows_arm(row))
+                .collect(),
+            weights: SkinWeights::from_influences(NUM_JOINTS, template.influences())
+                .expect("the stored weights are weights"),
+        }
+    })
+}
+
+/// Whether a vertex follows shoulder, elbow or wrist more than anything else.
+fn follows_arm(influences: &[(usize, f32)]) -> bool {
+    let share: f32 = influences
+        .iter()
+        .filter(|(joint, _)| *joint >= FIRST_ARM_JOINT)
+        .map(|(_, weight)| weight)
+        .sum();
+    share > 0.5
+}
+
+/// The joints from this one on are those of the arms.
+const FIRST_ARM_JOINT: usize = 16;
+
+/// A body built from measures: mesh, skeleton and weights.
+///
+/// All bodies share one topology, in which vertices correspond. At rest the body stands on the
+/// floor `y = 0` and looks to `+z`, arms 45° down and legs apart.
+///
+/// ```
+/// use garnet_body::shape::{BodyParameters, Measure, ParametricBody};
+///
+/// let parameters = BodyParameters::new(1.0)
+///     .with(Measure::Stature, 1.70)
+///     .with(Measure::Waist, 0.78)
+///     .with(Measure::Hip, 1.00);
+/// let body = ParametricBody::build(&parameters)?;
+/// assert!((body.measures()[Measure::Waist] - 0.78).abs() < 0.005 * 0.78);
+/// # Ok::<(), garnet_body::shape::ShapeError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct ParametricBody {
+    body: Body,
+    measures: Measures,
+    volume: f64,
+}
+
+/// A candidate on the way to the right measures.
+struct Trial {
+    surface: BodySurface,
+    positions: Vec<Vec3>,
+    measures: Measures,
+    volume: f64,
+}
+
+impl Trial {
+    fn new(anatomy: Anatomy) -> Self {
+        let template = Template::stored();
+        let surface = BodySurface::of(anatomy);
+        let half = shared().carrier.carried(&surface);
+        let positions = template.whole(&half, |p| Vec3::new(-p.x, p.y, p.z));
+        let joints = joint_positions(&surface);
+        let is_arm = &shared().is_arm;
+        Self {
+            measures: tape::measured(
+                &positions,
+                &template.faces,
+                is_arm,
+                template.num_middle,
+                &joints,
+            ),
+            volume: tape::volume(&positions, &template.faces),
+            surface,
+            positions,
+        }
+    }
+
+    /// How far a girth is off, relative to what it shall be.
+    fn error(&self, measure: Measure) -> f64 {
+        self.measures[measure] / self.surface.anatomy.measures[measure] - 1.0
+    }
+}
+
+fn joint_positions(surface: &BodySurface) -> Vec<Vec3> {
+    let joints = surface.joints();
+    joints
+        .iter()
+        .map(|joint| joint.rest_position.coords.cast())
+        .collect()
+}
+
+impl ParametricBody {
+    /// Builds the body of these parameters; what they leave open is what is most likely.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`BodyParameters::check`], and [`ShapeError::MeasuresConflict`].
+    ///
+    /// # Panics
+    ///
+    /// Never: the stored template is a mesh with a weight for every vertex.
+    pub fn build(parameters: &BodyParameters) -> Result<Self, ShapeError> {
+        parameters.check()?;
+        let trial = fitted(parameters);
+        for (measure, value) in parameters.given().filter(|(measure, _)| measure.is_girth()) {
+            if trial.error(measure).abs() > CONFLICT_TOLERANCE {
+                return Err(ShapeError::MeasuresConflict {
+                    measure,
+                    value_cm: 100.0 * value,
+                    closest_cm: 100.0 * trial.measures[measure],
+                });
+            }
+        }
+        let template = Template::stored();
+        let positions = trial
+            .positions
+            .iter()
+            .map(|p| Point3::from(p.cast::<f32>()))
+            .collect();
+        let mesh = TriMesh::new(positions, template.faces.clone()).expect("the template is a mesh");
+        let body = Body::new(mesh, trial.surface.skeleton(), shared().weights.clone())
+            .expect("the template has a weight for every vertex");
+        Ok(Self {
+            body,
+            measures: trial.measures,
+            volume: trial.volume,
+        })
+    }
+
+    /// Mesh, skeleton and weights.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// Mesh, skeleton and weights, without the rest.
+    pub fn into_body(self) -> Body {
+        self.body
+    }
+
+    /// What the tape measures on the mesh, in metres.
+    pub fn measures(&self) -> &Measures {
+        &self.measures
+    }
+
+    /// The volume, in m³.
+    pub fn volume(&self) -> f64 {
+        self.volume
+    }
+
+    /// The mass at [`BODY_DENSITY`], in kg.
+    pub fn mass(&self) -> f64 {
+        BODY_DENSITY * self.volume
+    }
+
+    /// The faces of the coarse level, of about 1,700 vertices, in numbers of its vertices.
+    pub fn coarse_faces() -> &'static [[u32; 3]] {
+        &Template::stored().coarse_faces
+    }
+
+    /// The vertex of the body that each vertex of the coarse level is.
+    pub fn coarse_vertices() -> &'static [u32] {
+        &Template::stored().coarse_vertices
+    }
+
+    /// The coarse level of a body whose vertices are at `positions`, in rest or in a pose.
+    ///
+    /// # Panics
+    ///
+    /// If `positions` are not those of a built-in body.
+    pub fn coarse(positions: &[Point3]) -> TriMesh {
+        let vertices = Self::coarse_vertices().iter();
+        let kept = vertices.map(|&vertex| positions[vertex as usize]).collect();
+        TriMesh::new(kept, Self::coarse_faces().to_vec()).expect("the coarse level is a mesh")
+    }
+}
+
+/// What the tape measures on a body at rest, if it has the built-in topology and joints.
+pub fn tape_measures(body: &Body) -> Option<Measures> {
+    let template = Template::stored();
+    if body.rest().faces() != template.faces || body.skeleton().num_joints() != NUM_JOINTS {
+        return None;
+    }
+    let joints = body.skeleton().joints().iter();
+    let joints: Vec<Vec3> = joints
+        .map(|joint| joint.rest_position.coords.cast())
+        .collect();
+    let positions = tape::doubled(body.rest().positions());
+    Some(tape::measured(
+        &positions,
+        &template.faces,
+        &shared().is_arm,
+        template.num_middle,
+        &joints,
+    ))
+}
+
+/// What is varied to meet the measures: the logarithms of the corrections, and of the body mass
+/// index that the girths are predicted from.
+type Unknowns = SVector<f64, NUM_UNKNOWNS>;
+const NUM_UNKNOWNS: usize = Measure::GIRTHS.len() + 1;
+
+/// A girth changes by less than this in one round, as a logarithm.
+const MAX_CHANGE: f64 = 0.15;
+
+/// Corrections beyond this would not look like a body, as a logarithm.
+const MAX_CORRECTION: f64 = 0.6;
+
+/// Finds the corrections with which the mesh has the measures asked for, by Broyden's method.
+///
+/// Where no girth is given, the mass matters more than the likely girths: then the body mass index
+/// that the girths are predicted from is varied until the mesh has the mass.
+fn fitted(parameters: &BodyParameters) -> Trial {
+    let likely = parameters.completed(parameters.bmi());
+    let mass = likely.expected(Dimension::Mass);
+    let stature = likely.expected(Dimension::Stature);
+    let bmi = mass / stature.powi(2);
+    let meets_mass = !parameters.has_girth();
+    let base_bmi = if meets_mass {
+        Some(bmi)
+    } else {
+        parameters.bmi()
+    };
+    let parameters = &parameters.clone().with(Measure::Stature, stature);
+
+    let mut unknowns = Unknowns::zeros();
+    let mut crotch = 0.0;
+    let mut slopes = SMatrix::<f64, NUM_UNKNOWNS, NUM_UNKNOWNS>::identity();
+    let mut best: Option<(f64, Trial)> = None;
+    let mut previous: Option<(Unknowns, Unknowns)> = None;
+    for _ in 0..MAX_ROUNDS {
+        let mut corrections = Corrections::default();
+        for (measure, value) in Measure::GIRTHS.into_iter().zip(unknowns.iter()) {
+            corrections[measure] = value.exp();
+        }
+        corrections.crotch = crotch;
+        let shift = unknowns[NUM_UNKNOWNS - 1].exp();
+        let body = parameters.completed(base_bmi.map(|bmi| bmi * shift));
+        let trial = Trial::new(Anatomy::new(parameters.sex(), &body, corrections));
+        let mut errors = Unknowns::zeros();
+        for (place, measure) in Measure::GIRTHS.into_iter().enumerate() {
+            errors[place] = (1.0 + trial.error(measure)).max(0.1).ln();
+        }
+        if meets_mass {
+            errors[NUM_UNKNOWNS - 1] = (trial.volume * BODY_DENSITY / mass).ln();
+        }
+        if let Some((before, old_errors)) = previous {
+            let step = unknowns - before;
+            let surprise = errors - old_errors - slopes * step;
+            let updated = slopes + surprise * step.transpose() / step.norm_squared().max(1e-12);
+            // A girth that grows when it is corrected downwards is an accident of the others.
+            if updated.diagonal().min() > 0.3 {
+                slopes = updated;
+            }
+        }
+        let worst_girth = errors.rows(0, NUM_UNKNOWNS - 1).amax();
+        let mass_error = errors[NUM_UNKNOWNS - 1].abs();
+        let rise =
+            trial.surface.anatomy.measures[Measure::Inseam] - trial.measures[Measure::Inseam];
+        let badness = worst_girth + 0.2 * mass_error;
+        if best.as_ref().is_none_or(|(least, _)| badness < *least) {
+            best = Some((badness, trial));
+        }
+        if worst_girth < GIRTH_TOLERANCE && mass_error < MASS_TOLERANCE {
+            break;
+        }
+        previous = Some((unknowns, errors));
+        let step = slopes.lu().solve(&errors).unwrap_or(errors);
+        unknowns = (unknowns - step.map(|value| value.clamp(-MAX_CHANGE, MAX_CHANGE)))
+            .map(|value| value.clamp(-MAX_CORRECTION, MAX_CORRECTION));
+        crotch = (crotch + 0.5 * rise).clamp(-0.01, 0.01);
+    }
+    best.expect("at least one round was made").1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::Population;
+
+    /// Bars of the built-in body: girths relative, stature and gap in metres, mass relative.
+    const MAX_GIRTH_ERROR: f64 = 0.005;
+    const MAX_STATURE_ERROR: f64 = 0.002;
+    const MAX_MASS_ERROR: f64 = 0.04;
+    const MIN_THIGH_GAP: f64 = 0.010;
+
+    fn corners_of_the_range() -> Vec<BodyParameters> {
+        let mut bodies = Vec::new();
+        for sex in [0.0, 0.5, 1.0] {
+            for (stature, bmi) in [(1.52, 19.0), (1.65, 32.0), (1.75, 24.0), (1.92, 21.0)] {
+                bodies.push(
+                    BodyParameters::new(sex)
+                        .with(Measure::Stature, stature)
+                        .with_bmi(bmi),
+                );
+            }
+        }
+        bodies
+    }
+
+    #[test]
+    fn bodies_are_closed_well_shaped_and_free_of_self_intersections() {
+        for parameters in corners_of_the_range() {
+            let built = ParametricBody::build(&parameters).unwrap();
+            let body = built.body();
+            assert!(
+                garnet_mesh::diagnose(body.rest()).is_clean(),
+                "{parameters:?}"
+            );
+            assert!(body.skin().is_closed(), "{parameters:?}");
+            assert_eq!(
+                body.skin().self_intersections(),
+                Vec::<[u32; 2]>::new(),
+                "{parameters:?}"
+            );
+            for joint in body.skeleton().joints() {
+                assert!(
+                    body.skin().contains(joint.rest_position),
+                    "{} of {parameters:?}",
+                    joint.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn without_girths_a_body_has_its_stature_its_mass_and_room_between_the_thighs() {
+        for parameters in corners_of_the_range() {
+            let built = ParametricBody::build(&parameters).unwrap();
+            let stature = parameters.measure(Measure::Stature).unwrap();
+            let mass = parameters.bmi().unwrap() * stature.powi(2);
+            assert!((built.measures()[Measure::Stature] - stature).abs() < MAX_STATURE_ERROR);
+            assert!(
+                (built.mass() / mass - 1.0).abs() < MAX_MASS_ERROR,
+                "{parameters:?}"
+            );
+            let below = built.measures()[Measure::Inseam] - 0.03;
+            let positions = built.body().rest().positions().iter();
+            let legs = positions.filter(|point| f64::from(point.y) < below);
+            let gap = legs
+                .map(|point| 2.0 * f64::from(point.x).abs())
+                .fold(f64::MAX, f64::min);
+            assert!(gap > MIN_THIGH_GAP, "{gap} of {parameters:?}");
+        }
+    }
+
+    #[test]
+    fn given_girths_are_measured_on_the_mesh() {
+        let population = Population::new(5);
+        for index in 0..6 {
+            let parameters = population.sample(index);
+            let built = ParametricBody::build(&parameters).unwrap();
+            for (measure, value) in parameters.given().filter(|(measure, _)| measure.is_girth()) {
+                let error = (built.measures()[measure] / value - 1.0).abs();
+                assert!(error < MAX_GIRTH_ERROR, "{measure} of {index}: {error}");
+            }
+            let again = tape_measures(built.body()).unwrap();
+            for (measure, value) in built.measures().iter() {
+                approx::assert_relative_eq!(again[measure], value, max_relative = 1e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_parameters_give_the_same_bytes() {
+        let parameters = BodyParameters::new(0.3).with_bmi(27.0);
+        let [first, second] = [0; 2].map(|_| ParametricBody::build(&parameters).unwrap());
+        assert_eq!(
+            first.body().rest().positions(),
+            second.body().rest().positions()
+        );
+    }
+
+    #[test]
+    fn the_coarse_level_is_a_closed_mesh_of_some_of_the_vertices() {
+        let built = ParametricBody::build(&BodyParameters::new(1.0)).unwrap();
+        let coarse = ParametricBody::coarse(built.body().rest().positions());
+        assert!((1500..1900).contains(&coarse.num_vertices()));
+        assert!(garnet_mesh::diagnose(&coarse).is_clean());
+    }
+
+    #[test]
+    fn a_body_is_the_mirror_image_of_itself() {
+        let built = ParametricBody::build(&BodyParameters::new(0.0)).unwrap();
+        let template = Template::stored();
+        let positions = built.body().rest().positions();
+        for (left, right) in (template.num_middle..template.half.len()).zip(template.half.len()..) {
+            let (left, right) = (positions[left], positions[right]);
+            assert_eq!(Point3::new(-left.x, left.y, left.z), right);
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! Carries the template to the surface of another body.
+
+use rayon::prelude::*;
+
+use super::field::Field;
+use super::guide::{Guide, NUM_PARTS, part_of_joint};
+use super::primitives::Vec3;
+use super::surface::BodySurface;
+use super::template::Template;
+
+/// Steps onto the surface along one line.
+const SECANT_STEPS: usize = 4;
+
+/// A vertex this close lies on the surface, in metres.
+const CLOSE_ENOUGH: f64 = 4e-6;
+
+/// A step goes no farther than this, in metres.
+const MAX_STEP: f64 = 0.02;
+
+/// Rounds of smoothing that take out what the projection has sheared; each group is projected again.
+const SMOOTHING_ROUNDS: [usize; 2] = [12, 10];
+
+/// A vertex of the template has no more neighbors than this.
+const MAX_VALENCE: usize = 32;
+
+/// Vertices that are projected as one task.
+const CHUNK: usize = 128;
+
+/// What one part says of a vertex: its weight, and the coordinates there.
+#[derive(Debug, Clone, Copy)]
+struct Hold {
+    part: usize,
+    weight: f64,
+    coordinates: [f64; 3],
+}
+
+/// The template, ready to be carried.
+#[derive(Debug, Clone)]
+pub(crate) struct Carrier {
+    holds: Vec<Vec<Hold>>,
+    num_middle: usize,
+    starts: Vec<u32>,
+    neighbors: Vec<u32>,
+    /// Weights of the neighbors that make each vertex their mean at rest, as nearly as positive
+    /// weights can.
+    weights: Vec<f64>,
+}
+
+impl Carrier {
+    pub(crate) fn new(template: &Template, rest: &BodySurface) -> Self {
+        let holds = template
+            .half
+            .iter()
+            .zip(&template.half_influences)
+            .map(|(position, influences)| {
+                let mut weights = [0.0; NUM_PARTS];
+                for &(joint, weight) in influences {
+                    weights[part_of_joint(joint)] += f64::from(weight);
+                }
+                let parts = weights
+                    .into_iter()
+                    .enumerate()
+                    .filter(|&(_, weight)| weight > 0.0);
+                parts
+                    .map(|(part, weight)| Hold {
+                        part,
+                        weight,
+                        coordinates: rest.guide.coordinates(part, &Vec3::from(*position)),
+                    })
+                    .collect()
+            })
+            .collect();
+        let (starts, neighbors) = neighbors(template);
+        let weights = mean_weights(template, &starts, &neighbors);
+        Self {
+            holds,
+            num_middle: template.num_middle,
+            starts,
+            neighbors,
+            weights,
+        }
+    }
+
+    /// Where the guide of another body takes the left half.
+    fn guessed(&self, guide: &Guide) -> Vec<Vec3> {
+        let place = |holds: &Vec<Hold>| {
+            let parts = holds.iter();
+            parts
+                .map(|hold| hold.weight * guide.point(hold.part, hold.coordinates))
+                .sum()
+        };
+        let mut positions: Vec<Vec3> = self.holds.iter().map(place).collect();
+        for position in &mut positions[..self.num_middle] {
+            position.x = 0.0;
+        }
+        positions
+    }
+
+    /// The left half on the surface of another body.
+    pub(crate) fn carried(&self, body: &BodySurface) -> Vec<Vec3> {
+        let mut positions = self.guessed(&body.guide);
+        project(&body.field, &mut positions, self.num_middle);
+        for rounds in SMOOTHING_ROUNDS {
+            for _ in 0..rounds {
+                let normals = self.normals(&positions);
+                self.smooth(&mut positions, &normals);
+            }
+            project(&body.field, &mut positions, self.num_middle);
+        }
+        positions
+    }
+
+    /// Unit normals of the left half.
+    fn normals(&self, positions: &[Vec3]) -> Vec<Vec3> {
+        let normal = |vertex: usize| {
+            let here = positions[vertex];
+            let range = self.starts[vertex] as usize..self.starts[vertex + 1] as usize;
+            let corners = range.map(|entry| self.neighbor(positions, entry) - here);
+            let mut sum = Vec3::zeros();
+            let mut previous = None;
+            let mut first = None;
+            for corner in corners {
+                if let Some(before) = previous {
+                    let before: Vec3 = before;
+                    sum += before.cross(&corner);
+                } else {
+                    first = Some(corner);
+                }
+                previous = Some(corner);
+            }
+            if let (Some(last), Some(first)) = (previous, first) {
+                sum += last.cross(&first);
+            }
+            if vertex < self.num_middle {
+                sum.x = 0.0;
+            }
+            sum.normalize()
+        };
+        (0..positions.len())
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(normal)
+            .collect()
+    }
+
+    /// Moves every vertex along the surface towards the mean of its neighbors, weighted as at rest.
+    fn smooth(&self, positions: &mut [Vec3], normals: &[Vec3]) {
+        let moved: Vec<Vec3> = (0..positions.len())
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|vertex| {
+                let range = self.starts[vertex] as usize..self.starts[vertex + 1] as usize;
+                let mut mean = Vec3::zeros();
+                for entry in range {
+                    mean += self.weights[entry] * self.neighbor(positions, entry);
+                }
+                let here = positions[vertex];
+                let up = normals[vertex];
+                let step = mean - here;
+                let mut along = here + 0.8 * (step - up * up.dot(&step));
+                if vertex < self.num_middle {
+                    along.x = 0.0;
+                }
+                along
+            })
+            .collect();
+        positions.copy_from_slice(&moved);
+    }
+
+    /// A neighbor's position; numbers beyond the half are mirror images.
+    fn neighbor(&self, positions: &[Vec3], entry: usize) -> Vec3 {
+        let vertex = self.neighbors[entry] as usize;
+        if let Some(&position) = positions.get(vertex) {
+            return position;
+        }
+        let mirrored = positions[vertex - positions.len() + self.num_middle];
+        Vec3::new(-mirrored.x, mirrored.y, mirrored.z)
+    }
+}
+
+/// Moves positions onto the surface; the first `num_middle` stay in the middle plane.
+fn project(field: &Field, positions: &mut [Vec3], num_middle: usize) {
+    let chunks = positions.par_chunks_mut(CHUNK).enumerate();
+    chunks.for_each(|(chunk, positions)| {
+        for (offset, position) in positions.iter_mut().enumerate() {
+            let (distance, mut gradient) = field.distance_and_gradient(position);
+            if chunk * CHUNK + offset < num_middle {
+                gradient.x = 0.0;
+            }
+            let slope = gradient.norm().max(0.3);
+            let direction = gradient / slope;
+            let step = (-distance / slope).clamp(-MAX_STEP, MAX_STEP);
+            *position += step * direction;
+            descend(field, position, &direction, slope);
+        }
+    });
+}
+
+/// Moves a point along a line onto the surface, by secants; `slope` is a guess of the change of
+/// distance over that of place.
+fn descend(field: &Field, position: &mut Vec3, direction: &Vec3, mut slope: f64) {
+    let mut before: Option<(f64, f64)> = None;
+    for _ in 0..SECANT_STEPS {
+        let distance = field.distance(position);
+        if distance.abs() < CLOSE_ENOUGH {
+            return;
+        }
+        if let Some((step, old)) = before {
+            let measured = (distance - old) / step;
+            if (0.2..3.0).contains(&measured) {
+                slope = measured;
+            }
+        }
+        let step = (-distance / slope).clamp(-MAX_STEP, MAX_STEP);
+        *position += step * direction;
+        before = Some((step, distance));
+    }
+}
+
+/// Neighbors of the vertices of the left half, in order around each, in numbers of the whole.
+fn neighbors(template: &Template) -> (Vec<u32>, Vec<u32>) {
+    let num_half = template.half.len();
+    let mut next = std::collections::HashMap::new();
+    let mut some = vec![0; template.num_vertices()];
+    for &[a, b, c] in &template.faces {
+        for [here, from, to] in [[a, b, c], [b, c, a], [c, a, b]] {
+            next.insert([here, from], to);
+            some[here as usize] = from;
+        }
+    }
+    let mut starts = vec![0];
+    let mut neighbors = Vec::new();
+    for vertex in 0..num_half as u32 {
+        let start = some[vertex as usize];
+        let mut neighbor = start;
+        for _ in 0..MAX_VALENCE {
+            neighbors.push(neighbor);
+            neighbor = next[&[vertex, neighbor]];
+            if neighbor == start {
+                break;
+            }
+        }
+        starts.push(neighbors.len() as u32);
+    }
+    (starts, neighbors)
+}
+
+/// Mean-value weights (Floater 2003) of the neighbors of each vertex at rest, in its tangent plane.
+fn mean_weights(template: &Template, starts: &[u32], neighbors: &[u32]) -> Vec<f64> {
+    let whole = template.whole(&template.half, |&[x, y, z]| [-x, y, z]);
+    let at = |vertex: u32| Vec3::from(whole[vertex as usize]);
+    let mut opposite = std::collections::HashMap::new();
+    for &[a, b, c] in &template.faces {
+        for [from, to, across] in [[a, b, c], [b, c, a], [c, a, b]] {
+            opposite.insert([from, to], across);
+        }
+    }
+    let mut weights = Vec::with_capacity(neighbors.len());
+    for vertex in 0..template.half.len() as u32 {
+        let range = starts[vertex as usize] as usize..starts[vertex as usize + 1] as usize;
+        let first = weights.len();
+        for &neighbor in &neighbors[range] {
+            let here = at(vertex);
+            let edge = at(neighbor) - here;
+            let half_tangent = |across: Option<&u32>| {
+                across.map_or(0.0, |&across| {
+                    (0.5 * (at(across) - here).angle(&edge)).tan()
+                })
+            };
+            let sides = [
+                opposite.get(&[vertex, neighbor]),
+                opposite.get(&[neighbor, vertex]),
+            ];
+            let tangents: f64 = sides.into_iter().map(half_tangent).sum();
+            weights.push(tangents / edge.norm().max(1e-9));
+        }
+        let sum: f64 = weights[first..].iter().sum();
+        for weight in &mut weights[first..] {
+            *weight /= sum;
+        }
+    }
+    weights
+}

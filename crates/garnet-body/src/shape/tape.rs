@@ -1,0 +1,303 @@
+//! Tape measures of a mesh with the built-in skeleton.
+
+use garnet_mesh::Point3;
+
+use super::anatomy::{
+    COLLAR_BELOW_ACROMION, KNEE_BELOW_PATELLA, PELVIS_ABOVE_HIP_HEIGHT, REFERENCE_STATURE,
+    SHOULDER_INSIDE_ACROMION, SPINE1_BELOW_WAIST, SPINE3_ABOVE_CHEST, UNDER_BUST_DROP,
+    UPPER_ARM_ABOVE_JOINT,
+};
+use super::arm::{FOREARM_PLACE, UPPER_ARM_PLACE, WRIST_PLACE};
+use super::leg::{ANKLE_PLACE, CALF_PLACE, THIGH_PLACE};
+use super::primitives::Vec3;
+use super::skeleton::JOINT_NAMES;
+use super::{Measure, Measures};
+
+/// The mass of a body over its volume, in kg/m³.
+pub const BODY_DENSITY: f64 = 985.0;
+
+/// The plane of a girth: a point of the axis of the limb or trunk in it, and its normal.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TapePlane {
+    pub(crate) measure: Measure,
+    pub(crate) center: Vec3,
+    pub(crate) normal: Vec3,
+}
+
+/// Which faces a tape can touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Region {
+    Trunk,
+    LeftLeg,
+    LeftArm,
+    Neck,
+}
+
+impl TapePlane {
+    fn region(&self) -> Region {
+        match self.measure {
+            Measure::Chest | Measure::UnderBust | Measure::Waist | Measure::Hip => Region::Trunk,
+            Measure::Thigh | Measure::Knee | Measure::Calf | Measure::Ankle => Region::LeftLeg,
+            Measure::UpperArm | Measure::Forearm | Measure::Wrist => Region::LeftArm,
+            _ => Region::Neck,
+        }
+    }
+}
+
+impl Region {
+    /// How far from its center the tape may be, in metres.
+    fn reach(self) -> f64 {
+        match self {
+            Self::Trunk => 0.6,
+            Self::LeftLeg => 0.28,
+            Self::LeftArm => 0.13,
+            Self::Neck => 0.12,
+        }
+    }
+
+    fn touches(self, corners: [Vec3; 3], is_arm: bool) -> bool {
+        match self {
+            Self::Trunk => !is_arm,
+            Self::LeftLeg => !is_arm && corners.iter().all(|corner| corner.x >= 0.0),
+            Self::LeftArm => is_arm && corners[0].x > 0.0,
+            Self::Neck => true,
+        }
+    }
+}
+
+/// The perimeter of the convex hull of the section by a plane, in metres.
+///
+/// The tape goes below the armpits: what hangs on the arms (`is_arm[vertex]`) is no part of a trunk
+/// girth. No section gives zero.
+pub(crate) fn girth(
+    positions: &[Vec3],
+    faces: &[[u32; 3]],
+    is_arm: &[bool],
+    plane: &TapePlane,
+) -> f64 {
+    let region = plane.region();
+    let reach = region.reach();
+    let side = if plane.normal.x.abs() < 0.9 {
+        Vec3::x()
+    } else {
+        Vec3::z()
+    };
+    let u = (side - plane.normal * side.dot(&plane.normal)).normalize();
+    let v = plane.normal.cross(&u);
+    let level = plane.normal.dot(&plane.center);
+    let mut points = Vec::new();
+    for face in faces {
+        let corners = face.map(|vertex| positions[vertex as usize]);
+        let heights = corners.map(|corner| plane.normal.dot(&corner) - level);
+        let above = heights.map(|height| height >= 0.0);
+        if above[0] == above[1] && above[1] == above[2] {
+            continue;
+        }
+        if (corners[0] - plane.center).norm_squared() > reach * reach
+            || !region.touches(corners, face.iter().all(|&vertex| is_arm[vertex as usize]))
+        {
+            continue;
+        }
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            if above[a] != above[b] {
+                let share = heights[a] / (heights[a] - heights[b]);
+                let offset = corners[a] + share * (corners[b] - corners[a]) - plane.center;
+                points.push([offset.dot(&u), offset.dot(&v)]);
+            }
+        }
+    }
+    hull_perimeter(points)
+}
+
+/// The perimeter of the convex hull: Andrew 1979.
+fn hull_perimeter(mut points: Vec<[f64; 2]>) -> f64 {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for point in points {
+            while let [.., a, b] = chain[..]
+                && (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0]) <= 0.0
+            {
+                chain.pop();
+            }
+            chain.push(point);
+        }
+        chain
+            .windows(2)
+            .map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]))
+            .sum::<f64>()
+    };
+    half(&mut points.iter().copied()) + half(&mut points.iter().rev().copied())
+}
+
+/// The volume inside a closed mesh, in m³.
+pub(crate) fn volume(positions: &[Vec3], faces: &[[u32; 3]]) -> f64 {
+    let tetrahedron = |face: &[u32; 3]| {
+        let [a, b, c] = face.map(|vertex| positions[vertex as usize]);
+        a.dot(&b.cross(&c))
+    };
+    faces.iter().map(tetrahedron).sum::<f64>() / 6.0
+}
+
+/// The planes of all girths of a body at rest with the built-in joints.
+pub(crate) fn planes(joints: &[Vec3], stature: f64) -> Vec<TapePlane> {
+    let heights = heights(joints, stature);
+    let level = |height: f64| {
+        let above = SPINE
+            .windows(2)
+            .position(|pair| joints[pair[1]].y > height)
+            .unwrap_or(3);
+        let (low, high) = (joints[SPINE[above]], joints[SPINE[above + 1]]);
+        let share = ((height - low.y) / (high.y - low.y)).clamp(0.0, 1.0);
+        let z = low.z + share * (high.z - low.z);
+        (Vec3::new(0.0, height, z), Vec3::y())
+    };
+    let along = |start: usize, end: usize, share: f64| {
+        let bone = joints[end] - joints[start];
+        (joints[start] + share * bone, bone.normalize())
+    };
+    let [hip, knee, ankle] = ["left_hip", "left_knee", "left_ankle"].map(index);
+    let [shoulder, elbow, wrist] = ["left_shoulder", "left_elbow", "left_wrist"].map(index);
+    let plane = |measure: Measure| {
+        let (center, normal) = match measure {
+            Measure::Chest => level(
+                heights
+                    .chest
+                    .min(joints[shoulder].y - ARMPIT_DROP * stature),
+            ),
+            Measure::UnderBust => level(heights.chest - UNDER_BUST_DROP * stature),
+            Measure::Waist => level(heights.waist),
+            Measure::Hip => level(heights.hip),
+            Measure::Thigh => along(hip, knee, THIGH_PLACE),
+            Measure::Knee => along(hip, knee, 1.0),
+            Measure::Calf => along(knee, ankle, CALF_PLACE),
+            Measure::Ankle => along(knee, ankle, ANKLE_PLACE),
+            Measure::UpperArm => along(shoulder, elbow, UPPER_ARM_PLACE),
+            Measure::Forearm => along(elbow, wrist, FOREARM_PLACE),
+            Measure::Wrist => along(elbow, wrist, WRIST_PLACE),
+            _ => along(index("neck"), index("head"), NECK_PLACE),
+        };
+        TapePlane {
+            measure,
+            center,
+            normal,
+        }
+    };
+    Measure::GIRTHS.map(plane).to_vec()
+}
+
+/// Heights of the landmarks that the joints mark, in metres.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Heights {
+    pub(crate) hip: f64,
+    pub(crate) waist: f64,
+    pub(crate) chest: f64,
+    pub(crate) acromion: f64,
+    pub(crate) knee: f64,
+}
+
+pub(crate) fn heights(joints: &[Vec3], stature: f64) -> Heights {
+    let s = stature / REFERENCE_STATURE;
+    let height = |name: &str| joints[index(name)].y;
+    Heights {
+        hip: height("pelvis") - PELVIS_ABOVE_HIP_HEIGHT * s,
+        waist: height("spine1") + SPINE1_BELOW_WAIST * s,
+        chest: height("spine3") - SPINE3_ABOVE_CHEST * s,
+        acromion: height("left_collar") + COLLAR_BELOW_ACROMION * s,
+        knee: height("left_knee") + KNEE_BELOW_PATELLA * s,
+    }
+}
+
+/// All measures of a body at rest with the built-in mesh and joints, whose first `num_middle`
+/// vertices lie in the middle plane.
+pub(crate) fn measured(
+    positions: &[Vec3],
+    faces: &[[u32; 3]],
+    is_arm: &[bool],
+    num_middle: usize,
+    joints: &[Vec3],
+) -> Measures {
+    let stature = positions
+        .iter()
+        .map(|point| point.y)
+        .fold(f64::MIN, f64::max);
+    let s = stature / REFERENCE_STATURE;
+    let planes = planes(joints, stature);
+    let heights = heights(joints, stature);
+    let at = |name: &str| joints[index(name)];
+    Measures::from_fn(|measure| match measure {
+        Measure::Stature => stature,
+        Measure::ShoulderBreadth => 2.0 * (at("left_shoulder").x + SHOULDER_INSIDE_ACROMION * s),
+        Measure::ArmLength => {
+            let upper = (at("left_elbow") - at("left_shoulder")).norm();
+            upper + UPPER_ARM_ABOVE_JOINT * s + (at("left_wrist") - at("left_elbow")).norm()
+        }
+        Measure::Inseam => crotch_height(&positions[..num_middle]),
+        Measure::ShoulderHeight => heights.acromion,
+        Measure::ChestHeight => heights.chest,
+        Measure::WaistHeight => heights.waist,
+        Measure::HipHeight => heights.hip,
+        Measure::KneeHeight => heights.knee,
+        girth_measure => {
+            let plane = planes.iter().find(|plane| plane.measure == girth_measure);
+            plane.map_or(0.0, |plane| girth(positions, faces, is_arm, plane))
+        }
+    })
+}
+
+/// How far the armpits lie below the shoulder joints in the rest pose, in statures; the chest girth
+/// is taken no higher.
+const ARMPIT_DROP: f64 = 0.074;
+
+/// Joints of the trunk from below; the tape looks for the middle of the trunk on the line of them.
+const SPINE: [usize; 5] = [0, 3, 6, 9, 12];
+
+/// Where along the neck its girth is taken.
+pub(crate) const NECK_PLACE: f64 = 0.38;
+
+fn index(name: &str) -> usize {
+    JOINT_NAMES
+        .iter()
+        .position(|&other| other == name)
+        .expect("the joint is one of ours")
+}
+
+/// The lowest point where the middle plane meets the trunk between the legs: the crotch.
+pub(crate) fn crotch_height(middle: &[Vec3]) -> f64 {
+    middle.iter().map(|point| point.y).fold(f64::MAX, f64::min)
+}
+
+/// Positions in double precision.
+pub(crate) fn doubled(positions: &[Point3]) -> Vec<Vec3> {
+    positions.iter().map(|point| point.coords.cast()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tape_around_a_tube_measures_its_circumference() {
+        let tube = garnet_mesh::primitives::tube(0.1, 0.4, 64, 20);
+        let positions = doubled(tube.positions());
+        let center = positions.iter().sum::<Vec3>() / positions.len() as f64;
+        let plane = TapePlane {
+            measure: Measure::Waist,
+            center,
+            normal: Vec3::y(),
+        };
+        let round = girth(
+            &positions,
+            tube.faces(),
+            &vec![false; positions.len()],
+            &plane,
+        );
+        approx::assert_relative_eq!(round, std::f64::consts::TAU * 0.1, max_relative = 2e-3);
+    }
+
+    #[test]
+    fn a_hull_bridges_hollows() {
+        let hollow = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.5], [0.0, 1.0]];
+        approx::assert_relative_eq!(hull_perimeter(hollow), 4.0, epsilon = 1e-9);
+    }
+}

@@ -1,0 +1,416 @@
+//! Poses on figures of capsules.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
+
+mod common;
+
+use common::{ARM_RADIUS, NAMES, TRUNK_RADIUS, body, skeleton};
+use garnet_body::{
+    motion::{Ground, Side, lowest_points, put_on_ground},
+    poses::{
+        BodyAngles, GaitCycle, Outcome, Part, PoseSampler, Poser, SelfContact, SeparationOptions,
+        key_pose, key_poses,
+    },
+    shape::{BodyParameters, ParametricBody},
+};
+use garnet_skin::{Method, Point3, Pose, Skeleton, Vector3};
+
+/// Rounding of rotations in `f32` along a chain of joints, in metres.
+const ROUNDING: f32 = 1e-5;
+
+/// Distance of the facets of a capsule with 24 sides from its round form, in metres.
+const FACETS: f32 = 2e-3;
+
+fn joint(skeleton: &Skeleton, pose: &Pose, name: &str) -> Point3 {
+    let joint = NAMES.iter().position(|other| *other == name).unwrap();
+    skeleton.transforms(pose).unwrap()[joint] * skeleton.joints()[joint].rest_position
+}
+
+fn bone(skeleton: &Skeleton, pose: &Pose, from: &str, to: &str) -> Vector3 {
+    (joint(skeleton, pose, to) - joint(skeleton, pose, from)).normalize()
+}
+
+/// Rest poses: arms half down, a T-pose, legs spread.
+fn skeletons() -> [Skeleton; 3] {
+    [
+        skeleton(45.0, 3.0),
+        skeleton(0.0, 0.0),
+        skeleton(30.0, 20.0),
+    ]
+}
+
+#[test]
+fn at_zero_arms_and_legs_hang_straight_down_whatever_the_rest_pose() {
+    for skeleton in skeletons() {
+        let pose = Poser::new(&skeleton).unwrap().pose(&BodyAngles::default());
+        for side in ["left", "right"] {
+            for (from, to) in [
+                ("shoulder", "elbow"),
+                ("elbow", "wrist"),
+                ("hip", "knee"),
+                ("knee", "ankle"),
+            ] {
+                let found = bone(
+                    &skeleton,
+                    &pose,
+                    &format!("{side}_{from}"),
+                    &format!("{side}_{to}"),
+                );
+                assert!(
+                    (found + Vector3::y()).norm() < ROUNDING,
+                    "{side} {from}: {found}"
+                );
+            }
+        }
+    }
+}
+
+/// One angle of the left side, the joints of a bone, and where the bone then points.
+type Sign = (fn(&mut BodyAngles), &'static str, &'static str, Vector3);
+
+/// What an angle does, one by one.
+fn signs() -> [Sign; 15] {
+    let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
+    [
+        (
+            |body| body.legs[0].flexion = 90.0,
+            "left_hip",
+            "left_knee",
+            z,
+        ),
+        (
+            |body| body.legs[0].abduction = 90.0,
+            "left_hip",
+            "left_knee",
+            x,
+        ),
+        (
+            |body| body.legs[1].abduction = 90.0,
+            "right_hip",
+            "right_knee",
+            -x,
+        ),
+        (
+            |body| body.legs[0].knee = 90.0,
+            "left_knee",
+            "left_ankle",
+            -z,
+        ),
+        (
+            |body| body.arms[0].flexion = 90.0,
+            "left_shoulder",
+            "left_elbow",
+            z,
+        ),
+        (
+            |body| body.arms[0].abduction = 90.0,
+            "left_shoulder",
+            "left_elbow",
+            x,
+        ),
+        (
+            |body| body.arms[1].abduction = 90.0,
+            "right_shoulder",
+            "right_elbow",
+            -x,
+        ),
+        (
+            |body| body.arms[0].elbow = 90.0,
+            "left_elbow",
+            "left_wrist",
+            z,
+        ),
+        (
+            |body| (body.arms[0].rotation, body.arms[0].elbow) = (90.0, 90.0),
+            "left_elbow",
+            "left_wrist",
+            x,
+        ),
+        (
+            |body| (body.arms[1].rotation, body.arms[1].elbow) = (90.0, 90.0),
+            "right_elbow",
+            "right_wrist",
+            -x,
+        ),
+        (|body| body.spine.flexion = 90.0, "spine3", "neck", z),
+        (|body| body.spine.side = 90.0, "spine3", "neck", x),
+        (|body| body.pelvis.flexion = 90.0, "spine2", "spine3", z),
+        (|body| body.pelvis.side = 90.0, "spine2", "spine3", x),
+        (
+            |body| body.arms[0].flexion = 180.0,
+            "left_shoulder",
+            "left_elbow",
+            y,
+        ),
+    ]
+}
+
+#[test]
+fn every_angle_turns_the_way_its_name_says() {
+    for skeleton in skeletons() {
+        let poser = Poser::new(&skeleton).unwrap();
+        for (index, (set, from, to, expected)) in signs().into_iter().enumerate() {
+            let mut angles = BodyAngles::default();
+            set(&mut angles);
+            let found = bone(&skeleton, &poser.pose(&angles), from, to);
+            assert!(
+                (found - expected).norm() < ROUNDING,
+                "{index}, {from}: {found}"
+            );
+        }
+    }
+}
+
+#[test]
+fn turns_go_to_the_left_and_feet_outwards_and_upwards() {
+    let skeleton = skeleton(45.0, 3.0);
+    let poser = Poser::new(&skeleton).unwrap();
+    let posed = |set: fn(&mut BodyAngles)| {
+        let mut angles = BodyAngles::default();
+        set(&mut angles);
+        poser.pose(&angles)
+    };
+    let pose = posed(|body| body.spine.turn = 40.0);
+    let shoulders = bone(&skeleton, &pose, "right_shoulder", "left_shoulder");
+    assert!(
+        shoulders.z < -0.5,
+        "the left shoulder goes back: {shoulders}"
+    );
+    let pose = posed(|body| body.neck.turn = 60.0);
+    assert!(
+        bone(&skeleton, &pose, "neck", "head").x > 0.0,
+        "the head's joint lies before the neck"
+    );
+    let pose = posed(|body| body.legs[0].rotation = 60.0);
+    assert!(bone(&skeleton, &pose, "left_ankle", "left_foot").x > 0.6);
+    let foot = |degrees: f64| {
+        let mut angles = BodyAngles::default();
+        angles.legs[1].ankle = degrees;
+        bone(&skeleton, &poser.pose(&angles), "right_ankle", "right_foot").y
+    };
+    assert!(foot(20.0) > foot(0.0) && foot(0.0) > foot(-40.0));
+}
+
+#[test]
+fn a_mirrored_pose_is_the_mirror_image() {
+    let skeleton = skeleton(45.0, 3.0);
+    let poser = Poser::new(&skeleton).unwrap();
+    for key in key_poses() {
+        let [pose, mirrored] =
+            [key.angles, key.angles.mirrored()].map(|angles| poser.pose(&angles));
+        for name in NAMES {
+            let other = match name.split_once('_') {
+                Some(("left", rest)) => format!("right_{rest}"),
+                Some(("right", rest)) => format!("left_{rest}"),
+                _ => name.to_owned(),
+            };
+            let mut found = joint(&skeleton, &mirrored, &other);
+            found.x = -found.x;
+            let expected = joint(&skeleton, &pose, name);
+            assert!(
+                (found - expected).norm() < 10.0 * ROUNDING,
+                "{}: {name}",
+                key.name
+            );
+        }
+    }
+}
+
+#[test]
+fn both_feet_stand_on_the_ground_where_a_pose_plants_them() {
+    let body = body(45.0, 3.0);
+    let poser = Poser::new(body.skeleton()).unwrap();
+    for key in key_poses() {
+        let mut poses = [poser.pose(&key.angles)];
+        put_on_ground(&body, &mut poses, Ground::EachPose).unwrap();
+        let lowest = lowest_points(&body, &poses).unwrap()[0];
+        assert!(lowest.abs() < ROUNDING, "{}: {lowest}", key.name);
+        let legs = key.angles.legs;
+        if legs.iter().all(|leg| leg.is_planted && leg.sole > 0.99) && !key.angles.hands_planted {
+            let skeleton = body.skeleton();
+            let heights =
+                ["left_foot", "right_foot"].map(|name| joint(skeleton, &poses[0], name).y);
+            assert!(
+                (heights[0] - heights[1]).abs() < 5e-3,
+                "{}: {heights:?}",
+                key.name
+            );
+            assert!(heights[0] < 0.06, "{}: {heights:?}", key.name);
+        }
+    }
+}
+
+#[test]
+fn legs_carry_the_body_through_the_gait_cycle() {
+    let skeleton = skeleton(45.0, 3.0);
+    let poser = Poser::new(&skeleton).unwrap();
+    let gait = GaitCycle::default();
+    let step = |phase: f64| {
+        let pose = poser.pose(&gait.angles(phase));
+        joint(&skeleton, &pose, "left_ankle").z - joint(&skeleton, &pose, "right_ankle").z
+    };
+    // A step of 0.7 m of a leg of 0.83 m (Perry and Burnfield 2010, chapter 22: 0.7 m).
+    assert!((0.5..0.85).contains(&step(0.0)), "{}", step(0.0));
+    assert!((step(0.0) + step(0.5)).abs() < 1e-3);
+    assert!(step(0.25).abs() < 0.25);
+}
+
+#[test]
+fn a_forearm_pushed_into_the_trunk_is_as_deep_as_it_was_pushed() {
+    let body = body(45.0, 3.0);
+    let contact = SelfContact::new(&body).unwrap();
+    let poser = Poser::new(body.skeleton()).unwrap();
+    let mut angles = BodyAngles::default();
+    // The forearms lie across the belly, one above the other.
+    for (arm, flexion) in angles.arms.iter_mut().zip([10.0, 28.0]) {
+        (arm.flexion, arm.rotation, arm.elbow) = (flexion, -90.0, 90.0);
+    }
+    angles.arms[1].elbow = 20.0;
+    let pose = poser.pose(&angles);
+    let report = contact.report(&pose).unwrap();
+    let skeleton = body.skeleton();
+    let [elbow, wrist] = ["left_elbow", "left_wrist"].map(|name| joint(skeleton, &pose, name));
+    let pelvis = joint(skeleton, &pose, "pelvis");
+    // Both capsules are straight: the distance of their axes tells the depth.
+    let along = (wrist - elbow).normalize();
+    let across = along.cross(&Vector3::y()).normalize();
+    let apart = (elbow - pelvis).dot(&across).abs();
+    let expected = TRUNK_RADIUS + ARM_RADIUS - apart;
+    assert!(expected > 0.02, "the scene is made for contact: {expected}");
+    let deepest = report
+        .contacts
+        .iter()
+        .filter(|contact| contact.parts == [Part::Forearm(Side::Left), Part::Trunk]);
+    let depth = deepest.map(|contact| contact.depth).fold(0.0, f32::max);
+    assert!(
+        (depth - expected).abs() < FACETS,
+        "{depth} is not {expected}"
+    );
+
+    let separated = contact
+        .separated(&pose, &SeparationOptions::default())
+        .unwrap()
+        .unwrap();
+    assert!(separated.num_steps > 0 && separated.largest_turn < 0.6);
+    assert!(separated.depths[0] > 0.02 && separated.depths[1] <= 0.010);
+    assert!(separated.depths[1] > 0.0, "light contact stays");
+}
+
+#[test]
+fn light_contact_is_left_alone() {
+    let body = body(45.0, 3.0);
+    let contact = SelfContact::new(&body).unwrap();
+    let poser = Poser::new(body.skeleton()).unwrap();
+    let mut found_light = false;
+    for step in 0..120 {
+        let mut angles = BodyAngles::default();
+        angles.arms[1].abduction = 30.0;
+        angles.arms[0].abduction = 15.0 - 0.25 * f64::from(step);
+        let pose = poser.pose(&angles);
+        let depth = contact.report(&pose).unwrap().depth();
+        if (0.001..0.010).contains(&depth) {
+            found_light = true;
+            let separated = contact
+                .separated(&pose, &SeparationOptions::default())
+                .unwrap()
+                .unwrap();
+            assert_eq!((separated.num_steps, &separated.pose), (0, &pose));
+        }
+    }
+    assert!(
+        found_light,
+        "an arm that comes nearer touches at some angle"
+    );
+}
+
+#[test]
+fn parts_that_cannot_be_parted_are_given_up() {
+    let body = body(45.0, 3.0);
+    let contact = SelfContact::new(&body).unwrap();
+    let poser = Poser::new(body.skeleton()).unwrap();
+    let mut angles = BodyAngles::default();
+    angles.arms[0].flexion = 20.0;
+    angles.arms[0].rotation = -90.0;
+    angles.arms[0].elbow = 90.0;
+    let options = SeparationOptions {
+        max_turn: 0.02,
+        ..SeparationOptions::default()
+    };
+    assert_eq!(
+        contact.separated(&poser.pose(&angles), &options).unwrap(),
+        None
+    );
+}
+
+#[test]
+fn drawn_poses_are_sound_and_stand_on_the_ground_with_any_number_of_threads() {
+    let body = body(45.0, 3.0);
+    let contact = SelfContact::new(&body).unwrap();
+    let poser = Poser::new(body.skeleton()).unwrap();
+    let sampler = PoseSampler::new(11);
+    let draw = || -> Vec<_> {
+        let draws = (0..60).map(|index| sampler.sample_for(&poser, &contact, index));
+        draws.collect::<Result<_, _>>().unwrap()
+    };
+    let draws = draw();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap();
+    assert_eq!(pool.install(draw), draws);
+    let mut num_corrected = 0;
+    for sound in &draws {
+        let positions = body
+            .posed_positions(&sound.pose, Method::DualQuaternion)
+            .unwrap();
+        let lowest = positions
+            .iter()
+            .map(|position| position.y)
+            .fold(f32::INFINITY, f32::min);
+        assert!(lowest.abs() < ROUNDING);
+        assert!(
+            contact.report_of(&positions).unwrap().depth() <= 0.0101,
+            "{}",
+            sound.sequence
+        );
+        num_corrected += u32::from(sound.outcome != Outcome::Sound);
+    }
+    println!("{num_corrected} of {} corrected", draws.len());
+}
+
+#[test]
+fn a_skeleton_that_is_no_figure_is_refused_by_name() {
+    let mut joints = skeleton(45.0, 3.0).joints().to_vec();
+    joints[5].name = "mystery".to_owned();
+    let error = Poser::new(&Skeleton::new(joints).unwrap()).unwrap_err();
+    assert!(error.to_string().contains("`right_knee`"), "{error}");
+    assert!(key_pose("no such pose").is_none());
+}
+
+#[test]
+fn the_built_in_body_does_not_run_through_itself_in_drawn_poses() {
+    for (sex, bmi) in [(1.0, 20.0), (0.0, 32.0)] {
+        let parameters = BodyParameters::new(sex).with_bmi(bmi);
+        let body = ParametricBody::build(&parameters).unwrap().into_body();
+        let contact = SelfContact::new(&body).unwrap();
+        let poser = Poser::new(body.skeleton()).unwrap();
+        let rest = contact
+            .report(&Pose::rest(body.skeleton().num_joints()))
+            .unwrap();
+        assert!(
+            rest.depth() <= 0.0,
+            "the parts do not overlap at rest: {}",
+            rest.depth()
+        );
+        let sampler = PoseSampler::new(3);
+        let mut num_rejected = 0;
+        for index in 0..60 {
+            let sound = sampler.sample_for(&poser, &contact, index).unwrap();
+            let report = contact.report(&sound.pose).unwrap();
+            assert!(report.depth() <= 0.0101, "{index}: {}", report.depth());
+            num_rejected += sound.num_rejected;
+        }
+        println!("sex {sex}, BMI {bmi}: {num_rejected} draws rejected for 60 poses");
+        assert!(num_rejected < 12, "{num_rejected} draws were rejected");
+    }
+}

@@ -1,0 +1,201 @@
+//! Motions carried over from one skeleton to another.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod common;
+
+use common::{CMU, NAMES, bone, pose, renamed, skeleton};
+use garnet_body::motion::{
+    Motion, Retarget, RetargetError, RetargetOptions, Role, Side, StartAt, world_rotations,
+};
+use garnet_skin::{Joint, Point3, Pose, Skeleton, Vector3};
+use nalgebra::UnitQuaternion;
+
+const BLENDER: [&str; 22] = [
+    "root",
+    "upperleg01.L",
+    "upperleg01.R",
+    "spine05",
+    "lowerleg01.L",
+    "lowerleg01.R",
+    "spine03",
+    "foot.L",
+    "foot.R",
+    "spine01",
+    "toe2-1.L",
+    "toe2-1.R",
+    "neck01",
+    "clavicle.L",
+    "clavicle.R",
+    "head",
+    "upperarm01.L",
+    "upperarm01.R",
+    "lowerarm01.L",
+    "lowerarm01.R",
+    "wrist.L",
+    "wrist.R",
+];
+
+/// The motion of one pose of a skeleton.
+fn motion(skeleton: &Skeleton, frames: Vec<Pose>) -> Motion {
+    Motion {
+        skeleton: skeleton.clone(),
+        frames,
+        frame_time: None,
+        notes: Vec::new(),
+    }
+}
+
+fn limbs() -> impl Iterator<Item = (Role, Role)> {
+    Side::BOTH.into_iter().flat_map(|side| {
+        [
+            (Role::Shoulder(side), Role::Elbow(side)),
+            (Role::Elbow(side), Role::Wrist(side)),
+            (Role::Hip(side), Role::Knee(side)),
+            (Role::Knee(side), Role::Ankle(side)),
+            (Role::Ankle(side), Role::Foot(side)),
+        ]
+    })
+}
+
+#[test]
+fn a_motion_on_its_own_skeleton_stays_as_it_is() {
+    let skeleton = skeleton(45.0, 3.0);
+    let motion = motion(&skeleton, vec![pose(22, 1.0), pose(22, 3.0)]);
+    let options = RetargetOptions {
+        start_at: StartAt::Motion,
+    };
+    let retarget = Retarget::new(&motion, &skeleton, &options).unwrap();
+    assert!((retarget.scale() - 1.0).abs() < 1e-9);
+    for (frame, expected) in motion.frames.iter().enumerate() {
+        let found = retarget.pose(frame).unwrap();
+        // `spine1` and `neck` are spread along the chain, all else is met.
+        for (joint, expected) in world_rotations(&skeleton, expected).into_iter().enumerate() {
+            if !["spine1", "spine2", "neck"].contains(&NAMES[joint]) {
+                let found = world_rotations(&skeleton, &found)[joint];
+                assert!(found.angle_to(&expected) < 1e-3, "{}", NAMES[joint]);
+            }
+        }
+    }
+}
+
+#[test]
+fn bones_keep_their_directions_between_rest_poses_names_axes_and_sizes() {
+    let target = skeleton(45.0, 3.0);
+    for (names, arms, legs) in [(CMU, 0.0, 20.0), (BLENDER, 50.0, 5.0), (NAMES, -30.0, 0.0)] {
+        let source = renamed(&skeleton(arms, legs), &names);
+        // Larger, and facing -x at rest.
+        let turn =
+            UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -std::f32::consts::FRAC_PI_2);
+        let joints = source.joints().iter().map(|joint| Joint {
+            rest_position: Point3::from(turn * joint.rest_position.coords * 1.5),
+            ..joint.clone()
+        });
+        let source = Skeleton::new(joints.collect()).unwrap();
+        let motion = motion(&source, vec![pose(22, 0.7)]);
+        let retarget = Retarget::new(&motion, &target, &RetargetOptions::default()).unwrap();
+        let found = retarget.pose(0).unwrap();
+        for (role, next) in limbs() {
+            let expected = bone(&source, &motion.frames[0], role, next);
+            let found = bone(&target, &found, role, next);
+            assert!(
+                (found - expected).norm() < 1e-3,
+                "{}: {found} {expected}",
+                role.name()
+            );
+        }
+        let rest = retarget_of_rest(&source, &target);
+        let head = bone(&target, &rest, Role::Hip(Side::Left), Role::Head);
+        assert!(head.y > 0.9, "an upright rest pose stays upright: {head}");
+    }
+}
+
+fn retarget_of_rest(source: &Skeleton, target: &Skeleton) -> Pose {
+    let motion = motion(source, vec![Pose::rest(source.num_joints())]);
+    Retarget::new(&motion, target, &RetargetOptions::default())
+        .unwrap()
+        .pose(0)
+        .unwrap()
+}
+
+#[test]
+fn the_twist_of_the_source_comes_along() {
+    let (source, target) = (renamed(&skeleton(0.0, 0.0), &CMU), skeleton(45.0, 3.0));
+    let mut turned = Pose::rest(22);
+    let wrist = source.find("LeftHand").unwrap();
+    turned.rotations[wrist] = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.8);
+    let motion = motion(&source, vec![Pose::rest(22), turned]);
+    let retarget = Retarget::new(&motion, &target, &RetargetOptions::default()).unwrap();
+    let wrist = target.find("left_wrist").unwrap();
+    let [rest, turned] = [0, 1].map(|frame| retarget.pose(frame).unwrap());
+    let [rest, turned] = [rest, turned].map(|pose| world_rotations(&target, &pose)[wrist]);
+    let twist = (turned * rest.inverse()).scaled_axis();
+    assert!(
+        (twist - nalgebra::Vector3::new(0.8, 0.0, 0.0)).norm() < 1e-4,
+        "{twist}"
+    );
+}
+
+#[test]
+fn shifts_scale_with_the_legs_and_start_over_the_origin() {
+    let target = skeleton(45.0, 3.0);
+    let joints = target.joints().iter().map(|joint| Joint {
+        rest_position: joint.rest_position * 2.0,
+        ..joint.clone()
+    });
+    let source = Skeleton::new(joints.collect()).unwrap();
+    let mut frames = vec![Pose::rest(22), Pose::rest(22)];
+    frames[0].root_translation = Vector3::new(3.0, 0.0, 1.0);
+    frames[1].root_translation = Vector3::new(3.0, 0.2, 2.0);
+    let motion = motion(&source, frames);
+    let shift = |start_at: StartAt, frame: usize| {
+        let retarget = Retarget::new(&motion, &target, &RetargetOptions { start_at }).unwrap();
+        retarget.pose(frame).unwrap().root_translation
+    };
+    for (start_at, frame, expected) in [
+        (StartAt::Origin, 0, Vector3::zeros()),
+        (StartAt::Origin, 1, Vector3::new(0.0, 0.1, 0.5)),
+        (StartAt::OriginAlways, 1, Vector3::new(0.0, 0.1, 0.0)),
+        (StartAt::Motion, 1, Vector3::new(1.5, 0.1, 1.0)),
+    ] {
+        let found = shift(start_at, frame);
+        assert!((found - expected).norm() < 1e-4, "{start_at:?}: {found}");
+    }
+}
+
+#[test]
+fn missing_joints_are_named_unless_they_do_no_harm() {
+    let target = skeleton(45.0, 3.0);
+    let source = skeleton(0.0, 0.0);
+    let without = |names: &[&str]| {
+        let mut joints = source.joints().to_vec();
+        for name in names {
+            let index = source.find(name).unwrap();
+            joints[index].name = format!("extra{index}");
+        }
+        motion(&Skeleton::new(joints).unwrap(), vec![Pose::rest(22)])
+    };
+    let harmless = without(&["left_foot", "right_collar"]);
+    let retarget = Retarget::new(&harmless, &target, &RetargetOptions::default()).unwrap();
+    assert_eq!(retarget.notes().len(), 2);
+    assert!(retarget.pose(0).is_ok());
+    assert_eq!(
+        retarget.pose(9).unwrap_err(),
+        RetargetError::FrameOutOfRange {
+            frame: 9,
+            num_frames: 1
+        }
+    );
+
+    let broken = without(&["left_knee", "right_elbow", "head"]);
+    let error = Retarget::new(&broken, &target, &RetargetOptions::default()).unwrap_err();
+    let RetargetError::MissingJoints { missing, .. } = &error else {
+        panic!("{error}")
+    };
+    assert_eq!(*missing, ["head", "right_elbow", "left_knee"]);
+    assert!(
+        error
+            .to_string()
+            .contains("the motion has no joint that is named like `head`")
+    );
+}

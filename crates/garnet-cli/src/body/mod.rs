@@ -1,0 +1,301 @@
+//! `garnet body`: bodies from measures, at rest or in poses.
+
+mod args;
+mod own;
+mod report;
+
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use anyhow::Context;
+use garnet::{
+    Body, Method, Point3, Rig, TriMesh,
+    io::{ObjFile, write_obj, write_rig_npz},
+    motion::FrameRange,
+    shape::{BodyParameters, ParametricBody, Population},
+};
+use rayon::prelude::*;
+
+pub(crate) use args::BodyArgs;
+pub(crate) use report::rows_of;
+use report::{BodyOutput, BodyReport, Tape};
+
+use crate::{
+    console::{Console, print_document},
+    failure::{ExitStatus, Hint},
+    output,
+    posing::{NamedPose, PoseSource, Posing},
+};
+
+/// How many bodies are built at a time while others are written.
+const BATCH: usize = 64;
+
+/// Makes bodies, poses them, writes them and tells their measures.
+pub(crate) fn run(args: BodyArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    let start = Instant::now();
+    let source = pose_source(&args);
+    let is_several = args.sample.is_some() || source.as_ref().is_some_and(PoseSource::is_several);
+    if is_several {
+        output::check_folder(&args.output)?;
+    } else {
+        output::check_file(&args.output)?;
+    }
+    let mut report = BodyReport {
+        schema: "garnet.body/1",
+        bodies: Vec::new(),
+        notes: Vec::new(),
+        seconds: 0.0,
+    };
+    match args.sample {
+        Some(count) => sample(count, &args, source.as_ref(), console, &mut report)?,
+        None => {
+            let subject = subject(&args)?;
+            let outputs = Outputs::new(&args, is_several, None);
+            write_subject(&subject, source.as_ref(), &outputs, &mut report)?;
+        }
+    }
+    if args.sample.is_some() {
+        let table = report::table_of(&report.bodies);
+        output::write(&args.output.join("measures.csv"), table.as_bytes())?;
+    }
+    report.seconds = start.elapsed().as_secs_f64();
+    publish(&report, &args, console)?;
+    Ok(ExitStatus::Done)
+}
+
+/// A body that is to be written, and what it was made from.
+struct Subject {
+    body: Body,
+    tape: Option<Tape>,
+    /// The text of an own body's OBJ.
+    file: Option<ObjFile>,
+}
+
+impl Subject {
+    fn built(parameters: &BodyParameters) -> anyhow::Result<Self> {
+        let built = ParametricBody::build(parameters).hint(|| {
+            "measures are in centimetres; leave out what is not known: it is predicted from the \
+             rest"
+                .to_owned()
+        })?;
+        Ok(Self {
+            tape: Some(Tape::new(parameters, &built)),
+            body: built.into_body(),
+            file: None,
+        })
+    }
+}
+
+fn subject(args: &BodyArgs) -> anyhow::Result<Subject> {
+    let Some(path) = &args.own else {
+        return Subject::built(&args.parameters());
+    };
+    let (body, file) = own::read(path, args.rig.as_deref())?;
+    Ok(Subject {
+        body,
+        tape: None,
+        file,
+    })
+}
+
+/// Where a body goes.
+struct Outputs<'a> {
+    /// The file, or the folder of several.
+    path: &'a Path,
+    is_folder: bool,
+    /// Number of the body in a sample.
+    number: Option<u32>,
+    coarse: bool,
+}
+
+impl<'a> Outputs<'a> {
+    fn new(args: &'a BodyArgs, is_folder: bool, number: Option<u32>) -> Self {
+        Self {
+            path: &args.output,
+            is_folder,
+            number,
+            coarse: args.coarse,
+        }
+    }
+
+    fn body_stem(&self) -> String {
+        self.number
+            .map_or_else(|| "body".to_owned(), |number| format!("body_{number:05}"))
+    }
+
+    fn obj(&self, pose: Option<&NamedPose>) -> PathBuf {
+        if !self.is_folder {
+            return self.path.to_path_buf();
+        }
+        let name = match (self.number, pose) {
+            (None, Some(pose)) => pose.stem.clone(),
+            (_, None) => self.body_stem(),
+            (Some(_), Some(pose)) => format!("{}_{}", self.body_stem(), pose.stem),
+        };
+        self.path.join(name + ".obj")
+    }
+
+    fn rig(&self) -> PathBuf {
+        if self.is_folder {
+            self.path.join(self.body_stem() + ".rig.npz")
+        } else {
+            self.path.with_extension("rig.npz")
+        }
+    }
+}
+
+fn sample(
+    count: u32,
+    args: &BodyArgs,
+    source: Option<&PoseSource>,
+    console: &Console,
+    report: &mut BodyReport,
+) -> anyhow::Result<()> {
+    output::make_folder(&args.output)?;
+    let population = Population::new(args.seed);
+    let bar = console.progress(count as usize);
+    let numbers: Vec<u32> = (0..count).collect();
+    for batch in numbers.chunks(BATCH) {
+        let build = |&number: &u32| {
+            let parameters = population.sample(u64::from(number));
+            let subject = Subject::built(&parameters);
+            subject.with_context(|| format!("cannot build body {number} of the sample"))
+        };
+        let built: Vec<anyhow::Result<Subject>> = batch.par_iter().map(build).collect();
+        for (&number, subject) in batch.iter().zip(built) {
+            let outputs = Outputs::new(args, true, Some(number));
+            write_subject(&subject?, source, &outputs, report)?;
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// Poses a body and writes it.
+fn write_subject(
+    subject: &Subject,
+    source: Option<&PoseSource>,
+    outputs: &Outputs<'_>,
+    report: &mut BodyReport,
+) -> anyhow::Result<()> {
+    let Posing { poses, notes } = match source {
+        Some(source) => source.read(&subject.body)?,
+        None => Posing::default(),
+    };
+    for note in notes {
+        if !report.notes.contains(&note) {
+            report.notes.push(note);
+        }
+    }
+    if outputs.is_folder {
+        output::make_folder(outputs.path)?;
+    }
+    let rig_path = outputs.rig();
+    let rig = if outputs.coarse {
+        coarse_rig(&subject.body)?
+    } else {
+        Rig::from(subject.body.clone())
+    };
+    write_rig_npz(&rig_path, &rig)?;
+    let rest = || subject.body.rest().positions().to_vec();
+    let mut write = |pose: Option<&NamedPose>, positions: Vec<Point3>| -> anyhow::Result<()> {
+        let path = outputs.obj(pose);
+        let vertices = write_body(&path, subject, positions, outputs.coarse)?;
+        report.bodies.push(BodyOutput {
+            output: path.display().to_string(),
+            rig: rig_path.display().to_string(),
+            vertices,
+            pose: pose.map(|pose| pose.label.clone()),
+            tape: subject.tape.clone(),
+        });
+        Ok(())
+    };
+    if source.is_none() {
+        return write(None, rest());
+    }
+    for pose in &poses {
+        let positions = subject
+            .body
+            .posed_positions(&pose.pose, Method::DualQuaternion)?;
+        write(Some(pose), positions)?;
+    }
+    Ok(())
+}
+
+fn write_body(
+    path: &Path,
+    subject: &Subject,
+    positions: Vec<Point3>,
+    coarse: bool,
+) -> anyhow::Result<usize> {
+    let num_vertices = positions.len();
+    if let Some(file) = &subject.file {
+        file.write_with_positions(path, &positions)?;
+        return Ok(num_vertices);
+    }
+    let mesh = if coarse {
+        ParametricBody::coarse(&positions)
+    } else {
+        TriMesh::new(positions, subject.body.rest().faces().to_vec())?
+    };
+    write_obj(path, &mesh)?;
+    Ok(mesh.num_vertices())
+}
+
+/// The rig of the coarse level.
+fn coarse_rig(body: &Body) -> anyhow::Result<Rig> {
+    let kept = ParametricBody::coarse_vertices();
+    let rows = kept
+        .iter()
+        .map(|&vertex| body.weights().vertex(vertex as usize).collect());
+    let rows: Vec<Vec<(usize, f32)>> = rows.collect();
+    let weights = garnet::SkinWeights::from_influences(body.skeleton().num_joints(), rows)?;
+    let mesh = ParametricBody::coarse(body.rest().positions());
+    Ok(Rig::from(Body::new(
+        mesh,
+        body.skeleton().clone(),
+        weights,
+    )?))
+}
+
+fn pose_source(args: &BodyArgs) -> Option<PoseSource> {
+    let motion = args.motion.as_ref().map(|path| PoseSource {
+        path: path.clone(),
+        frames: Some(args.frames.unwrap_or(FrameRange::ALL)),
+    });
+    motion.or_else(|| args.pose.clone())
+}
+
+fn publish(report: &BodyReport, args: &BodyArgs, console: &Console) -> anyhow::Result<()> {
+    for note in &report.notes {
+        console.summary(&format_args!("note: {note}"));
+    }
+    if console.is_json() {
+        return print_document(report);
+    }
+    match report.bodies.as_slice() {
+        [body] => {
+            let pose = body
+                .pose
+                .as_ref()
+                .map_or("at rest".to_owned(), |pose| format!("posed by `{pose}`"));
+            console.summary(&format_args!(
+                "wrote `{}`, {pose}, and `{}`",
+                body.output, body.rig
+            ));
+            if let Some(tape) = &body.tape {
+                console.summary(tape);
+            }
+        }
+        bodies => console.summary(&format_args!(
+            "wrote {} bodies into `{}` in {:.1} s",
+            bodies.len(),
+            args.output.display(),
+            report.seconds
+        )),
+    }
+    Ok(())
+}

@@ -1,0 +1,125 @@
+//! What `body` tells of its bodies.
+
+use std::fmt;
+
+use garnet::shape::{BodyParameters, Measure, Measures, ParametricBody};
+use serde::Serialize;
+
+/// The document of `body`: `garnet.body/1`.
+#[derive(Debug, Serialize)]
+pub(crate) struct BodyReport {
+    /// `garnet.body/1`.
+    pub(crate) schema: &'static str,
+    /// In the order of the outputs.
+    pub(crate) bodies: Vec<BodyOutput>,
+    /// What was taken for granted.
+    pub(crate) notes: Vec<String>,
+    pub(crate) seconds: f64,
+}
+
+/// One body that was written.
+#[derive(Debug, Serialize)]
+pub(crate) struct BodyOutput {
+    pub(crate) output: String,
+    /// Skeleton, weights and rest mesh.
+    pub(crate) rig: String,
+    pub(crate) vertices: usize,
+    /// The pose or frame; none for the body at rest.
+    pub(crate) pose: Option<String>,
+    /// What the tape measures at rest; none for a body that is not the built-in one.
+    pub(crate) tape: Option<Tape>,
+}
+
+/// What the tape measures on a built-in body.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Tape {
+    /// 0 is male, 1 is female.
+    pub(crate) sex: f64,
+    pub(crate) mass_kg: f64,
+    pub(crate) volume_m3: f64,
+    /// Mass over squared stature, in kg/m².
+    pub(crate) bmi: f64,
+    pub(crate) measures: Vec<MeasuredLength>,
+}
+
+/// One measure.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct MeasuredLength {
+    pub(crate) name: &'static str,
+    pub(crate) m: f64,
+    /// What was asked for; none if it was predicted.
+    pub(crate) asked_m: Option<f64>,
+}
+
+impl Tape {
+    pub(crate) fn new(parameters: &BodyParameters, built: &ParametricBody) -> Self {
+        let stature = built.measures()[Measure::Stature];
+        let measured = built.measures().iter().map(|(measure, m)| MeasuredLength {
+            name: measure.name(),
+            m,
+            asked_m: parameters.measure(measure),
+        });
+        Self {
+            sex: parameters.sex(),
+            mass_kg: built.mass(),
+            volume_m3: built.volume(),
+            bmi: built.mass() / (stature * stature),
+            measures: measured.collect(),
+        }
+    }
+}
+
+impl fmt::Display for Tape {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            formatter,
+            "  {:<18}{:>6.1} kg, body mass index {:.1} kg/m²",
+            "mass", self.mass_kg, self.bmi
+        )?;
+        for measure in &self.measures {
+            write!(
+                formatter,
+                "\n  {:<18}{:>6.1} cm",
+                measure.name,
+                100.0 * measure.m
+            )?;
+            if let Some(asked) = measure.asked_m {
+                write!(formatter, " (asked for {:.1})", 100.0 * asked)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One line a body and one column a measure, lengths in centimetres.
+pub(crate) fn table_of(bodies: &[BodyOutput]) -> String {
+    let names =
+        Measure::ALL.map(|measure| format!(",{}_cm", measure.name().replace([' ', '-'], "_")));
+    let mut text = format!("file,sex,mass_kg,bmi{}\n", names.concat());
+    for body in bodies {
+        let Some(tape) = &body.tape else { continue };
+        let lengths = tape
+            .measures
+            .iter()
+            .map(|measure| format!(",{:.1}", 100.0 * measure.m));
+        let name = std::path::Path::new(&body.output)
+            .file_name()
+            .unwrap_or_default();
+        text += &format!(
+            "{},{},{:.1},{:.1}{}\n",
+            name.to_string_lossy(),
+            tape.sex,
+            tape.mass_kg,
+            tape.bmi,
+            lengths.collect::<String>()
+        );
+    }
+    text
+}
+
+/// The rows of `info` for a built-in body: name and centimetres.
+pub(crate) fn rows_of(measures: &Measures) -> Vec<(&'static str, f64)> {
+    let rows = measures.iter();
+    rows.map(|(measure, m)| (measure.name(), 100.0 * m))
+        .collect()
+}

@@ -1,0 +1,210 @@
+//! Poses that the user names: one of the library, a frame of a file, or several frames.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use garnet::{
+    Body, Pose,
+    io::read_pose,
+    motion::{FrameRange, Ground, ReadOptions, RetargetOptions, Take, put_on_ground},
+    poses::{Poser, SelfContact, SeparationOptions, key_pose, key_poses},
+};
+
+use crate::failure::refused;
+
+/// What the user wrote: a name of the library, or a file and the frames in it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct PoseSource {
+    /// The file, or the name.
+    pub(crate) path: PathBuf,
+    /// The frames in the file, from 0; the first without it.
+    pub(crate) frames: Option<FrameRange>,
+}
+
+/// A pose and what to call it.
+#[derive(Debug, Clone)]
+pub(crate) struct NamedPose {
+    /// For messages: the name or the file, and the frame in it.
+    pub(crate) label: String,
+    /// For outputs: like the label, without folder and extension.
+    pub(crate) stem: String,
+    /// The frame in the file.
+    pub(crate) frame: Option<usize>,
+    pub(crate) pose: Pose,
+}
+
+/// Poses, and what was taken for granted while they were read.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Posing {
+    pub(crate) poses: Vec<NamedPose>,
+    pub(crate) notes: Vec<String>,
+}
+
+impl From<&str> for PoseSource {
+    /// Splits `FILE:FRAMES` at the first colon after which nothing but frames follows; a file whose
+    /// own name ends like this comes first.
+    fn from(text: &str) -> Self {
+        let whole = Self {
+            path: text.into(),
+            frames: None,
+        };
+        if whole.path.exists() {
+            return whole;
+        }
+        let colons = text.match_indices(':').filter(|&(place, _)| place > 0);
+        let split = colons.map(|(place, _)| (&text[..place], &text[place + 1..]));
+        let found = split
+            .filter_map(|(path, frames)| Some((path, frames.parse().ok()?)))
+            .next();
+        match found {
+            Some((path, frames)) => Self {
+                path: path.into(),
+                frames: Some(frames),
+            },
+            None => whole,
+        }
+    }
+}
+
+impl PoseSource {
+    /// Whether it may stand for more than one pose.
+    pub(crate) fn is_several(&self) -> bool {
+        self.frames.is_some_and(|frames| !frames.is_single())
+    }
+
+    /// The poses, on a body.
+    pub(crate) fn read(&self, body: &Body) -> anyhow::Result<Posing> {
+        if self.frames.is_none() && !self.path.exists() {
+            let name = self.path.to_string_lossy();
+            if let Some(pose) = key_pose(&name) {
+                return of_library(&name, &pose.angles, body);
+            }
+            if self.path.extension().is_none() {
+                return Err(refused(
+                    format!("there is no pose `{name}`"),
+                    "it is neither a file nor a pose of the library",
+                    format!("the poses of the library are: {}", library_names()),
+                ));
+            }
+        }
+        let skeleton = body.skeleton();
+        let is_json = is_json(&self.path);
+        if is_json && self.frames.is_none() {
+            let pose = read_pose(&self.path, None, skeleton)?;
+            return Ok(Posing {
+                poses: vec![NamedPose {
+                    label: self.path.display().to_string(),
+                    stem: stem(&self.path),
+                    frame: None,
+                    pose,
+                }],
+                notes: Vec::new(),
+            });
+        }
+        let take = Take::read(&self.path, &ReadOptions::default())?;
+        let range = self.frames.unwrap_or(FrameRange::single(0));
+        let mut poses = take.poses(skeleton, range, &RetargetOptions::default())?;
+        if take.motion().is_some() {
+            // One frame alone tells nothing of the height of a jump.
+            let ground = if range.is_single() {
+                Ground::EachPose
+            } else {
+                Ground::Clip
+            };
+            put_on_ground(body, &mut poses, ground)?;
+        }
+        let frames = range.of(take.num_frames())?;
+        let named = frames
+            .into_iter()
+            .zip(poses)
+            .map(|(frame, pose)| NamedPose {
+                label: format!("{}:{frame}", self.path.display()),
+                stem: format!("{}_{frame:04}", stem(&self.path)),
+                frame: Some(frame),
+                pose,
+            });
+        Ok(Posing {
+            poses: named.collect(),
+            notes: take.notes(skeleton),
+        })
+    }
+}
+
+/// A pose of the library, with the parts of the body apart and the lowest vertex on the ground.
+fn of_library(
+    name: &str,
+    angles: &garnet::poses::BodyAngles,
+    body: &Body,
+) -> anyhow::Result<Posing> {
+    let cannot = || format!("cannot take the pose `{name}`");
+    let poser = Poser::new(body.skeleton()).with_context(cannot)?;
+    let pose = poser.pose(angles);
+    let contact = SelfContact::new(body).with_context(cannot)?;
+    let mut notes = Vec::new();
+    let mut poses = match contact.separated(&pose, &SeparationOptions::default())? {
+        Some(separated) => vec![separated.pose],
+        None => {
+            notes.push(format!(
+                "in the pose `{name}` this body runs through itself"
+            ));
+            vec![pose]
+        }
+    };
+    put_on_ground(body, &mut poses, Ground::EachPose)?;
+    let named = poses.into_iter().map(|pose| NamedPose {
+        label: name.to_owned(),
+        stem: name.to_owned(),
+        frame: None,
+        pose,
+    });
+    Ok(Posing {
+        poses: named.collect(),
+        notes,
+    })
+}
+
+fn library_names() -> String {
+    let names: Vec<&str> = key_poses().map(|pose| pose.name).collect();
+    names.join(", ")
+}
+
+/// Whether the file is JSON by its name: such poses stand where they say.
+fn is_json(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+}
+
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    stem.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn split(text: &str) -> (PathBuf, Option<String>) {
+        let source = PoseSource::from(text);
+        (source.path, source.frames.map(|frames| frames.to_string()))
+    }
+
+    #[test]
+    fn frames_follow_a_colon() {
+        assert_eq!(
+            split("walk.json:12"),
+            ("walk.json".into(), Some("12".to_owned()))
+        );
+        assert_eq!(
+            split("walk.bvh:0:9:2"),
+            ("walk.bvh".into(), Some("0:9:2".to_owned()))
+        );
+        assert_eq!(
+            split("walk.bvh:3:"),
+            ("walk.bvh".into(), Some("3::1".to_owned()))
+        );
+        assert_eq!(split("a:b/walk.json"), ("a:b/walk.json".into(), None));
+        assert_eq!(split(":3"), (":3".into(), None));
+        assert!(PoseSource::from("walk.bvh:0:9").is_several());
+        assert!(!PoseSource::from("walk.bvh:9").is_several());
+    }
+}
