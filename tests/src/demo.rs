@@ -52,19 +52,9 @@ impl Demo {
             .with_bmi(22.0);
         let body = ParametricBody::build(&parameters)?.into_body();
         let form = Form::of_body(&parameters, &body)?;
-        let poser = Poser::new(body.skeleton())?;
-        let contact = SelfContact::new(&body)?;
         let mut posed = Vec::new();
         for (name, pose) in POSES {
-            let angles = key_pose(pose)
-                .ok_or("the library has the poses of the demo")?
-                .angles;
-            let pose = poser.pose(&angles);
-            let separated = contact.separated(&pose, &SeparationOptions::default())?;
-            let mut poses = [separated.map_or(pose, |separated| separated.pose)];
-            put_on_ground(&body, &mut poses, Ground::EachPose)?;
-            let positions = body.posed_positions(&poses[0], Method::DualQuaternion)?;
-            posed.push((name, body_text(&positions, &body)));
+            posed.push((name, body_text(&library_posed(&body, pose)?, &body)));
         }
         Ok(Self {
             tunic_obj: tunic_on(&form, TUNIC_VERTICES).to_obj(),
@@ -113,6 +103,61 @@ pub fn write_fine(folder: &Path) -> Result<(), Box<dyn Error>> {
     write(folder, "reach.json", &pose_text(&body, &reach()))?;
     write_rig_npz(folder.join("body.rig.npz"), &Rig::from(body))?;
     Ok(())
+}
+
+/// Sex, stature in metres, body mass index, and pose of the bodies in the picture of the README.
+const PEOPLE: [(f64, f64, f64, &str); 10] = [
+    (1.0, 1.72, 18.5, "a_pose"),
+    (1.0, 1.63, 25.0, "stand"),
+    (1.0, 1.60, 33.0, "a_pose"),
+    (0.0, 1.80, 20.0, "a_pose"),
+    (0.0, 1.76, 27.0, "stand"),
+    (0.0, 1.72, 34.0, "a_pose"),
+    (1.0, 1.70, 21.0, "tree"),
+    (0.0, 1.78, 24.0, "throw"),
+    (1.0, 1.66, 29.0, "dancer"),
+    (0.0, 1.85, 23.0, "chair"),
+];
+
+/// From one body of the picture to the next, in metres.
+const PEOPLE_SPACING: f32 = 1.2;
+
+/// The bodies of the picture side by side, as the text of one OBJ.
+///
+/// # Errors
+///
+/// What the built-in body refuses.
+pub fn people_obj() -> Result<String, Box<dyn Error>> {
+    let mut text = String::new();
+    let mut faces = String::new();
+    let mut first = 1;
+    for (index, (sex, stature, bmi, pose)) in PEOPLE.into_iter().enumerate() {
+        let parameters = BodyParameters::new(sex).with(Measure::Stature, stature);
+        let body = ParametricBody::build(&parameters.with_bmi(bmi))?.into_body();
+        let positions = library_posed(&body, pose)?;
+        for point in &positions {
+            let x = point.x + PEOPLE_SPACING * index as f32;
+            writeln!(text, "v {x:.5} {:.5} {:.5}", point.y, point.z)?;
+        }
+        for face in body.rest().faces() {
+            let [a, b, c] = face.map(|vertex| vertex + first);
+            writeln!(faces, "f {a} {b} {c}")?;
+        }
+        first += positions.len() as u32;
+    }
+    Ok(text + &faces)
+}
+
+/// A body in a pose of the library, its parts apart, on the ground.
+fn library_posed(body: &Body, pose: &str) -> Result<Vec<Point3>, Box<dyn Error>> {
+    let angles = key_pose(pose)
+        .ok_or("the library has the poses of the demo")?
+        .angles;
+    let pose = Poser::new(body.skeleton())?.pose(&angles);
+    let separated = SelfContact::new(body)?.separated(&pose, &SeparationOptions::default())?;
+    let mut poses = [separated.map_or(pose, |separated| separated.pose)];
+    put_on_ground(body, &mut poses, Ground::EachPose)?;
+    Ok(body.posed_positions(&poses[0], Method::DualQuaternion)?)
 }
 
 fn write(folder: &Path, name: &str, text: &str) -> Result<(), Box<dyn Error>> {

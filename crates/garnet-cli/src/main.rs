@@ -45,7 +45,7 @@ fn main() -> ExitCode {
 fn run(command: Command, console: &Console) -> anyhow::Result<ExitStatus> {
     match command {
         Command::Drape(args) => drape::run(*args, console),
-        Command::Body(args) => body::run(*args, console),
+        Command::Body(args) => body::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Render(args) => render::run(&args, console),
     }

@@ -28,8 +28,6 @@ pub(crate) struct NamedPose {
     pub(crate) label: String,
     /// For outputs: like the label, without folder and extension.
     pub(crate) stem: String,
-    /// The frame in the file.
-    pub(crate) frame: Option<usize>,
     pub(crate) pose: Pose,
 }
 
@@ -53,9 +51,8 @@ impl From<&str> for PoseSource {
         }
         let colons = text.match_indices(':').filter(|&(place, _)| place > 0);
         let split = colons.map(|(place, _)| (&text[..place], &text[place + 1..]));
-        let found = split
-            .filter_map(|(path, frames)| Some((path, frames.parse().ok()?)))
-            .next();
+        let mut split = split;
+        let found = split.find_map(|(path, frames)| Some((path, frames.parse().ok()?)));
         match found {
             Some((path, frames)) => Self {
                 path: path.into(),
@@ -95,7 +92,6 @@ impl PoseSource {
                 poses: vec![NamedPose {
                     label: self.path.display().to_string(),
                     stem: stem(&self.path),
-                    frame: None,
                     pose,
                 }],
                 notes: Vec::new(),
@@ -120,7 +116,6 @@ impl PoseSource {
             .map(|(frame, pose)| NamedPose {
                 label: format!("{}:{frame}", self.path.display()),
                 stem: format!("{}_{frame:04}", stem(&self.path)),
-                frame: Some(frame),
                 pose,
             });
         Ok(Posing {
@@ -141,20 +136,19 @@ fn of_library(
     let pose = poser.pose(angles);
     let contact = SelfContact::new(body).with_context(cannot)?;
     let mut notes = Vec::new();
-    let mut poses = match contact.separated(&pose, &SeparationOptions::default())? {
-        Some(separated) => vec![separated.pose],
-        None => {
-            notes.push(format!(
-                "in the pose `{name}` this body runs through itself"
-            ));
-            vec![pose]
-        }
+    let separated = contact.separated(&pose, &SeparationOptions::default())?;
+    let mut poses = if let Some(separated) = separated {
+        vec![separated.pose]
+    } else {
+        notes.push(format!(
+            "in the pose `{name}` this body runs through itself"
+        ));
+        vec![pose]
     };
     put_on_ground(body, &mut poses, Ground::EachPose)?;
     let named = poses.into_iter().map(|pose| NamedPose {
         label: name.to_owned(),
         stem: name.to_owned(),
-        frame: None,
         pose,
     });
     Ok(Posing {

@@ -307,6 +307,7 @@ fn fitted(parameters: &BodyParameters) -> Trial {
         if worst_girth < GIRTH_TOLERANCE && mass_error < MASS_TOLERANCE {
             break;
         }
+        if std::env::var_os("TRACE").is_some() { eprintln!("{:.2} | {:?} | m {:.2} | crotch {:.4} rise {:.4} u {:?}", 100.0*worst_girth, Measure::GIRTHS.into_iter().zip(errors.iter()).map(|(m,e)| format!("{m}:{:.2}",100.0*e)).collect::<Vec<_>>(), 100.0*mass_error, crotch, rise, unknowns.map(|v| (v*1000.0).round()).as_slice()); }
         previous = Some((unknowns, errors));
         let step = slopes.lu().solve(&errors).unwrap_or(errors);
         unknowns = (unknowns - step.map(|value| value.clamp(-MAX_CHANGE, MAX_CHANGE)))

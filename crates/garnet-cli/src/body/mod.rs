@@ -33,9 +33,9 @@ use crate::{
 const BATCH: usize = 64;
 
 /// Makes bodies, poses them, writes them and tells their measures.
-pub(crate) fn run(args: BodyArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+pub(crate) fn run(args: &BodyArgs, console: &Console) -> anyhow::Result<ExitStatus> {
     let start = Instant::now();
-    let source = pose_source(&args);
+    let source = pose_source(args);
     let is_several = args.sample.is_some() || source.as_ref().is_some_and(PoseSource::is_several);
     if is_several {
         output::check_folder(&args.output)?;
@@ -48,20 +48,16 @@ pub(crate) fn run(args: BodyArgs, console: &Console) -> anyhow::Result<ExitStatu
         notes: Vec::new(),
         seconds: 0.0,
     };
-    match args.sample {
-        Some(count) => sample(count, &args, source.as_ref(), console, &mut report)?,
-        None => {
-            let subject = subject(&args)?;
-            let outputs = Outputs::new(&args, is_several, None);
-            write_subject(&subject, source.as_ref(), &outputs, &mut report)?;
-        }
-    }
-    if args.sample.is_some() {
+    if let Some(count) = args.sample {
+        sample(count, args, source.as_ref(), console, &mut report)?;
         let table = report::table_of(&report.bodies);
         output::write(&args.output.join("measures.csv"), table.as_bytes())?;
+    } else {
+        let outputs = Outputs::new(args, is_several, None);
+        write_subject(&subject(args)?, source.as_ref(), &outputs, &mut report)?;
     }
     report.seconds = start.elapsed().as_secs_f64();
-    publish(&report, &args, console)?;
+    publish(&report, args, console)?;
     Ok(ExitStatus::Done)
 }
 

@@ -1,6 +1,6 @@
 //! What `body` tells of its bodies.
 
-use std::fmt;
+use std::fmt::{self, Write};
 
 use garnet::shape::{BodyParameters, Measure, Measures, ParametricBody};
 use serde::Serialize;
@@ -105,14 +105,16 @@ pub(crate) fn table_of(bodies: &[BodyOutput]) -> String {
         let name = std::path::Path::new(&body.output)
             .file_name()
             .unwrap_or_default();
-        text += &format!(
-            "{},{},{:.1},{:.1}{}\n",
+        let written = writeln!(
+            text,
+            "{},{},{:.1},{:.1}{}",
             name.to_string_lossy(),
             tape.sex,
             tape.mass_kg,
             tape.bmi,
             lengths.collect::<String>()
         );
+        debug_assert!(written.is_ok(), "a string takes all text");
     }
     text
 }

@@ -172,9 +172,10 @@ impl Job {
         let is_several = args.bodies.len() > 1 || has_frames;
         let outputs = if is_several {
             output::check_folder(&args.output)?;
-            match has_frames {
-                true => Vec::new(),
-                false => output::names_in(&args.output, &args.bodies)?,
+            if has_frames {
+                Vec::new()
+            } else {
+                output::names_in(&args.output, &args.bodies)?
             }
         } else {
             output::check_file(&args.output)?;

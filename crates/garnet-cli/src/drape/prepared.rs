@@ -254,9 +254,10 @@ fn posed_targets(
         };
         let is_several = source.is_several();
         targets.push(Target {
-            path: match is_several {
-                true => named.label.into(),
-                false => source.path.clone(),
+            path: if is_several {
+                named.label.into()
+            } else {
+                source.path.clone()
             },
             stem: is_several.then_some(named.stem),
             aim,

@@ -1,0 +1,73 @@
+//! Measures what posing does to the built-in bodies, over sampled bodies and poses:
+//! `cargo run --release -p garnet-body --example check_poses -- [POSES]`.
+//!
+//! Tells how much the volume changes, how many poses were corrected or thrown away for
+//! self-contact, how deep the contacts left are, and the time of a posed body.
+
+#![expect(clippy::print_stdout, reason = "an example that prints what it measures")]
+
+use std::time::Instant;
+
+use garnet_body::poses::{Outcome, PoseSampler, Poser, SelfContact};
+use garnet_body::shape::{ParametricBody, Population};
+use garnet_skin::{Method, Point3};
+
+/// Poses of one body.
+const POSES_PER_BODY: u64 = 25;
+
+/// Seed of bodies and poses.
+const SEED: u64 = 11;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let num_poses = std::env::args().nth(1).map_or(Ok(500), |text| text.parse::<u64>())?;
+    let (population, sampler) = (Population::new(SEED), PoseSampler::new(SEED));
+    let mut changes = Vec::new();
+    let mut depths = Vec::new();
+    let mut times = Vec::new();
+    let (mut num_corrected, mut num_rejected, mut num_refused) = (0, 0, 0);
+    for number in 0..num_poses.div_ceil(POSES_PER_BODY) {
+        let Ok(built) = ParametricBody::build(&population.sample(number)) else {
+            num_refused += 1;
+            continue;
+        };
+        let body = built.into_body();
+        let poser = Poser::new(body.skeleton())?;
+        let contact = SelfContact::new(&body)?;
+        let rest = volume(body.rest().positions(), body.rest().faces());
+        for index in 0..POSES_PER_BODY {
+            let sound = sampler.sample_for(&poser, &contact, number * POSES_PER_BODY + index)?;
+            let start = Instant::now();
+            let posed = body.posed_positions(&sound.pose, Method::DualQuaternion)?;
+            times.push(1e3 * start.elapsed().as_secs_f64());
+            let change = volume(&posed, body.rest().faces()) / rest - 1.0;
+            changes.push((change.abs(), format!("body {number}, `{}`", sound.sequence)));
+            depths.push(1e3 * f64::from(sound.depths[1]));
+            num_corrected += usize::from(matches!(sound.outcome, Outcome::Corrected { .. }));
+            num_rejected += sound.num_rejected as usize;
+        }
+    }
+    changes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    times.sort_by(f64::total_cmp);
+    depths.sort_by(f64::total_cmp);
+    let count = changes.len();
+    let beyond = changes.iter().filter(|(change, _)| *change > 0.05).count();
+    println!("{count} poses, {num_refused} bodies refused");
+    println!("corrected {num_corrected}, draws thrown away {num_rejected}");
+    let touching = depths.iter().filter(|depth| **depth > 0.0).count();
+    println!("touching {touching}, deepest {:.1} mm", depths.last().unwrap_or(&0.0));
+    println!("volume changed by more than 5 %: {beyond}; the most:");
+    for (change, what) in changes.iter().take(5) {
+        println!("  {:.1} % {what}", 100.0 * change);
+    }
+    println!("a posed body takes {:.2} ms (median)", times[count / 2]);
+    Ok(())
+}
+
+/// The volume inside a closed mesh, in m³.
+fn volume(positions: &[Point3], faces: &[[u32; 3]]) -> f64 {
+    let of_face = |face: &[u32; 3]| {
+        let [a, b, c] = face.map(|vertex| positions[vertex as usize].coords.cast::<f64>());
+        a.cross(&b).dot(&c) / 6.0
+    };
+    faces.iter().map(of_face).sum()
+}
