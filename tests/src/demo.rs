@@ -19,8 +19,8 @@ const TUNIC_VERTICES: usize = 3_000;
 /// Posed bodies of the demo: file and pose of the library.
 pub const POSES: [(&str, &str); 3] = [
     ("reach", "reach_front"),
-    ("lunge", "warrior_two"),
-    ("dance", "port_de_bras_four"),
+    ("throw", "throw"),
+    ("dance", "ballroom_frame"),
 ];
 
 /// Spacing of the vertices of a mannequin of 13 000, in metres.

@@ -4,7 +4,10 @@
 //! Tells how much the volume changes, how many poses were corrected or thrown away for
 //! self-contact, how deep the contacts left are, and the time of a posed body.
 
-#![expect(clippy::print_stdout, reason = "an example that prints what it measures")]
+#![expect(
+    clippy::print_stdout,
+    reason = "an example that prints what it measures"
+)]
 
 use std::time::Instant;
 
@@ -19,7 +22,9 @@ const POSES_PER_BODY: u64 = 25;
 const SEED: u64 = 11;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let num_poses = std::env::args().nth(1).map_or(Ok(500), |text| text.parse::<u64>())?;
+    let num_poses = std::env::args()
+        .nth(1)
+        .map_or(Ok(500), |text| text.parse::<u64>())?;
     let (population, sampler) = (Population::new(SEED), PoseSampler::new(SEED));
     let mut changes = Vec::new();
     let mut depths = Vec::new();
@@ -54,7 +59,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{count} poses, {num_refused} bodies refused");
     println!("corrected {num_corrected}, draws thrown away {num_rejected}");
     let touching = depths.iter().filter(|depth| **depth > 0.0).count();
-    println!("touching {touching}, deepest {:.1} mm", depths.last().unwrap_or(&0.0));
+    println!(
+        "touching {touching}, deepest {:.1} mm",
+        depths.last().unwrap_or(&0.0)
+    );
     println!("volume changed by more than 5 %: {beyond}; the most:");
     for (change, what) in changes.iter().take(5) {
         println!("  {:.1} % {what}", 100.0 * change);

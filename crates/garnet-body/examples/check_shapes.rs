@@ -49,7 +49,9 @@ fn main() {
         ..Worst::default()
     };
     for index in 0..count {
-        if std::env::var("ONLY").is_ok_and(|o| !o.split(',').any(|n| n == index.to_string())) { continue; }
+        if std::env::var("ONLY").is_ok_and(|o| !o.split(',').any(|n| n == index.to_string())) {
+            continue;
+        }
         let parameters = chosen(&population.sample(index), &mode, index, count);
         let start = Instant::now();
         match ParametricBody::build(&parameters) {

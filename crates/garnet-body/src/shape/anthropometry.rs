@@ -13,8 +13,8 @@
 //!   by regression on those 18 within the sample below, which is what the survey's mean would be if
 //!   the sample's regressions hold.
 //! - **Spread and correlation** of the logarithms, about the mean of each sex and pooled over both:
-//!   from a sample of 60 consecutive records (28 women, 32 men; 58 degrees of freedom). The
-//!   correlations are shrunk by 0.92 towards zero, so that no conditional mean leans on noise. The
+//!   from a sample of 60 records: one run of 28 women and one of 32 men, each with a few records
+//!   skipped (58 degrees of freedom). The correlations are shrunk by 0.92 towards zero, so that no conditional mean leans on noise. The
 //!   standard error of a correlation of 0.5 is 0.1.
 //!
 //! Checks against the whole survey's 1st and 99th percentiles: buttock circumference has a spread

@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use garnet_knn::Surface;
 use garnet_mesh::{Point3, TriMesh};
 use garnet_skin::{Body, SkinWeights};
 use nalgebra::{SMatrix, SVector};
@@ -19,11 +20,25 @@ use super::{BodyParameters, Measure, NUM_JOINTS, ShapeError};
 /// The measures are fitted at most so often.
 const MAX_ROUNDS: usize = 14;
 
+/// And so often after each time that folded vertices are spread out.
+const ROUNDS_AFTER_UNFOLDING: usize = 6;
+
+/// Rounds in which the mesh is not smoothed, at most, and how close the girths come in them.
+const MAX_ROUGH_ROUNDS: usize = 6;
+const ROUGH_TOLERANCE: f64 = 4e-3;
+
+/// Folded vertices are spread out at most so often, each time with one more ring around them.
+const MAX_UNFOLDINGS: usize = 5;
+const FIRST_RINGS: usize = 3;
+
+/// The first times they stay on the surface.
+const UNFOLDINGS_ON_SURFACE: usize = 1;
+
 /// Fitting ends when every girth is this close, relative.
-const GIRTH_TOLERANCE: f64 = 8e-4;
+const GIRTH_TOLERANCE: f64 = 2e-3;
 
 /// And, where no girth is given, the mass.
-const MASS_TOLERANCE: f64 = 4e-3;
+const MASS_TOLERANCE: f64 = 8e-3;
 
 /// A given girth that is farther off than this cannot be had together with the others, relative.
 const CONFLICT_TOLERANCE: f64 = 5e-3;
@@ -31,8 +46,8 @@ const CONFLICT_TOLERANCE: f64 = 5e-3;
 /// What does not depend on the body.
 struct Shared {
     carrier: Carrier,
-    /// Whether a vertex of the whole hangs on an arm.
-    is_arm: Vec<bool>,
+    /// The share of an arm in the weight of each vertex of the whole.
+    arm_share: Vec<f64>,
     weights: SkinWeights,
 }
 
@@ -42,10 +57,10 @@ fn shared() -> &'static Shared {
         let template = Template::stored();
         Shared {
             carrier: Carrier::new(template, &BodySurface::template()),
-            is_arm: template
+            arm_share: template
                 .influences()
                 .iter()
-                .map(|row| follows_arm(row))
+                .map(|row| arm_share(row))
                 .collect(),
             weights: SkinWeights::from_influences(NUM_JOINTS, template.influences())
                 .expect("the stored weights are weights"),
@@ -53,14 +68,13 @@ fn shared() -> &'static Shared {
     })
 }
 
-/// Whether a vertex follows shoulder, elbow or wrist more than anything else.
-fn follows_arm(influences: &[(usize, f32)]) -> bool {
-    let share: f32 = influences
+/// How much of its weight a vertex has from shoulder, elbow and wrist.
+fn arm_share(influences: &[(usize, f32)]) -> f64 {
+    influences
         .iter()
         .filter(|(joint, _)| *joint >= FIRST_ARM_JOINT)
-        .map(|(_, weight)| weight)
-        .sum();
-    share > 0.5
+        .map(|&(_, weight)| f64::from(weight))
+        .sum()
 }
 
 /// The joints from this one on are those of the arms.
@@ -89,6 +103,18 @@ pub struct ParametricBody {
     volume: f64,
 }
 
+/// How the template is carried.
+enum Effort {
+    /// Not smoothed, for the first rounds.
+    Rough,
+    /// Smoothed, with these vertices of the half unfolded; where that is not enough, they may leave
+    /// the surface a little.
+    Full {
+        relaxed: Vec<usize>,
+        off_surface: bool,
+    },
+}
+
 /// A candidate on the way to the right measures.
 struct Trial {
     surface: BodySurface,
@@ -98,18 +124,25 @@ struct Trial {
 }
 
 impl Trial {
-    fn new(anatomy: Anatomy) -> Self {
+    fn new(anatomy: Anatomy, effort: &Effort) -> Self {
         let template = Template::stored();
         let surface = BodySurface::of(anatomy);
-        let half = shared().carrier.carried(&surface);
+        let carrier = &shared().carrier;
+        let half = match effort {
+            Effort::Rough => carrier.roughly_carried(&surface),
+            Effort::Full {
+                relaxed,
+                off_surface,
+            } => carrier.carried(&surface, relaxed, *off_surface),
+        };
         let positions = template.whole(&half, |p| Vec3::new(-p.x, p.y, p.z));
         let joints = joint_positions(&surface);
-        let is_arm = &shared().is_arm;
+        let arm_share = &shared().arm_share;
         Self {
             measures: tape::measured(
                 &positions,
                 &template.faces,
-                is_arm,
+                arm_share,
                 template.num_middle,
                 &joints,
             ),
@@ -119,10 +152,27 @@ impl Trial {
         }
     }
 
+    /// Corners of the faces that intersect others.
+    fn folded(&self) -> Vec<u32> {
+        let template = Template::stored();
+        let surface = Surface::new(&mesh(&self.positions));
+        let pairs = surface.self_intersections();
+        let faces = pairs.iter().flatten();
+        faces
+            .flat_map(|&face| template.faces[face as usize])
+            .collect()
+    }
+
     /// How far a girth is off, relative to what it shall be.
     fn error(&self, measure: Measure) -> f64 {
         self.measures[measure] / self.surface.anatomy.measures[measure] - 1.0
     }
+}
+
+fn mesh(positions: &[Vec3]) -> TriMesh {
+    let single = positions.iter().map(|p| Point3::from(p.cast::<f32>()));
+    TriMesh::new(single.collect(), Template::stored().faces.clone())
+        .expect("the template is a mesh")
 }
 
 fn joint_positions(surface: &BodySurface) -> Vec<Vec3> {
@@ -155,15 +205,12 @@ impl ParametricBody {
                 });
             }
         }
-        let template = Template::stored();
-        let positions = trial
-            .positions
-            .iter()
-            .map(|p| Point3::from(p.cast::<f32>()))
-            .collect();
-        let mesh = TriMesh::new(positions, template.faces.clone()).expect("the template is a mesh");
-        let body = Body::new(mesh, trial.surface.skeleton(), shared().weights.clone())
-            .expect("the template has a weight for every vertex");
+        let body = Body::new(
+            mesh(&trial.positions),
+            trial.surface.skeleton(),
+            shared().weights.clone(),
+        )
+        .expect("the template has a weight for every vertex");
         Ok(Self {
             body,
             measures: trial.measures,
@@ -232,7 +279,7 @@ pub fn tape_measures(body: &Body) -> Option<Measures> {
     Some(tape::measured(
         &positions,
         &template.faces,
-        &shared().is_arm,
+        &shared().arm_share,
         template.num_middle,
         &joints,
     ))
@@ -253,6 +300,7 @@ const MAX_CORRECTION: f64 = 0.6;
 ///
 /// Where no girth is given, the mass matters more than the likely girths: then the body mass index
 /// that the girths are predicted from is varied until the mesh has the mass.
+#[expect(clippy::too_many_lines, reason = "one loop")]
 fn fitted(parameters: &BodyParameters) -> Trial {
     let likely = parameters.completed(parameters.bmi());
     let mass = likely.expected(Dimension::Mass);
@@ -271,7 +319,13 @@ fn fitted(parameters: &BodyParameters) -> Trial {
     let mut slopes = SMatrix::<f64, NUM_UNKNOWNS, NUM_UNKNOWNS>::identity();
     let mut best: Option<(f64, Trial)> = None;
     let mut previous: Option<(Unknowns, Unknowns)> = None;
-    for _ in 0..MAX_ROUNDS {
+    let mut effort = Effort::Rough;
+    let mut unfoldings = 0;
+    let mut all_folded = Vec::new();
+    let mut round = 0;
+    let mut last_round = MAX_ROUNDS;
+    while round < last_round {
+        round += 1;
         let mut corrections = Corrections::default();
         for (measure, value) in Measure::GIRTHS.into_iter().zip(unknowns.iter()) {
             corrections[measure] = value.exp();
@@ -279,7 +333,7 @@ fn fitted(parameters: &BodyParameters) -> Trial {
         corrections.crotch = crotch;
         let shift = unknowns[NUM_UNKNOWNS - 1].exp();
         let body = parameters.completed(base_bmi.map(|bmi| bmi * shift));
-        let trial = Trial::new(Anatomy::new(parameters.sex(), &body, corrections));
+        let trial = Trial::new(Anatomy::new(parameters.sex(), &body, corrections), &effort);
         let mut errors = Unknowns::zeros();
         for (place, measure) in Measure::GIRTHS.into_iter().enumerate() {
             errors[place] = (1.0 + trial.error(measure)).max(0.1).ln();
@@ -301,14 +355,48 @@ fn fitted(parameters: &BodyParameters) -> Trial {
         let rise =
             trial.surface.anatomy.measures[Measure::Inseam] - trial.measures[Measure::Inseam];
         let badness = worst_girth + 0.2 * mass_error;
-        if best.as_ref().is_none_or(|(least, _)| badness < *least) {
-            best = Some((badness, trial));
+        let is_met = worst_girth < GIRTH_TOLERANCE && mass_error < MASS_TOLERANCE;
+        let mut is_other = false;
+        match &effort {
+            Effort::Rough => {
+                let is_near = worst_girth < ROUGH_TOLERANCE && mass_error < MASS_TOLERANCE;
+                if is_near || round >= MAX_ROUGH_ROUNDS {
+                    effort = Effort::Full {
+                        relaxed: Vec::new(),
+                        off_surface: false,
+                    };
+                    is_other = true;
+                }
+            }
+            Effort::Full { .. } => {
+                let is_last = is_met || round == last_round;
+                let folded = if is_last && unfoldings < MAX_UNFOLDINGS {
+                    trial.folded()
+                } else {
+                    Vec::new()
+                };
+                if folded.is_empty() {
+                    if best.as_ref().is_none_or(|(least, _)| badness < *least) {
+                        best = Some((badness, trial));
+                    }
+                    if is_met {
+                        break;
+                    }
+                } else {
+                    let rings = FIRST_RINGS + unfoldings;
+                    unfoldings += 1;
+                    last_round = round + ROUNDS_AFTER_UNFOLDING;
+                    all_folded.extend(folded);
+                    effort = Effort::Full {
+                        relaxed: shared().carrier.surroundings(&all_folded, rings),
+                        off_surface: unfoldings > UNFOLDINGS_ON_SURFACE,
+                    };
+                    is_other = true;
+                    best = None;
+                }
+            }
         }
-        if worst_girth < GIRTH_TOLERANCE && mass_error < MASS_TOLERANCE {
-            break;
-        }
-        if std::env::var_os("TRACE").is_some() { eprintln!("{:.2} | {:?} | m {:.2} | crotch {:.4} rise {:.4} u {:?}", 100.0*worst_girth, Measure::GIRTHS.into_iter().zip(errors.iter()).map(|(m,e)| format!("{m}:{:.2}",100.0*e)).collect::<Vec<_>>(), 100.0*mass_error, crotch, rise, unknowns.map(|v| (v*1000.0).round()).as_slice()); }
-        previous = Some((unknowns, errors));
+        previous = (!is_other).then_some((unknowns, errors));
         let step = slopes.lu().solve(&errors).unwrap_or(errors);
         unknowns = (unknowns - step.map(|value| value.clamp(-MAX_CHANGE, MAX_CHANGE)))
             .map(|value| value.clamp(-MAX_CORRECTION, MAX_CORRECTION));

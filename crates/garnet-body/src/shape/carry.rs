@@ -20,6 +20,15 @@ const MAX_STEP: f64 = 0.02;
 /// Rounds of smoothing that take out what the projection has sheared; each group is projected again.
 const SMOOTHING_ROUNDS: [usize; 2] = [12, 10];
 
+/// Rounds that spread folded vertices out, before the smoothing and after it, and how often each
+/// moves them to the mean of their neighbors before they are projected.
+const UNFOLDING_ROUNDS: usize = 16;
+const REFOLDING_ROUNDS: usize = 3;
+const RELAXING_SWEEPS: usize = 5;
+
+/// And how often at last, without being projected.
+const OFF_SURFACE_SWEEPS: usize = 12;
+
 /// A vertex of the template has no more neighbors than this.
 const MAX_VALENCE: usize = 32;
 
@@ -96,10 +105,24 @@ impl Carrier {
         positions
     }
 
-    /// The left half on the surface of another body.
-    pub(crate) fn carried(&self, body: &BodySurface) -> Vec<Vec3> {
+    /// The left half on the surface of another body, as the guide takes it there: uneven, but near
+    /// enough for the first rounds of fitting.
+    pub(crate) fn roughly_carried(&self, body: &BodySurface) -> Vec<Vec3> {
         let mut positions = self.guessed(&body.guide);
         project(&body.field, &mut positions, self.num_middle);
+        positions
+    }
+
+    /// The left half on the surface of another body; `relaxed` are vertices of the half that are
+    /// spread out between the others, because they would be folded, at last off the surface too.
+    pub(crate) fn carried(
+        &self,
+        body: &BodySurface,
+        relaxed: &[usize],
+        off_surface: bool,
+    ) -> Vec<Vec3> {
+        let mut positions = self.roughly_carried(body);
+        self.unfold(&body.field, &mut positions, relaxed, UNFOLDING_ROUNDS);
         for rounds in SMOOTHING_ROUNDS {
             for _ in 0..rounds {
                 let normals = self.normals(&positions);
@@ -107,7 +130,69 @@ impl Carrier {
             }
             project(&body.field, &mut positions, self.num_middle);
         }
+        self.unfold(&body.field, &mut positions, relaxed, REFOLDING_ROUNDS);
+        if off_surface {
+            for _ in 0..OFF_SURFACE_SWEEPS {
+                self.relax(&mut positions, relaxed);
+            }
+        }
         positions
+    }
+
+    /// Spreads some vertices, in rising order, out on the surface between the others.
+    fn unfold(&self, field: &Field, positions: &mut [Vec3], relaxed: &[usize], rounds: usize) {
+        let num_middle = relaxed.partition_point(|&vertex| vertex < self.num_middle);
+        for _ in 0..rounds {
+            for _ in 0..RELAXING_SWEEPS {
+                self.relax(positions, relaxed);
+            }
+            let mut moved: Vec<Vec3> = relaxed.iter().map(|&vertex| positions[vertex]).collect();
+            project(field, &mut moved, num_middle);
+            for (&vertex, position) in relaxed.iter().zip(moved) {
+                positions[vertex] = position;
+            }
+        }
+    }
+
+    /// Vertices of the half within `rings` edges of the faces of these vertices of the whole.
+    pub(crate) fn surroundings(&self, vertices: &[u32], rings: usize) -> Vec<usize> {
+        let num_half = self.holds.len();
+        let of_half = |vertex: u32| {
+            let vertex = vertex as usize;
+            if vertex < num_half {
+                vertex
+            } else {
+                vertex - num_half + self.num_middle
+            }
+        };
+        let mut is_near = vec![false; num_half];
+        for &vertex in vertices {
+            is_near[of_half(vertex)] = true;
+        }
+        for _ in 0..rings {
+            let inner: Vec<usize> = (0..num_half).filter(|&vertex| is_near[vertex]).collect();
+            for vertex in inner {
+                let range = self.starts[vertex] as usize..self.starts[vertex + 1] as usize;
+                for &neighbor in &self.neighbors[range] {
+                    is_near[of_half(neighbor)] = true;
+                }
+            }
+        }
+        (0..num_half).filter(|&vertex| is_near[vertex]).collect()
+    }
+
+    /// Moves some vertices to the mean of their neighbors, off the surface too.
+    fn relax(&self, positions: &mut [Vec3], relaxed: &[usize]) {
+        for &vertex in relaxed {
+            let range = self.starts[vertex] as usize..self.starts[vertex + 1] as usize;
+            let share = 1.0 / range.len() as f64;
+            let neighbors = range.map(|entry| self.neighbor(positions, entry));
+            let mut mean = share * neighbors.sum::<Vec3>();
+            if vertex < self.num_middle {
+                mean.x = 0.0;
+            }
+            positions[vertex] = mean;
+        }
     }
 
     /// Unit normals of the left half.

@@ -5,7 +5,7 @@ use super::anatomy::Anatomy;
 use super::arm::Arm;
 use super::head::Head;
 use super::leg::Leg;
-use super::primitives::{Vec3, smooth_union};
+use super::primitives::{Vec3, length, smooth_union};
 use super::torso::Torso;
 
 /// Right and left meet in the middle plane with a bend of this radius, in metres.
@@ -55,7 +55,7 @@ impl Field {
 
     /// The distance of a point of space.
     pub(crate) fn distance(&self, point: &Vec3) -> f64 {
-        let folded = Vec3::new(point.x.hypot(MIDDLE_RADIUS), point.y, point.z);
+        let folded = Vec3::new(length(point.x, MIDDLE_RADIUS), point.y, point.z);
         let s = self.size;
         let mut body = f64::MAX;
         if point.y > self.leg_only {
@@ -75,7 +75,7 @@ impl Field {
 
     /// Distances to trunk, head, arm and leg, each by itself.
     pub(crate) fn part_distances(&self, point: &Vec3) -> [f64; 4] {
-        let folded = Vec3::new(point.x.hypot(MIDDLE_RADIUS), point.y, point.z);
+        let folded = Vec3::new(length(point.x, MIDDLE_RADIUS), point.y, point.z);
         [
             self.torso.distance(&folded),
             self.head.distance(&folded),

@@ -2,7 +2,9 @@
 
 use super::Measure;
 use super::anatomy::Anatomy;
-use super::primitives::{Bump, Capsule, Loft, Section, Vec3, smooth_intersection, smooth_union};
+use super::primitives::{
+    Bump, Capsule, Loft, Section, Vec3, length, smooth_intersection, smooth_union,
+};
 
 /// Where along thigh and shank the girths are taken.
 pub(crate) const THIGH_PLACE: f64 = 0.21;
@@ -233,7 +235,7 @@ impl Leg {
 
 /// `max(value, 0)` with a bend of width `softness`.
 pub(crate) fn soft_excess(value: f64, softness: f64) -> f64 {
-    0.5 * (value + value.hypot(2.0 * softness))
+    0.5 * (value + length(value, 2.0 * softness))
 }
 
 /// The foot, with its sole on the floor.

@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::population_model::PopulationModel;
-use super::{BodyParameters, Measure};
+use super::{BodyParameters, Measure, ParametricBody};
 
 /// Statures that are drawn, in metres.
 pub const SAMPLED_STATURES: [f64; 2] = [1.50, 1.95];
@@ -14,6 +14,9 @@ pub const SAMPLED_BMI: [f64; 2] = [17.0, 36.0];
 
 /// Draws are repeated until one fits; this many never all fail.
 const MAX_DRAWS: usize = 2000;
+
+/// A waist that is narrower beside the hip than this cannot always be built: whether it can is tried.
+const SAFE_HIP_OVER_WAIST: f64 = 1.32;
 
 /// The measures that a random body is given.
 const DRAWN: [Measure; 15] = [
@@ -90,7 +93,13 @@ impl Population {
             for measure in DRAWN {
                 parameters = parameters.with(measure, drawn.measure(measure).0);
             }
-            if parameters.check().is_ok() {
+            let slenderness = drawn.measure(Measure::Hip).0 / drawn.measure(Measure::Waist).0;
+            let is_possible = if slenderness > SAFE_HIP_OVER_WAIST {
+                ParametricBody::build(&parameters).is_ok()
+            } else {
+                parameters.check().is_ok()
+            };
+            if is_possible {
                 return parameters;
             }
         }

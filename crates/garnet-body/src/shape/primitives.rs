@@ -6,6 +6,12 @@ use super::curve::Curves;
 
 pub(crate) type Vec3 = nalgebra::Vector3<f64>;
 
+/// The length of a vector of two components; unlike `hypot`, which is slow, not safe from overflow.
+#[inline]
+pub(crate) fn length(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
+}
+
 /// The union of two solids with a fillet of width `k` where their distances are alike.
 ///
 /// Polynomial smooth minimum: Quilez 2013.
@@ -197,13 +203,14 @@ impl Loft {
         let depth = if z >= 0.0 { front } else { back };
         let (u, v) = (x.abs() / side, z.abs() / depth);
         let (radius, gradient) = if (exponent - 2.0).abs() < 1e-9 {
-            let radius = u.hypot(v).max(1e-3);
-            (radius, (u / side).hypot(v / depth) / radius)
+            let radius = length(u, v).max(1e-3);
+            (radius, length(u / side, v / depth) / radius)
         } else {
             let (u_power, v_power) = (u.powf(exponent - 1.0), v.powf(exponent - 1.0));
-            let radius = (u_power * u + v_power * v).powf(1.0 / exponent).max(1e-3);
-            let slope = (u_power / side).hypot(v_power / depth);
-            (radius, radius.powf(1.0 - exponent) * slope)
+            let power = (u_power * u + v_power * v).max(1e-8);
+            let radius = power.powf(1.0 / exponent);
+            let slope = length(u_power / side, v_power / depth);
+            (radius, slope * radius / power)
         };
         let gradient = gradient.max(0.5 / side.max(depth));
         let past = if along < 0.0 {
@@ -215,7 +222,7 @@ impl Loft {
             return (radius - 1.0) / gradient;
         }
         let cap = self.caps[usize::from(along > 0.0)] * side.min(0.5 * (front + back));
-        let total = radius.hypot(past / cap);
+        let total = length(radius, past / cap);
         // Towards the pole the gradient is that of the cap.
         let share = (radius / total).powi(2);
         (total - 1.0) / (share * gradient + (1.0 - share) / cap)

@@ -57,22 +57,22 @@ impl Region {
 
     fn touches(self, corners: [Vec3; 3], is_arm: bool) -> bool {
         match self {
-            Self::Trunk => !is_arm,
             Self::LeftLeg => !is_arm && corners.iter().all(|corner| corner.x >= 0.0),
             Self::LeftArm => is_arm && corners[0].x > 0.0,
-            Self::Neck => true,
+            // What a trunk has of an arm is cut off later.
+            Self::Trunk | Self::Neck => true,
         }
     }
 }
 
 /// The perimeter of the convex hull of the section by a plane, in metres.
 ///
-/// The tape goes below the armpits: what hangs on the arms (`is_arm[vertex]`) is no part of a trunk
+/// The tape goes below the armpits: where an arm has more than half of the weight (`arm_share[vertex]`) is no part of a trunk
 /// girth. No section gives zero.
 pub(crate) fn girth(
     positions: &[Vec3],
     faces: &[[u32; 3]],
-    is_arm: &[bool],
+    arm_share: &[f64],
     plane: &TapePlane,
 ) -> f64 {
     let region = plane.region();
@@ -94,19 +94,47 @@ pub(crate) fn girth(
             continue;
         }
         if (corners[0] - plane.center).norm_squared() > reach * reach
-            || !region.touches(corners, face.iter().all(|&vertex| is_arm[vertex as usize]))
+            || !region.touches(
+                corners,
+                face.iter().all(|&vertex| arm_share[vertex as usize] > 0.5),
+            )
         {
             continue;
         }
+        let mut ends = [([0.0; 2], 0.0); 2];
+        let mut count = 0;
         for (a, b) in [(0, 1), (1, 2), (2, 0)] {
             if above[a] != above[b] {
                 let share = heights[a] / (heights[a] - heights[b]);
                 let offset = corners[a] + share * (corners[b] - corners[a]) - plane.center;
-                points.push([offset.dot(&u), offset.dot(&v)]);
+                let [of_a, of_b] = [a, b].map(|corner| arm_share[face[corner] as usize]);
+                ends[count] = (
+                    [offset.dot(&u), offset.dot(&v)],
+                    of_a + share * (of_b - of_a) - 0.5,
+                );
+                count += 1;
             }
+        }
+        if region == Region::Trunk {
+            without_arm(ends, &mut points);
+        } else {
+            points.extend(ends.map(|(point, _)| point));
         }
     }
     hull_perimeter(points)
+}
+
+/// Adds the ends of a segment of a section, less what has a positive share of the arm: cutting it
+/// there keeps the girth continuous while the mesh moves through the plane.
+fn without_arm(ends: [([f64; 2], f64); 2], points: &mut Vec<[f64; 2]>) {
+    let [(a, share_a), (b, share_b)] = ends;
+    points.extend(ends.into_iter().filter(|end| end.1 <= 0.0).map(|end| end.0));
+    if (share_a > 0.0) != (share_b > 0.0) {
+        let place = share_a / (share_a - share_b);
+        points.push(std::array::from_fn(|axis| {
+            a[axis] + place * (b[axis] - a[axis])
+        }));
+    }
 }
 
 /// The perimeter of the convex hull: Andrew 1979.
@@ -213,7 +241,7 @@ pub(crate) fn heights(joints: &[Vec3], stature: f64) -> Heights {
 pub(crate) fn measured(
     positions: &[Vec3],
     faces: &[[u32; 3]],
-    is_arm: &[bool],
+    arm_share: &[f64],
     num_middle: usize,
     joints: &[Vec3],
 ) -> Measures {
@@ -240,7 +268,7 @@ pub(crate) fn measured(
         Measure::KneeHeight => heights.knee,
         girth_measure => {
             let plane = planes.iter().find(|plane| plane.measure == girth_measure);
-            plane.map_or(0.0, |plane| girth(positions, faces, is_arm, plane))
+            plane.map_or(0.0, |plane| girth(positions, faces, arm_share, plane))
         }
     })
 }
@@ -289,7 +317,7 @@ mod tests {
         let round = girth(
             &positions,
             tube.faces(),
-            &vec![false; positions.len()],
+            &vec![0.0; positions.len()],
             &plane,
         );
         approx::assert_relative_eq!(round, std::f64::consts::TAU * 0.1, max_relative = 2e-3);

@@ -21,6 +21,8 @@ pub(crate) struct Torso {
     trapezius: Capsule,
     clavicle: Capsule,
     bumps: Vec<Bump>,
+    /// Below this height shoulders and neck do not matter.
+    shoulder_low: f64,
     size: f64,
 }
 
@@ -88,6 +90,7 @@ impl Torso {
                 [0.034 * s * thick, 0.044 * s * thick],
             ),
             bumps: bumps(anatomy),
+            shoulder_low: acromion.min(shoulder.y) - 0.20 * s,
             size: s,
         }
     }
@@ -95,13 +98,17 @@ impl Torso {
     pub(crate) fn distance(&self, point: &Vec3) -> f64 {
         let s = self.size;
         let mut torso = self.trunk.distance(point);
-        torso = smooth_union(torso, self.clavicle.distance(point), 0.060 * s);
-        torso = smooth_union(torso, self.trapezius.distance(point), 0.055 * s);
+        if point.y > self.shoulder_low {
+            torso = smooth_union(torso, self.clavicle.distance(point), 0.060 * s);
+            torso = smooth_union(torso, self.trapezius.distance(point), 0.055 * s);
+        }
         for blob in &self.blobs {
             let distance = ellipsoid(point, &blob.center, &blob.radii);
             torso = smooth_union(torso, distance, blob.blend);
         }
-        torso = smooth_union(torso, self.neck.distance(point), 0.040 * s);
+        if point.y > self.shoulder_low {
+            torso = smooth_union(torso, self.neck.distance(point), 0.040 * s);
+        }
         if torso < 0.05 {
             torso -= self.bumps.iter().map(|bump| bump.at(point)).sum::<f64>();
         }
