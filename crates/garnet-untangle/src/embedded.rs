@@ -17,6 +17,7 @@ const REACH: f32 = 0.05;
 pub(crate) struct EmbeddedSkin {
     is_embedded: Vec<bool>,
     centers: Option<VertexTree>,
+    places: Vec<Point3>,
 }
 
 impl EmbeddedSkin {
@@ -47,20 +48,28 @@ impl EmbeddedSkin {
                 centers.push(center);
             }
         }
-        let centers = if centers.is_empty() {
+        let tree = if centers.is_empty() {
             None
         } else {
             Some(VertexTree::new(&centers)?)
         };
         Ok(Self {
             is_embedded,
-            centers,
+            centers: tree,
+            places: centers,
         })
     }
 
     /// Whether a face lies inside another part of the body.
     pub(crate) fn is_embedded(&self, face: u32) -> bool {
         self.is_embedded[face as usize]
+    }
+
+    /// The middle of the embedded face nearest to a point, if it is no farther than `reach`.
+    pub(crate) fn nearest(&self, point: Point3, reach: f32) -> Option<Point3> {
+        let near = self.centers.as_ref()?.nearest(point)?;
+        let is_near = near.distance_squared < reach * reach;
+        is_near.then(|| self.places[near.index as usize])
     }
 
     /// Whether cloth whose closest skin is `point` on `face` is trapped.

@@ -35,6 +35,7 @@ mod crossing;
 mod directions;
 mod ease;
 mod embedded;
+mod give_in;
 mod lift;
 mod mend;
 mod options;

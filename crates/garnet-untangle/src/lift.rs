@@ -59,6 +59,7 @@ impl Cloth<'_> {
     ) -> Result<Vec<u32>, UntangleError> {
         let mut moved = self.rescue(&crossing);
         moved.extend(self.ease());
+        moved.extend(self.give_in());
         if moved.is_empty() {
             return Ok(crossing);
         }

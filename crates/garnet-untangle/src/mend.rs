@@ -27,6 +27,14 @@ pub(crate) struct Tears {
     pub(crate) excess: f32,
 }
 
+/// An edge of the cloth that is longer than it may be.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TornEdge {
+    pub(crate) ends: [u32; 2],
+    /// In metres.
+    pub(crate) rest_length: f32,
+}
+
 impl Cloth<'_> {
     /// Starts again where the cloth was torn apart: nodes that went round a part of the body on
     /// different sides come together without regard to the skin, and leave it on one side. Returns the
@@ -76,20 +84,30 @@ impl Cloth<'_> {
 
     /// The edges that are stretched beyond `limit` where the body leaves room.
     pub(crate) fn tears_beyond(&self, limit: f32) -> Tears {
-        let graph = self.garment.graph();
-        let edges = graph.edges()[..graph.num_cloth_edges()].iter();
         let mut tears = Tears::default();
-        for (&[a, b], rest_length) in edges.zip(graph.rest_lengths()) {
-            let edge = self.positions[b as usize] - self.positions[a as usize];
-            let is_torn = edge.norm_squared() > (limit * rest_length).powi(2);
-            if is_torn && !self.is_trapped(a as usize) && !self.is_trapped(b as usize) {
-                let rest_length = rest_length.max(f32::MIN_POSITIVE);
-                tears.excess += edge.norm() / rest_length - limit;
-                tears.nodes.extend([a, b]);
-            }
+        for edge in self.torn_edges(limit) {
+            tears.excess += self.stretch(&edge) - limit;
+            tears.nodes.extend(edge.ends);
         }
         tears.nodes.sort_unstable();
         tears.nodes.dedup();
         tears
+    }
+
+    /// Those edges.
+    pub(crate) fn torn_edges(&self, limit: f32) -> Vec<TornEdge> {
+        let graph = self.garment.graph();
+        let edges = graph.edges()[..graph.num_cloth_edges()].iter();
+        let torn = edges.zip(graph.rest_lengths());
+        let torn = torn.map(|(&ends, &rest_length)| TornEdge { ends, rest_length });
+        let is_free = |edge: &TornEdge| !edge.ends.iter().any(|&n| self.is_trapped(n as usize));
+        torn.filter(|edge| self.stretch(edge) > limit && is_free(edge))
+            .collect()
+    }
+
+    /// Length over rest length of an edge.
+    pub(crate) fn stretch(&self, edge: &TornEdge) -> f32 {
+        let [a, b] = edge.ends.map(|node| self.positions[node as usize]);
+        (b - a).norm() / edge.rest_length.max(f32::MIN_POSITIVE)
     }
 }

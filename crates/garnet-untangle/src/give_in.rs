@@ -1,0 +1,105 @@
+//! Cloth at the rim of a contact between two parts of the body.
+//!
+//! Where an arm is pressed into the trunk, projection sends neighbours at the rim to both sides of
+//! the arm, and the edge between them round it. Cloth does not do that: it stays in the contact,
+//! caught between the two. Such nodes go back to where their neighbours want them, if that is where
+//! the body leaves no room.
+
+use garnet_mesh::{Point3, Vector3};
+
+use crate::cloth::{CLEARANCE_MARGIN, Cloth};
+
+/// Edges stretched more than this are let into the contact.
+const RIM_STRETCH: f32 = 2.5;
+
+/// How often ends of such edges are looked for.
+const ROUNDS: usize = 4;
+
+/// A contact farther than this from the edge is not what it goes round, in metres.
+const CONTACT_REACH: f32 = 0.04;
+
+/// Where along an edge its ends may meet, and along the way from there into the contact.
+const SHARES: [f32; 3] = [0.25, 0.5, 0.75];
+
+impl Cloth<'_> {
+    /// Lets the ends of overstretched edges into contacts that the edges go round; returns the nodes
+    /// that were moved.
+    pub(crate) fn give_in(&mut self) -> Vec<u32> {
+        let mut moved = Vec::new();
+        for _ in 0..ROUNDS {
+            let mut any = false;
+            for edge in self.torn_edges(RIM_STRETCH) {
+                // An end that was moved for another edge may have mended this one.
+                let is_free = |&node: &u32| !self.is_trapped(node as usize);
+                if self.stretch(&edge) <= RIM_STRETCH || !edge.ends.iter().all(is_free) {
+                    continue;
+                }
+                if let Some((node, place)) = self.place_in_contact(edge.ends) {
+                    let normal = Vector3::zeros();
+                    self.positions[node as usize] = place;
+                    self.contacts[node as usize] =
+                        self.found_on_the_way(node as usize, place, normal);
+                    moved.push(node);
+                    any = true;
+                }
+            }
+            if !any {
+                break;
+            }
+        }
+        moved.sort_unstable();
+        moved.dedup();
+        moved
+    }
+
+    /// The end of an edge that moves less far into the contact that the edge goes round, and its
+    /// place there, in front of its own skin where there is room.
+    fn place_in_contact(&self, [a, b]: [u32; 2]) -> Option<(u32, Point3)> {
+        let [from, to] = [a, b].map(|node| self.positions[node as usize]);
+        let mut nearest: Option<(f32, u32, Point3)> = None;
+        for node in [a, b] {
+            let wanted = self.sweeper.wanted_of(node as usize, &self.positions);
+            let along = SHARES.map(|share| from + share * (to - from));
+            let starts = along.into_iter().chain([wanted]);
+            let places = starts.flat_map(|place| self.towards_contact(place));
+            for place in places {
+                let place = self.before_own_skin(node as usize, place);
+                let distance = (place - self.positions[node as usize]).norm();
+                if self.is_caught(node as usize, place)
+                    && nearest.is_none_or(|(least, ..)| distance < least)
+                {
+                    nearest = Some((distance, node, place));
+                }
+            }
+        }
+        nearest.map(|(_, node, place)| (node, place))
+    }
+
+    /// The place, and places on the way from it to the skin in the nearest contact.
+    fn towards_contact(&self, place: Point3) -> impl Iterator<Item = Point3> {
+        let contact = self.finder.embedded.nearest(place, CONTACT_REACH);
+        let ways = contact
+            .into_iter()
+            .flat_map(move |contact| SHARES.map(move |share| place + share * (contact - place)));
+        std::iter::once(place).chain(ways)
+    }
+
+    /// The place, moved in front of the node's own skin if it is behind it.
+    fn before_own_skin(&self, node: usize, place: Point3) -> Point3 {
+        let contact = self.found_on_the_way(node, place, Vector3::zeros());
+        let goal = self.options.clearance + CLEARANCE_MARGIN;
+        match contact.own {
+            Some(own) if own.height(place) < goal => {
+                place + (goal - own.height(place)) * own.normal
+            }
+            _ => place,
+        }
+    }
+
+    /// Whether a node would be trapped at a place.
+    fn is_caught(&self, node: usize, place: Point3) -> bool {
+        let hint = self.contacts[node].closest.face;
+        let closest = self.finder.skin.closest_from(place, hint);
+        self.finder.embedded.is_trap(closest.face, closest.point)
+    }
+}
