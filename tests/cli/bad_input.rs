@@ -243,7 +243,7 @@ fn poses_that_do_not_fit() {
         r#"{"joints": {"elbow": [1, 1, 1, 1]}}"#,
         "has the norm 2",
     );
-    pose("cut.json", r#"{"joints": {"elbow""#, "line 1, column");
+    pose("cut.json", r#"{"joints": {"elbow""#, "line 1 column");
     pose("none.json", "{}", "no pose");
     refused(
         &fixture,

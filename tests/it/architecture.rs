@@ -77,13 +77,8 @@ fn packages() -> BTreeMap<String, (PathBuf, Vec<String>)> {
     let text = |value: &Value| value.as_str().unwrap().to_owned();
     let package = |package: &Value| {
         let dependencies = package["dependencies"].as_array().unwrap();
-        // Examples may draw.
-        let is_drawing = |dependency: &&Value| {
-            dependency["kind"] == "dev" && dependency["name"] == "garnet-view"
-        };
         let names = dependencies
             .iter()
-            .filter(|dependency| !is_drawing(dependency))
             .map(|dependency| text(&dependency["name"]));
         let manifest = PathBuf::from(text(&package["manifest_path"]));
         (text(&package["name"]), (manifest, names.collect()))

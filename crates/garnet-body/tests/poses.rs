@@ -4,14 +4,14 @@
 
 mod common;
 
-use common::{ARM_RADIUS, NAMES, TRUNK_RADIUS, body, skeleton};
+use common::{ARM_RADIUS, TRUNK_RADIUS, body, skeleton};
 use garnet_body::{
     motion::{Ground, Side, lowest_points, put_on_ground},
     poses::{
         BodyAngles, GaitCycle, Outcome, Part, PoseSampler, Poser, SelfContact, SeparationOptions,
         key_pose, key_poses,
     },
-    shape::{BodyParameters, ParametricBody},
+    shape::{BodyParameters, JOINT_NAMES, ParametricBody},
 };
 use garnet_skin::{Method, Point3, Pose, Skeleton, Vector3};
 
@@ -22,7 +22,7 @@ const ROUNDING: f32 = 1e-5;
 const FACETS: f32 = 2e-3;
 
 fn joint(skeleton: &Skeleton, pose: &Pose, name: &str) -> Point3 {
-    let joint = NAMES.iter().position(|other| *other == name).unwrap();
+    let joint = JOINT_NAMES.iter().position(|other| *other == name).unwrap();
     skeleton.transforms(pose).unwrap()[joint] * skeleton.joints()[joint].rest_position
 }
 
@@ -198,7 +198,7 @@ fn a_mirrored_pose_is_the_mirror_image() {
     for key in key_poses() {
         let [pose, mirrored] =
             [key.angles, key.angles.mirrored()].map(|angles| poser.pose(&angles));
-        for name in NAMES {
+        for name in JOINT_NAMES {
             let other = match name.split_once('_') {
                 Some(("left", rest)) => format!("right_{rest}"),
                 Some(("right", rest)) => format!("left_{rest}"),

@@ -4,10 +4,11 @@
 
 mod common;
 
-use common::{CMU, NAMES, bone, pose, renamed, skeleton};
+use common::{CMU, bone, pose, renamed, skeleton};
 use garnet_body::motion::{
     Motion, Retarget, RetargetError, RetargetOptions, Role, Side, StartAt, world_rotations,
 };
+use garnet_body::shape::JOINT_NAMES;
 use garnet_skin::{Joint, Point3, Pose, Skeleton, Vector3};
 use nalgebra::UnitQuaternion;
 
@@ -71,9 +72,9 @@ fn a_motion_on_its_own_skeleton_stays_as_it_is() {
         let found = retarget.pose(frame).unwrap();
         // `spine1` and `neck` are spread along the chain, all else is met.
         for (joint, expected) in world_rotations(&skeleton, expected).into_iter().enumerate() {
-            if !["spine1", "spine2", "neck"].contains(&NAMES[joint]) {
+            if !["spine1", "spine2", "neck"].contains(&JOINT_NAMES[joint]) {
                 let found = world_rotations(&skeleton, &found)[joint];
-                assert!(found.angle_to(&expected) < 1e-3, "{}", NAMES[joint]);
+                assert!(found.angle_to(&expected) < 1e-3, "{}", JOINT_NAMES[joint]);
             }
         }
     }
@@ -82,7 +83,11 @@ fn a_motion_on_its_own_skeleton_stays_as_it_is() {
 #[test]
 fn bones_keep_their_directions_between_rest_poses_names_axes_and_sizes() {
     let target = skeleton(45.0, 3.0);
-    for (names, arms, legs) in [(CMU, 0.0, 20.0), (BLENDER, 50.0, 5.0), (NAMES, -30.0, 0.0)] {
+    for (names, arms, legs) in [
+        (CMU, 0.0, 20.0),
+        (BLENDER, 50.0, 5.0),
+        (JOINT_NAMES, -30.0, 0.0),
+    ] {
         let source = renamed(&skeleton(arms, legs), &names);
         // Larger, and facing -x at rest.
         let turn =

@@ -13,6 +13,7 @@ mod info;
 mod output;
 mod posing;
 mod render;
+mod sidecar;
 
 use std::process::ExitCode;
 

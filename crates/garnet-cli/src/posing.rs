@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use garnet::{
     Body, Pose,
-    io::read_pose,
     motion::{FrameRange, Ground, ReadOptions, RetargetOptions, Take, put_on_ground},
     poses::{Poser, SelfContact, SeparationOptions, key_pose, key_poses},
 };
@@ -85,18 +84,6 @@ impl PoseSource {
             }
         }
         let skeleton = body.skeleton();
-        let is_json = is_json(&self.path);
-        if is_json && self.frames.is_none() {
-            let pose = read_pose(&self.path, None, skeleton)?;
-            return Ok(Posing {
-                poses: vec![NamedPose {
-                    label: self.path.display().to_string(),
-                    stem: stem(&self.path),
-                    pose,
-                }],
-                notes: Vec::new(),
-            });
-        }
         let take = Take::read(&self.path, &ReadOptions::default())?;
         let range = self.frames.unwrap_or(FrameRange::single(0));
         let mut poses = take.poses(skeleton, range, &RetargetOptions::default())?;
@@ -160,12 +147,6 @@ fn of_library(
 fn library_names() -> String {
     let names: Vec<&str> = key_poses().map(|pose| pose.name).collect();
     names.join(", ")
-}
-
-/// Whether the file is JSON by its name: such poses stand where they say.
-fn is_json(path: &Path) -> bool {
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
 }
 
 fn stem(path: &Path) -> String {

@@ -1,7 +1,7 @@
 //! The hierarchy of boxes over the triangles, four boxes a node and four triangles a block.
 
 use crate::aabb::Aabb;
-use crate::bvh_build::{BLOCK_BIT, NONE, tree_layout};
+use crate::bvh_build::{BLOCK_BIT, NONE, STACK_SIZE, tree_layout};
 use crate::lanes::{Lanes, Lanes3, NUM_LANES};
 use garnet_mesh::Point3;
 use nalgebra::Vector3;
@@ -96,6 +96,34 @@ impl Bvh {
     /// The number of a child that is a block.
     pub(crate) fn block_index(child: u32) -> usize {
         (child & !BLOCK_BIT) as usize
+    }
+
+    /// Visits the blocks, with their numbers, below boxes (by smallest and largest corner) that are
+    /// missed by nothing more than 0.
+    #[inline]
+    pub(crate) fn visit(
+        &self,
+        misses_by: impl Fn(&Lanes3, &Lanes3) -> Lanes,
+        mut visit: impl FnMut(usize, &Block),
+    ) {
+        let mut stack = [0_u32; STACK_SIZE];
+        let mut size = 1;
+        while size > 0 {
+            size -= 1;
+            let child = stack[size];
+            match self.child(child) {
+                Child::Node(node) => {
+                    let misses = misses_by(&node.min, &node.max).0;
+                    for (&miss, &child) in misses.iter().zip(&node.children) {
+                        if miss <= 0.0 && child != NONE {
+                            stack[size] = child;
+                            size += 1;
+                        }
+                    }
+                }
+                Child::Block(block) => visit(Self::block_index(child), block),
+            }
+        }
     }
 
     /// What a child slot that is not [`NONE`] refers to.

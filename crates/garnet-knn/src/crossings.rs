@@ -6,8 +6,8 @@
 //! moved by infinitesimals (Edelsbrunner and Mücke 1990, "Simulation of simplicity") and
 //! orientations are exact (Shewchuk 1997), so rays through edges and vertices count right.
 
-use crate::bvh::{Block, Bvh, Child};
-use crate::bvh_build::{NONE, STACK_SIZE};
+use crate::bvh::{Block, Bvh};
+use crate::bvh_build::NONE;
 use crate::lanes::{Lanes, Lanes3};
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
@@ -25,23 +25,10 @@ pub(crate) fn crossing_number(bvh: &Bvh, point: [f32; 3]) -> i32 {
     }
     let ray = Ray::shortest(bvh, point);
     let mut count = 0;
-    let mut stack = [0_u32; STACK_SIZE];
-    let mut size = 1;
-    while size > 0 {
-        size -= 1;
-        match bvh.child(stack[size]) {
-            Child::Node(node) => {
-                let distances = ray.misses_by(&node.min, &node.max).0;
-                for (&distance, &child) in distances.iter().zip(&node.children) {
-                    if distance <= 0.0 && child != NONE {
-                        stack[size] = child;
-                        size += 1;
-                    }
-                }
-            }
-            Child::Block(block) => count += ray.crossings(block),
-        }
-    }
+    bvh.visit(
+        |min, max| ray.misses_by(min, max),
+        |_, block| count += ray.crossings(block),
+    );
     count
 }
 

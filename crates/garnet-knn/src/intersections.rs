@@ -1,8 +1,8 @@
 //! Which triangles of two surfaces, or of one, intersect.
 
 use crate::aabb::Aabb;
-use crate::bvh::{Block, Bvh, Child};
-use crate::bvh_build::{NONE, STACK_SIZE};
+use crate::bvh::{Block, Bvh};
+use crate::bvh_build::NONE;
 use crate::lanes::{Lanes3, NUM_LANES, splat3};
 use crate::pair_filter::{Probe, separation};
 use crate::surface::Surface;
@@ -142,26 +142,12 @@ fn neighbor_pairs(block: &Block, other: &Block, is_same: bool, pairs: &mut Vec<[
 }
 
 /// Visits every block whose box touches `bounds`, with its number.
-fn visit_blocks(bvh: &Bvh, bounds: &Aabb, mut visit: impl FnMut(usize, &Block)) {
-    let (min, max) = (splat3(bounds.min), splat3(bounds.max));
-    let mut stack = [0_u32; STACK_SIZE];
-    let mut size = 1;
-    while size > 0 {
-        size -= 1;
-        let child = stack[size];
-        match bvh.child(child) {
-            Child::Node(node) => {
-                let apart = separation((&min, &max), (&node.min, &node.max)).0;
-                for (&distance, &child) in apart.iter().zip(&node.children) {
-                    if distance <= 0.0 && child != NONE {
-                        stack[size] = child;
-                        size += 1;
-                    }
-                }
-            }
-            Child::Block(block) => visit(Bvh::block_index(child), block),
-        }
-    }
+fn visit_blocks(bvh: &Bvh, bounds: &Aabb, visit: impl FnMut(usize, &Block)) {
+    let (own_min, own_max) = (splat3(bounds.min), splat3(bounds.max));
+    bvh.visit(
+        |min, max| separation((&own_min, &own_max), (min, max)),
+        visit,
+    );
 }
 
 #[cfg(test)]

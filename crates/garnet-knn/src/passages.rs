@@ -4,8 +4,8 @@
 //! sign that is computed the same way for both triangles at the side: watertight, as Woop, Benthin
 //! and Wald 2013. Signs are those of double precision.
 
-use crate::bvh::{Block, Child};
-use crate::bvh_build::{NONE, STACK_SIZE};
+use crate::bvh::Block;
+use crate::bvh_build::NONE;
 use crate::lanes::{Lanes, Lanes3, splat3};
 use crate::surface::Surface;
 use garnet_mesh::Point3;
@@ -43,25 +43,11 @@ impl Surface {
         if !extent.is_finite() || extent <= 0.0 || !from.iter().all(|value| value.is_finite()) {
             return passages;
         }
-        let bvh = self.bvh();
         let segment = Segment::new(from, direction, length);
-        let mut stack = [0_u32; STACK_SIZE];
-        let mut size = 1;
-        while size > 0 {
-            size -= 1;
-            match bvh.child(stack[size]) {
-                Child::Node(node) => {
-                    let misses = segment.misses_by(&node.min, &node.max).0;
-                    for (&miss, &child) in misses.iter().zip(&node.children) {
-                        if miss <= 0.0 && child != NONE {
-                            stack[size] = child;
-                            size += 1;
-                        }
-                    }
-                }
-                Child::Block(block) => segment.pass_block(block, &mut passages),
-            }
-        }
+        self.bvh().visit(
+            |min, max| segment.misses_by(min, max),
+            |_, block| segment.pass_block(block, &mut passages),
+        );
         passages.sort_unstable_by(|a, b| a.length.total_cmp(&b.length).then(a.face.cmp(&b.face)));
         passages
     }

@@ -15,9 +15,6 @@ const LIFT_SEARCHES: usize = 2;
 /// Cloth this far from a crossing face may move while the face is lifted, in metres.
 const LIFT_RADIUS: f32 = 0.03;
 
-/// Lifting ends when this many rounds did not lessen the number of crossing faces.
-const IDLE_ROUNDS: usize = 1;
-
 /// Lifting must not add more than this to the stretch beyond that, summed over torn edges.
 const MAX_ADDED_EXCESS: f32 = 0.5;
 
@@ -31,18 +28,13 @@ impl Cloth<'_> {
         let mut surface = self.finder.binding.surface.moved(self.positions.clone())?;
         let mut crossing = crossing_faces(&surface, self.finder.skin);
         let mut fewest = usize::MAX;
-        let mut idle_rounds = 0;
         for _ in 0..self.options.crossing_rounds {
             let free = self.free_faces(&crossing);
-            idle_rounds = if free.len() < fewest {
-                0
-            } else {
-                idle_rounds + 1
-            };
-            fewest = fewest.min(free.len());
-            if free.is_empty() || idle_rounds == IDLE_ROUNDS {
+            // None are left, or the last round did not lessen them.
+            if free.is_empty() || free.len() >= fewest {
                 break;
             }
+            fewest = free.len();
             if let Some(region) = self.lift_or_leave(&free) {
                 crossing = self.crossing_near(&mut surface, region.nodes(), crossing)?;
             }

@@ -6,38 +6,10 @@
 use std::error::Error;
 
 use garnet_body::motion::{Figure, Role};
+use garnet_body::shape::{JOINT_NAMES, JOINT_PARENTS};
 use garnet_mesh::TriMesh;
 use garnet_skin::{Body, Joint, Point3, Pose, Skeleton, SkinWeights, Vector3};
 use nalgebra::UnitQuaternion;
-
-pub(crate) const NAMES: [&str; 22] = [
-    "pelvis",
-    "left_hip",
-    "right_hip",
-    "spine1",
-    "left_knee",
-    "right_knee",
-    "spine2",
-    "left_ankle",
-    "right_ankle",
-    "spine3",
-    "left_foot",
-    "right_foot",
-    "neck",
-    "left_collar",
-    "right_collar",
-    "head",
-    "left_shoulder",
-    "right_shoulder",
-    "left_elbow",
-    "right_elbow",
-    "left_wrist",
-    "right_wrist",
-];
-
-const PARENTS: [usize; 22] = [
-    0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19,
-];
 
 pub(crate) const UPPER_ARM: f32 = 0.28;
 pub(crate) const FOREARM: f32 = 0.25;
@@ -51,14 +23,14 @@ pub(crate) fn skeleton(arms_below: f32, legs_out: f32) -> Skeleton {
     let mut positions = [Point3::origin(); 22];
     positions[0] = Point3::new(0.0, 0.95, 0.0);
     for joint in 1..22 {
-        let side = if NAMES[joint].starts_with("left") {
+        let side = if JOINT_NAMES[joint].starts_with("left") {
             1.0
         } else {
             -1.0
         };
         let arm = Vector3::new(side * arm.cos(), -arm.sin(), 0.0);
         let leg = Vector3::new(side * leg.sin(), -leg.cos(), 0.0);
-        let name = NAMES[joint]
+        let name = JOINT_NAMES[joint]
             .trim_start_matches("left_")
             .trim_start_matches("right_");
         let offset = match name {
@@ -77,12 +49,13 @@ pub(crate) fn skeleton(arms_below: f32, legs_out: f32) -> Skeleton {
             "ankle" => SHANK * leg,
             _ => Vector3::new(side * 0.02, -0.05, 0.13),
         };
-        positions[joint] = positions[PARENTS[joint]] + offset;
+        let parent = JOINT_PARENTS[joint].unwrap();
+        positions[joint] = positions[parent] + offset;
     }
-    let joints = NAMES.iter().zip(PARENTS).zip(positions).enumerate();
-    let joints = joints.map(|(index, ((name, parent), rest_position))| Joint {
+    let joints = JOINT_NAMES.iter().zip(JOINT_PARENTS).zip(positions);
+    let joints = joints.map(|((name, parent), rest_position)| Joint {
         name: (*name).to_owned(),
-        parent: (index > 0).then_some(parent),
+        parent,
         rest_position,
     });
     Skeleton::new(joints.collect()).unwrap()

@@ -19,7 +19,6 @@ use garnet::{
 use rayon::prelude::*;
 
 pub(crate) use args::BodyArgs;
-pub(crate) use report::rows_of;
 use report::{BodyOutput, BodyReport, Tape};
 
 use crate::{
@@ -27,6 +26,7 @@ use crate::{
     failure::{ExitStatus, Hint},
     output,
     posing::{NamedPose, PoseSource, Posing},
+    sidecar::rig_beside,
 };
 
 /// How many bodies are built at a time while others are written.
@@ -137,7 +137,7 @@ impl<'a> Outputs<'a> {
         if self.is_folder {
             self.path.join(self.body_stem() + ".rig.npz")
         } else {
-            self.path.with_extension("rig.npz")
+            rig_beside(self.path)
         }
     }
 }

@@ -8,7 +8,7 @@ use garnet::{
     io::{ObjFile, read_rig},
 };
 
-use crate::failure::refused;
+use crate::{failure::refused, sidecar::rig_beside};
 
 /// The body at rest, in metres, and the text of its OBJ if it came as one.
 pub(crate) fn read(path: &Path, rig: Option<&Path>) -> anyhow::Result<(Body, Option<ObjFile>)> {
@@ -20,7 +20,7 @@ pub(crate) fn read(path: &Path, rig: Option<&Path>) -> anyhow::Result<(Body, Opt
         return Ok((body, None));
     }
     let file = ObjFile::read(path)?;
-    let beside = path.with_extension("rig.npz");
+    let beside = rig_beside(path);
     let rig_path = match rig {
         Some(rig) => rig,
         None if beside.is_file() => &beside,

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write};
 
-use garnet::shape::{BodyParameters, Measure, Measures, ParametricBody};
+use garnet::shape::{BodyParameters, Measure, ParametricBody};
 use serde::Serialize;
 
 /// The document of `body`: `garnet.body/1`.
@@ -117,11 +117,4 @@ pub(crate) fn table_of(bodies: &[BodyOutput]) -> String {
         debug_assert!(written.is_ok(), "a string takes all text");
     }
     text
-}
-
-/// The rows of `info` for a built-in body: name and centimetres.
-pub(crate) fn rows_of(measures: &Measures) -> Vec<(&'static str, f64)> {
-    let rows = measures.iter();
-    rows.map(|(measure, m)| (measure.name(), 100.0 * m))
-        .collect()
 }

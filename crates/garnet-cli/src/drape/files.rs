@@ -9,7 +9,7 @@ use garnet::{
 use rayon::prelude::*;
 
 use super::args::SourceFiles;
-use crate::failure::refused;
+use crate::{failure::refused, sidecar::rig_beside};
 
 /// The files of a drape without a scene, as read.
 #[derive(Debug)]
@@ -80,18 +80,15 @@ fn rig_path(source: &SourceFiles) -> Option<PathBuf> {
         return Some(path.clone());
     }
     let beside = source.rest_body.iter().chain(source.bodies.first());
-    beside.map(|path| sidecar(path)).find(|path| path.is_file())
-}
-
-/// `folder/body.rig.npz` of `folder/body.obj`.
-fn sidecar(body: &Path) -> PathBuf {
-    body.with_extension("rig.npz")
+    beside
+        .map(|path| rig_beside(path))
+        .find(|path| path.is_file())
 }
 
 fn no_rig(source: &SourceFiles) -> anyhow::Error {
     let bodies = source.rest_body.iter().chain(source.bodies.first());
     let looked: Vec<String> = bodies
-        .map(|path| format!("`{}`", sidecar(path).display()))
+        .map(|path| format!("`{}`", rig_beside(path).display()))
         .collect();
     let body = source.bodies.first().or(source.rest_body.as_ref());
     let body = body.map_or_else(String::new, |path| format!(" for `{}`", path.display()));

@@ -10,6 +10,7 @@ use garnet::{
 use serde::Serialize;
 
 use super::{rig::tape, table::Table};
+use crate::sidecar::rig_beside;
 
 /// What is in a mesh and what is unusual about it. Lengths are in the unit of the file.
 #[derive(Debug, Serialize)]
@@ -55,7 +56,7 @@ impl MeshInfo {
         let file = ObjFile::read(path)?;
         let mesh = file.mesh();
         let mesh = mesh.with_context(|| format!("cannot read `{}`", path.display()))?;
-        let rig = path.with_extension("rig.npz");
+        let rig = rig_beside(path);
         let rig = rig.is_file().then(|| read_rig(&rig).ok()).flatten();
         Ok(Self {
             tape_cm: rig.as_ref().and_then(tape),

@@ -5,11 +5,11 @@ use std::path::Path;
 use garnet::{
     Rig, Skeleton,
     io::{Scene, read_rig},
+    shape::tape_measures,
 };
 use serde::Serialize;
 
 use super::table::Table;
-use crate::body::rows_of;
 
 /// What is in a rig. Lengths are metres.
 #[derive(Debug, Serialize)]
@@ -86,7 +86,12 @@ impl RigInfo {
 /// What the tape measures, if it is the built-in body at rest.
 pub(super) fn tape(rig: &Rig) -> Option<Vec<(&'static str, f64)>> {
     let body = rig.clone().into_body().ok()?;
-    Some(rows_of(&garnet::shape::tape_measures(&body)?))
+    let measures = tape_measures(&body)?;
+    let rows = measures.iter();
+    Some(
+        rows.map(|(measure, m)| (measure.name(), 100.0 * m))
+            .collect(),
+    )
 }
 
 fn joints(skeleton: &Skeleton) -> Vec<JointInfo> {

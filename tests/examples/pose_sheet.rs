@@ -1,21 +1,19 @@
 //! Pictures of the key poses, the gait cycle or drawn poses on a rigged body:
-//! `cargo run --release -p garnet-body --example pose_sheet -- BODY FOLDER [KIND]…`.
+//! `cargo run --release -p garnet-tests --example pose_sheet -- BODY FOLDER [KIND]…`.
 //!
-//! BODY is a rig or `SEX,STATURE,BMI` of the built-in body; KIND is `keys`, `gait`, `samples`, `sound`, `stats`, the
+//! BODY is a rig or `SEX,STATURE,BMI` of the built-in body; KIND is `keys`, `gait`, `samples`, `sound`, the
 //! beginning of names of key poses or a motion file.
 
 use std::{
-    collections::BTreeMap,
     env,
     error::Error,
     io::{self, Write},
     path::Path,
-    time::Instant,
 };
 
-use garnet_body::{
+use garnet::{
     motion::{Ground, ReadOptions, RetargetOptions, Take, put_on_ground},
-    poses::{GaitCycle, Outcome, PoseSampler, Poser, SelfContact, SeparationOptions, key_poses},
+    poses::{GaitCycle, PoseSampler, Poser, SelfContact, SeparationOptions, key_poses},
     shape::{BodyParameters, Measure, ParametricBody},
 };
 use garnet_mesh::TriMesh;
@@ -38,10 +36,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let contact = SelfContact::new(&body)?;
     let all = ["keys".to_owned(), "gait".to_owned()];
     for kind in if kinds.is_empty() { &all } else { kinds } {
-        if kind == "stats" {
-            statistics(&poser, &contact)?;
-            continue;
-        }
         let poses = poses_of(kind, &poser, &contact)?;
         let (names, mut poses): (Vec<String>, Vec<Pose>) = poses.into_iter().unzip();
         put_on_ground(&body, &mut poses, Ground::EachPose)?;
@@ -66,56 +60,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             sheet(&body, names, poses, &path)?;
         }
     }
-    Ok(())
-}
-
-/// Says how many drawn poses were sound, corrected and thrown away, and how long that took.
-fn statistics(poser: &Poser, contact: &SelfContact) -> Result<(), Box<dyn Error>> {
-    const NUM_POSES: u64 = 1000;
-    let mut log = io::stdout().lock();
-    let sampler = PoseSampler::new(1);
-    let poses: Vec<Pose> = (0..NUM_POSES)
-        .map(|index| poser.pose(&sampler.sample(index).angles))
-        .collect();
-    let start = Instant::now();
-    for pose in &poses {
-        contact.report(pose)?;
-    }
-    writeln!(
-        log,
-        "{:.2} ms a check",
-        1e3 * start.elapsed().as_secs_f64() / NUM_POSES as f64
-    )?;
-    let start = Instant::now();
-    let [mut corrected, mut rejected, mut touching, mut failed] = [0; 4];
-    let mut turns = Vec::new();
-    let mut worst: BTreeMap<&str, u32> = BTreeMap::new();
-    for index in 0..NUM_POSES {
-        let Ok(sound) = sampler.sample_for(poser, contact, index) else {
-            failed += 1;
-            *worst.entry(sampler.sample(index).sequence).or_default() += 8;
-            continue;
-        };
-        if let Outcome::Corrected { turn } = sound.outcome {
-            corrected += 1;
-            turns.push(turn.to_degrees());
-        }
-        rejected += sound.num_rejected;
-        touching += u32::from(sound.depths[1] > 0.0);
-        if sound.num_rejected > 0 {
-            *worst.entry(sound.sequence).or_default() += sound.num_rejected;
-        }
-    }
-    turns.sort_by(f64::total_cmp);
-    let seconds = start.elapsed().as_secs_f64();
-    writeln!(
-        log,
-        "of {NUM_POSES} poses {corrected} corrected (median {:.1}, largest {:.1} degrees), {rejected} draws \
-         rejected, {failed} not found, {touching} touching; {:.1} ms each; rejected by sequence: {worst:?}",
-        turns.get(turns.len() / 2).unwrap_or(&0.0),
-        turns.last().unwrap_or(&0.0),
-        1e3 * seconds / NUM_POSES as f64
-    )?;
     Ok(())
 }
 
