@@ -1,0 +1,1 @@
+//! Worn templates, garment packages, scenes and data sets.

@@ -1,0 +1,1 @@
+//! Sewing patterns to sewn garment meshes.

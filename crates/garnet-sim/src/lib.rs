@@ -1,0 +1,1 @@
+//! Physics-based simulation of cloth on a moving body.
