@@ -2,7 +2,10 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::{body::BodyArgs, drape::DrapeArgs, info::InfoArgs, render::RenderArgs};
+use crate::{
+    body::BodyArgs, dataset::DatasetArgs, drape::DrapeArgs, garment::GarmentArgs, info::InfoArgs,
+    render::RenderArgs,
+};
 
 /// Drapes garment meshes on body meshes.
 #[derive(Debug, Parser)]
@@ -24,6 +27,10 @@ pub(crate) enum Command {
     Drape(Box<DrapeArgs>),
     /// Make bodies from measures, at rest or in poses.
     Body(Box<BodyArgs>),
+    /// Make a garment package: cut one from a pattern, or take a garment of your own.
+    Garment(Box<GarmentArgs>),
+    /// Simulate many scenes of a garment, for training and tests.
+    Dataset(Box<DatasetArgs>),
     /// Tell what is in a file, and what is unusual about a mesh.
     Info(InfoArgs),
     /// Draw a shaded picture of meshes.

@@ -6,8 +6,10 @@
 mod args;
 mod body;
 mod console;
+mod dataset;
 mod drape;
 mod failure;
+mod garment;
 mod hints;
 mod info;
 mod output;
@@ -47,6 +49,8 @@ fn run(command: Command, console: &Console) -> anyhow::Result<ExitStatus> {
     match command {
         Command::Drape(args) => drape::run(*args, console),
         Command::Body(args) => body::run(&args, console),
+        Command::Garment(args) => garment::run(&args, console),
+        Command::Dataset(args) => dataset::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Render(args) => render::run(&args, console),
     }

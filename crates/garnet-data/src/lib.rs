@@ -1,1 +1,33 @@
-//! Worn templates, garment packages, scenes and data sets.
+//! Worn templates, garment packages, simulated scenes and data sets.
+//!
+//! A [`GarmentPackage`] is a garment that lies on a body at rest. A [`Teacher`] simulates it on the
+//! way of the body to a pose, a [`BodyPath`]. [`generate`] does that for many bodies of the
+//! population and many poses, and keeps what was good enough in a [`Dataset`].
+
+mod body_path;
+mod check;
+mod dataset;
+mod error;
+mod package;
+mod parts;
+mod rest_file;
+mod tailor;
+mod teacher;
+mod tensors;
+mod wearer;
+
+pub use body_path::BodyPath;
+pub use check::{Limits, SceneReport};
+pub use dataset::{
+    BodyRecord, Counts, DATASET_SCHEMA, Dataset, DatasetEvent, DatasetManifest, DatasetOptions,
+    ImportManifest, ImportScene, Plan, Posed, Rejection, SceneRecord, Shard, Sizing, Split,
+    StoredParameters, Tally, generate, import, sampler, sequences,
+};
+pub use error::DataError;
+pub use package::{
+    GarmentPackage, MANIFEST_FILE, Manifest, PACKAGE_SCHEMA, PackageParts, StoredFabric,
+    StoredPattern, StoredRestBody, Variant,
+};
+pub use tailor::{Tailor, Worn, usual_fabric};
+pub use teacher::{Quality, Teacher, quality_name};
+pub use wearer::{default_rest_body, wearer_of};

@@ -24,6 +24,7 @@ mod curvature;
 mod diagnosis;
 mod edges;
 mod error;
+mod fingerprint;
 mod foreign;
 mod lists;
 mod normals;
@@ -49,6 +50,7 @@ pub use curvature::{
 };
 pub use diagnosis::{Bounds, MeshDiagnosis, diagnose};
 pub use error::MeshError;
+pub use fingerprint::{Fingerprint, FingerprintError};
 pub use normals::{face_areas, face_normals, vertex_normals};
 pub use obj_error::{ObjElement, ObjError, ObjLineProblem, ObjParseError};
 pub use obj_file::ObjFile;

@@ -45,12 +45,18 @@ pub use draper::{Drape, DrapeOptions, Draper, Warped};
 pub use error::Error;
 pub use garment::{BoundGarment, Garment};
 pub use garnet_body::{motion, poses, shape};
+#[cfg(feature = "train")]
+pub use garnet_data as data;
 pub use garnet_knn::{ClosestPoint, Surface};
 pub use garnet_mesh::{
     Bounds, MeshDiagnosis, MeshError, Point3, StretchSummary, TriMesh, Unit, UnitError, UpAxis,
     Vector3, diagnose, edge_stretch, edge_stretches, guess_body_unit, guess_up_axis, primitives,
     vertex_distances,
 };
+#[cfg(feature = "train")]
+pub use garnet_pattern as pattern;
+#[cfg(feature = "train")]
+pub use garnet_sim as sim;
 pub use garnet_skin::{
     Body, Joint, Method, Pose, PosedBody, Rig, Skeleton, SkinError, SkinWeights, TransferOptions,
     Warp,

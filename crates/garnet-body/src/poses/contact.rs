@@ -16,7 +16,7 @@ use garnet_knn::Surface;
 use garnet_skin::{Body, Method, Point3, Pose, SkinError};
 use rayon::prelude::*;
 
-use super::parts::{ClosedPart, Part, parts_of_joints};
+use super::parts::{ClosedPart, Part, parts_of_vertices};
 use crate::motion::{Figure, RetargetError, Role};
 
 /// Radius of a crease in radii of the limb at its joint.
@@ -109,11 +109,7 @@ impl SelfContact {
     /// [`RetargetError`] if its skeleton is no human figure.
     pub fn new(body: &Body) -> Result<Self, RetargetError> {
         let figure = Figure::new(body.skeleton(), "the body")?;
-        let of_joints = parts_of_joints(body, &figure);
-        let vertices = 0..body.rest().num_vertices();
-        let of_vertices: Vec<Part> = vertices
-            .map(|vertex| of_joints[body.weights().heaviest(vertex)])
-            .collect();
+        let of_vertices = parts_of_vertices(body)?;
         let cut = Part::ALL.into_iter();
         let parts: Vec<ClosedPart> = cut
             .filter_map(|part| ClosedPart::new(body, &of_vertices, part))

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use garnet_mesh::TriMesh;
 use garnet_skin::{Body, Point3, Vector3};
 
-use crate::motion::{Figure, Role, Side};
+use crate::motion::{Figure, RetargetError, Role, Side};
 
 /// A part of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -67,8 +67,22 @@ impl Part {
     }
 }
 
+/// The part of each vertex `[vertex]` of a body: that of its heaviest joint.
+///
+/// # Errors
+///
+/// [`RetargetError`] if its skeleton is no human figure.
+pub fn parts_of_vertices(body: &Body) -> Result<Vec<Part>, RetargetError> {
+    let figure = Figure::new(body.skeleton(), "the body")?;
+    let of_joints = parts_of_joints(body, &figure);
+    let vertices = 0..body.rest().num_vertices();
+    Ok(vertices
+        .map(|vertex| of_joints[body.weights().heaviest(vertex)])
+        .collect())
+}
+
 /// The part of each joint `[joint]`: that of the nearest joint above it that a part hangs on.
-pub(super) fn parts_of_joints(body: &Body, figure: &Figure) -> Vec<Part> {
+fn parts_of_joints(body: &Body, figure: &Figure) -> Vec<Part> {
     let skeleton = body.skeleton();
     let mut parts = vec![Part::Trunk; skeleton.num_joints()];
     for &index in skeleton.parents_first() {

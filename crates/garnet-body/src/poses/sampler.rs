@@ -5,7 +5,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    BodyAngles, NUM_ANGLES, Poser, SelfContact, SeparationOptions, Sequence, ranges,
+    BodyAngles, NUM_ANGLES, Poser, SelfContact, SeparationOptions, Sequence, SequenceSet, ranges,
     sequences::Group,
 };
 use crate::motion::{Ground, RetargetError, put_on_ground};
@@ -13,15 +13,16 @@ use crate::motion::{Ground, RetargetError, put_on_ground};
 /// How often a pose is drawn anew before the sampler gives up.
 const MAX_TRIES: u32 = 8;
 
-/// Draws poses: by group in the shares of [`Group::percent`], within a group any sequence, within a
-/// sequence any phase, left and right exchanged in half of them, with noise inside the ranges of
-/// motion.
+/// Draws poses: by group in the shares of [`Group::percent`], within a group any sequence of its
+/// set, within a sequence any phase, left and right exchanged in half of them, with noise inside the
+/// ranges of motion.
 ///
 /// A pose depends on seed and number alone: poses can be drawn in any order, on any thread.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseSampler {
     seed: u64,
     noise: f64,
+    sequences: SequenceSet,
 }
 
 /// A drawn pose.
@@ -90,13 +91,29 @@ pub enum SampleError {
 impl PoseSampler {
     /// A sampler; samplers with other seeds draw other poses.
     pub const fn new(seed: u64) -> Self {
-        Self { seed, noise: 1.0 }
+        Self {
+            seed,
+            noise: 1.0,
+            sequences: SequenceSet::ALL,
+        }
     }
 
     /// The noise scaled by `noise`; 0 stays on the sequences.
     #[must_use]
     pub const fn with_noise(self, noise: f64) -> Self {
         Self { noise, ..self }
+    }
+
+    /// Poses of these sequences alone; groups without any give their share to the others. The empty
+    /// set is taken for all.
+    #[must_use]
+    pub fn among(self, sequences: SequenceSet) -> Self {
+        let sequences = if sequences.is_empty() {
+            SequenceSet::ALL
+        } else {
+            sequences
+        };
+        Self { sequences, ..self }
     }
 
     /// The pose of a number.
@@ -157,16 +174,23 @@ impl PoseSampler {
     fn draw(&self, index: u64, try_index: u32) -> SampledPose {
         // Later tries keep the sequence: the shares stay as they are.
         let mut of_sequence = self.source(index, 0);
-        let mut percent = below(&mut of_sequence, 100);
-        let mut group = Group::Walk;
-        for other in Group::ALL {
-            group = other;
-            if percent < other.percent() {
+        let of_group = |group: Group| -> Vec<&'static Sequence> {
+            let all = Sequence::of_group(group);
+            all.filter(|sequence| self.sequences.contains(sequence))
+                .collect()
+        };
+        let groups = Group::ALL.map(|group| (group.percent(), of_group(group)));
+        let groups: Vec<_> = groups.iter().filter(|(_, all)| !all.is_empty()).collect();
+        let total = groups.iter().map(|(percent, _)| percent).sum();
+        let mut percent = below(&mut of_sequence, total);
+        let mut sequences: &[&'static Sequence] = &[];
+        for (share, all) in groups {
+            sequences = all;
+            if percent < *share {
                 break;
             }
-            percent -= other.percent();
+            percent -= share;
         }
-        let sequences: Vec<&'static Sequence> = Sequence::of_group(group).collect();
         let pick = below(&mut of_sequence, sequences.len() as u64) as usize;
         let less = 1.0 - f64::from(try_index) / f64::from(MAX_TRIES - 1);
         let mut source = if try_index == 0 {
@@ -230,7 +254,7 @@ fn bell(source: &mut ChaCha8Rng) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
+    use std::collections::{BTreeMap, BTreeSet};
 
     use super::*;
 
@@ -261,6 +285,24 @@ mod tests {
                 "{group:?}: {percent}"
             );
         }
+    }
+
+    #[test]
+    fn a_set_gives_its_own_sequences_alone() {
+        let set =
+            SequenceSet::of(|sequence, number| sequence.group != Group::Walk && number % 3 == 1);
+        let sampler = PoseSampler::new(1).among(set);
+        let names: BTreeSet<&str> = (0..400)
+            .map(|index| sampler.sample(index).sequence)
+            .collect();
+        assert!(
+            names
+                .iter()
+                .copied()
+                .eq(set.names().collect::<BTreeSet<_>>())
+        );
+        let of_all = PoseSampler::new(1).among(SequenceSet::of(|_, _| false));
+        assert_eq!(of_all, PoseSampler::new(1));
     }
 
     #[test]

@@ -265,6 +265,54 @@ pub const SEQUENCES: &[Sequence] = &[
     ),
 ];
 
+/// Some of the [`SEQUENCES`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SequenceSet(u64);
+
+const _: () = assert!(SEQUENCES.len() <= 64, "a set has one bit a sequence");
+
+impl SequenceSet {
+    /// All sequences.
+    pub const ALL: Self = Self(u64::MAX);
+
+    /// The sequences for which `is_in` holds, given the number of the sequence in its group.
+    pub fn of(mut is_in: impl FnMut(&Sequence, usize) -> bool) -> Self {
+        let mut bits = 0;
+        for group in Group::ALL {
+            for (number, sequence) in Sequence::of_group(group).enumerate() {
+                if is_in(sequence, number) {
+                    bits |= bit(sequence);
+                }
+            }
+        }
+        Self(bits)
+    }
+
+    /// Whether a sequence is in the set.
+    pub fn contains(self, sequence: &Sequence) -> bool {
+        self.0 & bit(sequence) != 0
+    }
+
+    /// Whether no sequence is in the set.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The names of the sequences, in order.
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        let all = SEQUENCES.iter();
+        all.filter(move |sequence| self.contains(sequence))
+            .map(|sequence| sequence.name)
+    }
+}
+
+fn bit(sequence: &Sequence) -> u64 {
+    let index = SEQUENCES
+        .iter()
+        .position(|other| other.name == sequence.name);
+    index.map_or(0, |index| 1 << index)
+}
+
 impl Sequence {
     /// The sequence of a name.
     pub fn find(name: &str) -> Option<&'static Self> {

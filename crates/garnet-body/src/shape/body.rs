@@ -2,56 +2,30 @@
 
 use std::sync::OnceLock;
 
-use garnet_knn::Surface;
 use garnet_mesh::{Point3, TriMesh};
 use garnet_skin::{Body, SkinWeights};
-use nalgebra::{SMatrix, SVector};
 
-use super::anatomy::{Anatomy, Corrections};
-use super::anthropometry::Dimension;
 use super::carry::Carrier;
+use super::fit::fitted;
 use super::measure::Measures;
 use super::primitives::Vec3;
 use super::surface::BodySurface;
 use super::tape::{self, BODY_DENSITY};
 use super::template::Template;
-use super::{BodyParameters, Measure, NUM_JOINTS, ShapeError};
-
-/// The measures are fitted at most so often.
-const MAX_ROUNDS: usize = 14;
-
-/// And so often after each time that folded vertices are spread out.
-const ROUNDS_AFTER_UNFOLDING: usize = 6;
-
-/// Rounds in which the mesh is not smoothed, at most, and how close the girths come in them.
-const MAX_ROUGH_ROUNDS: usize = 6;
-const ROUGH_TOLERANCE: f64 = 4e-3;
-
-/// Folded vertices are spread out at most so often, each time with one more ring around them.
-const MAX_UNFOLDINGS: usize = 5;
-const FIRST_RINGS: usize = 3;
-
-/// The first times they stay on the surface.
-const UNFOLDINGS_ON_SURFACE: usize = 1;
-
-/// Fitting ends when every girth is this close, relative.
-const GIRTH_TOLERANCE: f64 = 2e-3;
-
-/// And, where no girth is given, the mass.
-const MASS_TOLERANCE: f64 = 8e-3;
+use super::{BodyParameters, NUM_JOINTS, ShapeError};
 
 /// A given girth that is farther off than this cannot be had together with the others, relative.
 const CONFLICT_TOLERANCE: f64 = 5e-3;
 
 /// What does not depend on the body.
-struct Shared {
-    carrier: Carrier,
+pub(super) struct Shared {
+    pub(super) carrier: Carrier,
     /// The share of an arm in the weight of each vertex of the whole.
-    arm_share: Vec<f64>,
+    pub(super) arm_share: Vec<f64>,
     weights: SkinWeights,
 }
 
-fn shared() -> &'static Shared {
+pub(super) fn shared() -> &'static Shared {
     static SHARED: OnceLock<Shared> = OnceLock::new();
     SHARED.get_or_init(|| {
         let template = Template::stored();
@@ -103,84 +77,10 @@ pub struct ParametricBody {
     volume: f64,
 }
 
-/// How the template is carried.
-enum Effort {
-    /// Not smoothed, for the first rounds.
-    Rough,
-    /// Smoothed, with these vertices of the half unfolded; where that is not enough, they may leave
-    /// the surface a little.
-    Full {
-        relaxed: Vec<usize>,
-        off_surface: bool,
-    },
-}
-
-/// A candidate on the way to the right measures.
-struct Trial {
-    surface: BodySurface,
-    positions: Vec<Vec3>,
-    measures: Measures,
-    volume: f64,
-}
-
-impl Trial {
-    fn new(anatomy: Anatomy, effort: &Effort) -> Self {
-        let template = Template::stored();
-        let surface = BodySurface::of(anatomy);
-        let carrier = &shared().carrier;
-        let half = match effort {
-            Effort::Rough => carrier.roughly_carried(&surface),
-            Effort::Full {
-                relaxed,
-                off_surface,
-            } => carrier.carried(&surface, relaxed, *off_surface),
-        };
-        let positions = template.whole(&half, |p| Vec3::new(-p.x, p.y, p.z));
-        let joints = joint_positions(&surface);
-        let arm_share = &shared().arm_share;
-        Self {
-            measures: tape::measured(
-                &positions,
-                &template.faces,
-                arm_share,
-                template.num_middle,
-                &joints,
-            ),
-            volume: tape::volume(&positions, &template.faces),
-            surface,
-            positions,
-        }
-    }
-
-    /// Corners of the faces that intersect others.
-    fn folded(&self) -> Vec<u32> {
-        let template = Template::stored();
-        let surface = Surface::new(&mesh(&self.positions));
-        let pairs = surface.self_intersections();
-        let faces = pairs.iter().flatten();
-        faces
-            .flat_map(|&face| template.faces[face as usize])
-            .collect()
-    }
-
-    /// How far a girth is off, relative to what it shall be.
-    fn error(&self, measure: Measure) -> f64 {
-        self.measures[measure] / self.surface.anatomy.measures[measure] - 1.0
-    }
-}
-
-fn mesh(positions: &[Vec3]) -> TriMesh {
+pub(super) fn mesh(positions: &[Vec3]) -> TriMesh {
     let single = positions.iter().map(|p| Point3::from(p.cast::<f32>()));
     TriMesh::new(single.collect(), Template::stored().faces.clone())
         .expect("the template is a mesh")
-}
-
-fn joint_positions(surface: &BodySurface) -> Vec<Vec3> {
-    let joints = surface.joints();
-    joints
-        .iter()
-        .map(|joint| joint.rest_position.coords.cast())
-        .collect()
 }
 
 impl ParametricBody {
@@ -188,14 +88,15 @@ impl ParametricBody {
     ///
     /// # Errors
     ///
-    /// Those of [`BodyParameters::check`], and [`ShapeError::MeasuresConflict`].
+    /// Those of [`BodyParameters::check`], [`ShapeError::MeasuresConflict`] and
+    /// [`ShapeError::SelfIntersecting`].
     ///
     /// # Panics
     ///
     /// Never: the stored template is a mesh with a weight for every vertex.
     pub fn build(parameters: &BodyParameters) -> Result<Self, ShapeError> {
         parameters.check()?;
-        let trial = fitted(parameters);
+        let trial = fitted(parameters)?;
         for (measure, value) in parameters.given().filter(|(measure, _)| measure.is_girth()) {
             if trial.error(measure).abs() > CONFLICT_TOLERANCE {
                 return Err(ShapeError::MeasuresConflict {
@@ -285,130 +186,10 @@ pub fn tape_measures(body: &Body) -> Option<Measures> {
     ))
 }
 
-/// What is varied to meet the measures: the logarithms of the corrections, and of the body mass
-/// index that the girths are predicted from.
-type Unknowns = SVector<f64, NUM_UNKNOWNS>;
-const NUM_UNKNOWNS: usize = Measure::GIRTHS.len() + 1;
-
-/// A girth changes by less than this in one round, as a logarithm.
-const MAX_CHANGE: f64 = 0.15;
-
-/// Corrections beyond this would not look like a body, as a logarithm.
-const MAX_CORRECTION: f64 = 0.6;
-
-/// Finds the corrections with which the mesh has the measures asked for, by Broyden's method.
-///
-/// Where no girth is given, the mass matters more than the likely girths: then the body mass index
-/// that the girths are predicted from is varied until the mesh has the mass.
-#[expect(clippy::too_many_lines, reason = "one loop")]
-fn fitted(parameters: &BodyParameters) -> Trial {
-    let likely = parameters.completed(parameters.bmi());
-    let mass = likely.expected(Dimension::Mass);
-    let stature = likely.expected(Dimension::Stature);
-    let bmi = mass / stature.powi(2);
-    let meets_mass = !parameters.has_girth();
-    let base_bmi = if meets_mass {
-        Some(bmi)
-    } else {
-        parameters.bmi()
-    };
-    let parameters = &parameters.clone().with(Measure::Stature, stature);
-
-    let mut unknowns = Unknowns::zeros();
-    let mut crotch = 0.0;
-    let mut slopes = SMatrix::<f64, NUM_UNKNOWNS, NUM_UNKNOWNS>::identity();
-    let mut best: Option<(f64, Trial)> = None;
-    let mut previous: Option<(Unknowns, Unknowns)> = None;
-    let mut effort = Effort::Rough;
-    let mut unfoldings = 0;
-    let mut all_folded = Vec::new();
-    let mut round = 0;
-    let mut last_round = MAX_ROUNDS;
-    while round < last_round {
-        round += 1;
-        let mut corrections = Corrections::default();
-        for (measure, value) in Measure::GIRTHS.into_iter().zip(unknowns.iter()) {
-            corrections[measure] = value.exp();
-        }
-        corrections.crotch = crotch;
-        let shift = unknowns[NUM_UNKNOWNS - 1].exp();
-        let body = parameters.completed(base_bmi.map(|bmi| bmi * shift));
-        let trial = Trial::new(Anatomy::new(parameters.sex(), &body, corrections), &effort);
-        let mut errors = Unknowns::zeros();
-        for (place, measure) in Measure::GIRTHS.into_iter().enumerate() {
-            errors[place] = (1.0 + trial.error(measure)).max(0.1).ln();
-        }
-        if meets_mass {
-            errors[NUM_UNKNOWNS - 1] = (trial.volume * BODY_DENSITY / mass).ln();
-        }
-        if let Some((before, old_errors)) = previous {
-            let step = unknowns - before;
-            let surprise = errors - old_errors - slopes * step;
-            let updated = slopes + surprise * step.transpose() / step.norm_squared().max(1e-12);
-            // A girth that grows when it is corrected downwards is an accident of the others.
-            if updated.diagonal().min() > 0.3 {
-                slopes = updated;
-            }
-        }
-        let worst_girth = errors.rows(0, NUM_UNKNOWNS - 1).amax();
-        let mass_error = errors[NUM_UNKNOWNS - 1].abs();
-        let rise =
-            trial.surface.anatomy.measures[Measure::Inseam] - trial.measures[Measure::Inseam];
-        let badness = worst_girth + 0.2 * mass_error;
-        let is_met = worst_girth < GIRTH_TOLERANCE && mass_error < MASS_TOLERANCE;
-        let mut is_other = false;
-        match &effort {
-            Effort::Rough => {
-                let is_near = worst_girth < ROUGH_TOLERANCE && mass_error < MASS_TOLERANCE;
-                if is_near || round >= MAX_ROUGH_ROUNDS {
-                    effort = Effort::Full {
-                        relaxed: Vec::new(),
-                        off_surface: false,
-                    };
-                    is_other = true;
-                }
-            }
-            Effort::Full { .. } => {
-                let is_last = is_met || round == last_round;
-                let folded = if is_last && unfoldings < MAX_UNFOLDINGS {
-                    trial.folded()
-                } else {
-                    Vec::new()
-                };
-                if folded.is_empty() {
-                    if best.as_ref().is_none_or(|(least, _)| badness < *least) {
-                        best = Some((badness, trial));
-                    }
-                    if is_met {
-                        break;
-                    }
-                } else {
-                    let rings = FIRST_RINGS + unfoldings;
-                    unfoldings += 1;
-                    last_round = round + ROUNDS_AFTER_UNFOLDING;
-                    all_folded.extend(folded);
-                    effort = Effort::Full {
-                        relaxed: shared().carrier.surroundings(&all_folded, rings),
-                        off_surface: unfoldings > UNFOLDINGS_ON_SURFACE,
-                    };
-                    is_other = true;
-                    best = None;
-                }
-            }
-        }
-        previous = (!is_other).then_some((unknowns, errors));
-        let step = slopes.lu().solve(&errors).unwrap_or(errors);
-        unknowns = (unknowns - step.map(|value| value.clamp(-MAX_CHANGE, MAX_CHANGE)))
-            .map(|value| value.clamp(-MAX_CORRECTION, MAX_CORRECTION));
-        crotch = (crotch + 0.5 * rise).clamp(-0.01, 0.01);
-    }
-    best.expect("at least one round was made").1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::Population;
+    use crate::shape::{Measure, Population};
 
     /// Bars of the built-in body: girths relative, stature and gap in metres, mass relative.
     const MAX_GIRTH_ERROR: f64 = 0.005;
@@ -489,6 +270,30 @@ mod tests {
             let again = tape_measures(built.body()).unwrap();
             for (measure, value) in built.measures().iter() {
                 approx::assert_relative_eq!(again[measure], value, max_relative = 1e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn changing_one_girth_leaves_the_others() {
+        const STEP: f64 = 1.02;
+        const MAX_MOVEMENT: f64 = 0.01;
+        let all_of = |built: &ParametricBody| {
+            let measures = built.measures().iter();
+            measures.fold(BodyParameters::new(1.0), |known, (measure, value)| {
+                known.with(measure, value)
+            })
+        };
+        let parameters = Population::new(3).sample(1);
+        let base = all_of(&ParametricBody::build(&parameters).unwrap());
+        let before = ParametricBody::build(&base).unwrap();
+        for girth in Measure::GIRTHS {
+            let value = STEP * base.measure(girth).unwrap();
+            let after = ParametricBody::build(&base.clone().with(girth, value)).unwrap();
+            for (other, old) in before.measures().iter() {
+                let change = (after.measures()[other] / old - 1.0).abs();
+                let is_kept = change < MAX_MOVEMENT || other == girth;
+                assert!(is_kept, "{other} moves by {change} with {girth}");
             }
         }
     }

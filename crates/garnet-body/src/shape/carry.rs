@@ -14,16 +14,18 @@ const SECANT_STEPS: usize = 4;
 /// A vertex this close lies on the surface, in metres.
 const CLOSE_ENOUGH: f64 = 4e-6;
 
+/// From here one more step leads onto the surface, in metres.
+const NEXT_TO: f64 = 1e-4;
+
 /// A step goes no farther than this, in metres.
 const MAX_STEP: f64 = 0.02;
 
 /// Rounds of smoothing that take out what the projection has sheared; each group is projected again.
 const SMOOTHING_ROUNDS: [usize; 2] = [12, 10];
 
-/// Rounds that spread folded vertices out, before the smoothing and after it, and how often each
-/// moves them to the mean of their neighbors before they are projected.
+/// Rounds that spread folded vertices out, and how often each moves them to the mean of their
+/// neighbors before they are projected.
 const UNFOLDING_ROUNDS: usize = 16;
-const REFOLDING_ROUNDS: usize = 3;
 const RELAXING_SWEEPS: usize = 5;
 
 /// And how often at last, without being projected.
@@ -41,6 +43,31 @@ struct Hold {
     part: usize,
     weight: f64,
     coordinates: [f64; 3],
+}
+
+/// The line on which a vertex is moved onto the surface: its direction, and the change of distance
+/// along it.
+#[derive(Debug, Clone, Copy)]
+struct Slope {
+    direction: Vec3,
+    rise: f64,
+}
+
+impl Slope {
+    const NONE: Self = Self {
+        direction: Vec3::new(0.0, 0.0, 0.0),
+        rise: 1.0,
+    };
+}
+
+/// The left half on the surface of a body.
+///
+/// It can follow a change of the body: every vertex goes with the guide and then along its line.
+#[derive(Debug, Clone)]
+pub(crate) struct Carried {
+    pub(crate) positions: Vec<Vec3>,
+    guessed: Vec<Vec3>,
+    slopes: Vec<Slope>,
 }
 
 /// The template, ready to be carried.
@@ -98,7 +125,12 @@ impl Carrier {
                 .map(|hold| hold.weight * guide.point(hold.part, hold.coordinates))
                 .sum()
         };
-        let mut positions: Vec<Vec3> = self.holds.iter().map(place).collect();
+        let mut positions: Vec<Vec3> = self
+            .holds
+            .par_iter()
+            .with_min_len(CHUNK)
+            .map(place)
+            .collect();
         for position in &mut positions[..self.num_middle] {
             position.x = 0.0;
         }
@@ -107,51 +139,96 @@ impl Carrier {
 
     /// The left half on the surface of another body, as the guide takes it there: uneven, but near
     /// enough for the first rounds of fitting.
-    pub(crate) fn roughly_carried(&self, body: &BodySurface) -> Vec<Vec3> {
-        let mut positions = self.guessed(&body.guide);
-        project(&body.field, &mut positions, self.num_middle);
-        positions
+    pub(crate) fn start(&self, body: &BodySurface) -> Carried {
+        let guessed = self.guessed(&body.guide);
+        let mut carried = Carried {
+            positions: guessed.clone(),
+            slopes: vec![Slope::NONE; guessed.len()],
+            guessed,
+        };
+        self.project(&body.field, &mut carried);
+        carried
     }
 
-    /// The left half on the surface of another body; `relaxed` are vertices of the half that are
-    /// spread out between the others, because they would be folded, at last off the surface too.
-    pub(crate) fn carried(
-        &self,
-        body: &BodySurface,
-        relaxed: &[usize],
-        off_surface: bool,
-    ) -> Vec<Vec3> {
-        let mut positions = self.roughly_carried(body);
-        self.unfold(&body.field, &mut positions, relaxed, UNFOLDING_ROUNDS);
+    /// Moves a half that lies on one body to a body that differs a little.
+    pub(crate) fn follow(&self, carried: &mut Carried, body: &BodySurface) {
+        let guessed = self.guessed(&body.guide);
+        let moved = carried.positions.par_iter_mut().zip(&carried.slopes);
+        moved
+            .zip(guessed.par_iter().zip(&carried.guessed))
+            .enumerate()
+            .with_min_len(CHUNK)
+            .for_each(|(vertex, ((position, slope), (new, old)))| {
+                *position += new - old;
+                let start = *position;
+                if !descend(&body.field, position, slope) {
+                    *position = start;
+                    let is_middle = vertex < self.num_middle;
+                    project_one(&body.field, position, is_middle);
+                }
+            });
+        carried.guessed = guessed;
+    }
+
+    /// Evens out what was sheared on the way, along the surface.
+    pub(crate) fn even_out(&self, carried: &mut Carried, body: &BodySurface) {
         for rounds in SMOOTHING_ROUNDS {
             for _ in 0..rounds {
-                let normals = self.normals(&positions);
-                self.smooth(&mut positions, &normals);
+                let normals = self.normals(&carried.positions);
+                self.smooth(&mut carried.positions, &normals);
             }
-            project(&body.field, &mut positions, self.num_middle);
+            self.project(&body.field, carried);
         }
-        self.unfold(&body.field, &mut positions, relaxed, REFOLDING_ROUNDS);
-        if off_surface {
-            for _ in 0..OFF_SURFACE_SWEEPS {
-                self.relax(&mut positions, relaxed);
-            }
-        }
-        positions
     }
 
-    /// Spreads some vertices, in rising order, out on the surface between the others.
-    fn unfold(&self, field: &Field, positions: &mut [Vec3], relaxed: &[usize], rounds: usize) {
-        let num_middle = relaxed.partition_point(|&vertex| vertex < self.num_middle);
-        for _ in 0..rounds {
+    /// Spreads folded vertices, in rising order, out between the others: on the surface, or at last
+    /// off it too.
+    pub(crate) fn unfold(
+        &self,
+        carried: &mut Carried,
+        body: &BodySurface,
+        folded: &[usize],
+        off_surface: bool,
+    ) {
+        for _ in 0..UNFOLDING_ROUNDS {
             for _ in 0..RELAXING_SWEEPS {
-                self.relax(positions, relaxed);
+                self.relax(&mut carried.positions, folded);
             }
-            let mut moved: Vec<Vec3> = relaxed.iter().map(|&vertex| positions[vertex]).collect();
-            project(field, &mut moved, num_middle);
-            for (&vertex, position) in relaxed.iter().zip(moved) {
-                positions[vertex] = position;
+            let moved: Vec<(Vec3, Slope)> = folded
+                .par_iter()
+                .with_min_len(CHUNK / 4)
+                .map(|&vertex| {
+                    let mut position = carried.positions[vertex];
+                    let slope = project_one(&body.field, &mut position, vertex < self.num_middle);
+                    (position, slope)
+                })
+                .collect();
+            for (&vertex, (position, slope)) in folded.iter().zip(moved) {
+                carried.positions[vertex] = position;
+                carried.slopes[vertex] = slope;
             }
         }
+        if off_surface {
+            self.lift_off(carried, folded);
+        }
+    }
+
+    /// Spreads folded vertices out between the others without keeping them on the surface.
+    pub(crate) fn lift_off(&self, carried: &mut Carried, folded: &[usize]) {
+        for _ in 0..OFF_SURFACE_SWEEPS {
+            self.relax(&mut carried.positions, folded);
+        }
+    }
+
+    /// Moves every vertex onto the surface, wherever it is.
+    fn project(&self, field: &Field, carried: &mut Carried) {
+        let moved = carried.positions.par_iter_mut().zip(&mut carried.slopes);
+        moved
+            .enumerate()
+            .with_min_len(CHUNK)
+            .for_each(|(vertex, (position, slope))| {
+                *slope = project_one(field, position, vertex < self.num_middle);
+            });
     }
 
     /// Vertices of the half within `rings` edges of the faces of these vertices of the whole.
@@ -263,43 +340,45 @@ impl Carrier {
     }
 }
 
-/// Moves positions onto the surface; the first `num_middle` stay in the middle plane.
-fn project(field: &Field, positions: &mut [Vec3], num_middle: usize) {
-    let chunks = positions.par_chunks_mut(CHUNK).enumerate();
-    chunks.for_each(|(chunk, positions)| {
-        for (offset, position) in positions.iter_mut().enumerate() {
-            let (distance, mut gradient) = field.distance_and_gradient(position);
-            if chunk * CHUNK + offset < num_middle {
-                gradient.x = 0.0;
-            }
-            let slope = gradient.norm().max(0.3);
-            let direction = gradient / slope;
-            let step = (-distance / slope).clamp(-MAX_STEP, MAX_STEP);
-            *position += step * direction;
-            descend(field, position, &direction, slope);
-        }
-    });
+/// Moves a position onto the surface; in the middle plane it stays there.
+fn project_one(field: &Field, position: &mut Vec3, is_middle: bool) -> Slope {
+    let (distance, mut gradient) = field.distance_and_gradient(position);
+    if is_middle {
+        gradient.x = 0.0;
+    }
+    let rise = gradient.norm().max(0.3);
+    let slope = Slope {
+        direction: gradient / rise,
+        rise,
+    };
+    *position += (-distance / rise).clamp(-MAX_STEP, MAX_STEP) * slope.direction;
+    descend(field, position, &slope);
+    slope
 }
 
-/// Moves a point along a line onto the surface, by secants; `slope` is a guess of the change of
-/// distance over that of place.
-fn descend(field: &Field, position: &mut Vec3, direction: &Vec3, mut slope: f64) {
+/// Moves a point along a line onto the surface, by secants; tells whether it got there or next to.
+fn descend(field: &Field, position: &mut Vec3, slope: &Slope) -> bool {
+    let Slope {
+        direction,
+        mut rise,
+    } = *slope;
     let mut before: Option<(f64, f64)> = None;
     for _ in 0..SECANT_STEPS {
         let distance = field.distance(position);
         if distance.abs() < CLOSE_ENOUGH {
-            return;
+            return true;
         }
         if let Some((step, old)) = before {
             let measured = (distance - old) / step;
             if (0.2..3.0).contains(&measured) {
-                slope = measured;
+                rise = measured;
             }
         }
-        let step = (-distance / slope).clamp(-MAX_STEP, MAX_STEP);
+        let step = (-distance / rise).clamp(-MAX_STEP, MAX_STEP);
         *position += step * direction;
         before = Some((step, distance));
     }
+    before.is_some_and(|(_, distance)| distance.abs() < NEXT_TO)
 }
 
 /// Neighbors of the vertices of the left half, in order around each, in numbers of the whole.

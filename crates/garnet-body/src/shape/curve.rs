@@ -33,14 +33,13 @@ impl<const K: usize> Curves<K> {
         let total: f64 = weights.iter().sum();
         let mut samples: Vec<[f64; K]> = (0..NUM_SAMPLES)
             .map(|sample| {
-                std::array::from_fn(|curve| {
-                    let window = raw[sample..=sample + 2 * reach].iter();
-                    let sum: f64 = window
-                        .zip(&weights)
-                        .map(|(value, w)| w * value[curve])
-                        .sum();
-                    sum / total
-                })
+                let mut sums = [0.0; K];
+                for (value, weight) in raw[sample..].iter().zip(&weights) {
+                    for k in 0..K {
+                        sums[k] += weight * value[k];
+                    }
+                }
+                sums.map(|sum| sum / total)
             })
             .collect();
         let mirrored = |a: [f64; K], b: [f64; K]| std::array::from_fn(|k| 2.0 * a[k] - b[k]);
@@ -58,16 +57,18 @@ impl<const K: usize> Curves<K> {
         let cell = (place as usize).min(NUM_SAMPLES - 2);
         let s = place - cell as f64;
         let [a, b, c, d] = [0, 1, 2, 3].map(|offset| &self.samples[cell + offset]);
-        // Uniform Catmull-Rom.
-        std::array::from_fn(|k| {
+        // Uniform Catmull-Rom. A plain loop: it is the innermost of all.
+        let mut values = [0.0; K];
+        for k in 0..K {
             let slope_b = 0.5 * (c[k] - a[k]);
             let slope_c = 0.5 * (d[k] - b[k]);
             let rise = c[k] - b[k];
-            b[k] + s
-                * (slope_b
+            values[k] = b[k]
+                + s * (slope_b
                     + s * (3.0 * rise - 2.0 * slope_b - slope_c
-                        + s * (slope_b + slope_c - 2.0 * rise)))
-        })
+                        + s * (slope_b + slope_c - 2.0 * rise)));
+        }
+        values
     }
 }
 

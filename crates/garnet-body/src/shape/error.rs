@@ -51,4 +51,13 @@ pub enum ShapeError {
         /// What came closest, in centimetres.
         closest_cm: f64,
     },
+
+    /// The skin of the body runs through itself, and could not be freed of that.
+    #[error(
+        "the skin of this body runs through itself (pairs of faces: {pairs}), mostly where its measures contradict each other"
+    )]
+    SelfIntersecting {
+        /// How many pairs of faces intersect.
+        pairs: usize,
+    },
 }

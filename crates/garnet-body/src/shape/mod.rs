@@ -23,6 +23,7 @@ mod carry;
 mod curve;
 mod error;
 mod field;
+mod fit;
 mod guide;
 mod head;
 mod leg;

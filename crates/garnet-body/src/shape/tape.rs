@@ -1,6 +1,7 @@
 //! Tape measures of a mesh with the built-in skeleton.
 
 use garnet_mesh::Point3;
+use rayon::prelude::*;
 
 use super::anatomy::{
     COLLAR_BELOW_ACROMION, KNEE_BELOW_PATELLA, PELVIS_ABOVE_HIP_HEIGHT, REFERENCE_STATURE,
@@ -67,8 +68,8 @@ impl Region {
 
 /// The perimeter of the convex hull of the section by a plane, in metres.
 ///
-/// The tape goes below the armpits: where an arm has more than half of the weight (`arm_share[vertex]`) is no part of a trunk
-/// girth. No section gives zero.
+/// The tape goes below the armpits: where an arm has more than half of the weight
+/// (`arm_share[vertex]`) is no part of a trunk girth. No section gives zero.
 pub(crate) fn girth(
     positions: &[Vec3],
     faces: &[[u32; 3]],
@@ -253,6 +254,10 @@ pub(crate) fn measured(
     let planes = planes(joints, stature);
     let heights = heights(joints, stature);
     let at = |name: &str| joints[index(name)];
+    let girths: Vec<f64> = planes
+        .par_iter()
+        .map(|plane| girth(positions, faces, arm_share, plane))
+        .collect();
     Measures::from_fn(|measure| match measure {
         Measure::Stature => stature,
         Measure::ShoulderBreadth => 2.0 * (at("left_shoulder").x + SHOULDER_INSIDE_ACROMION * s),
@@ -267,8 +272,10 @@ pub(crate) fn measured(
         Measure::HipHeight => heights.hip,
         Measure::KneeHeight => heights.knee,
         girth_measure => {
-            let plane = planes.iter().find(|plane| plane.measure == girth_measure);
-            plane.map_or(0.0, |plane| girth(positions, faces, arm_share, plane))
+            let place = planes
+                .iter()
+                .position(|plane| plane.measure == girth_measure);
+            place.map_or(0.0, |place| girths[place])
         }
     })
 }

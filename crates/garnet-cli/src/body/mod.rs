@@ -1,7 +1,7 @@
 //! `garnet body`: bodies from measures, at rest or in poses.
 
 mod args;
-mod own;
+pub(crate) mod own;
 mod report;
 
 use std::{

@@ -1,0 +1,154 @@
+//! The arguments of `dataset`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use garnet::{
+    Unit, UnitError,
+    data::{Counts, GarmentPackage, Quality, Sizing},
+};
+
+/// Arguments of `dataset`.
+#[derive(Debug, Args)]
+#[command(after_long_help = LONG_HELP)]
+pub(crate) struct DatasetArgs {
+    /// Garment package.
+    #[arg(value_name = "GARMENT")]
+    pub(crate) garment: PathBuf,
+    /// Folder of the data set.
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Bodies for training, validation and test.
+    #[arg(long, value_name = "TRAIN/VALID/TEST", default_value = "500/20/80", value_parser = counts)]
+    pub(crate) bodies: Counts,
+    /// Scenes on each body.
+    #[arg(long, value_name = "N", default_value = "8", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) poses: u32,
+    /// Named seed of bodies and poses.
+    #[arg(long, value_name = "S", default_value = "1")]
+    pub(crate) seed: u64,
+    /// Quality of the simulation.
+    #[arg(long, value_name = "QUALITY", default_value = "teacher")]
+    pub(crate) quality: QualityName,
+    /// Who wears what [default: made-to-measure for jeans, one-size for all else].
+    #[arg(long, value_name = "SIZING")]
+    pub(crate) sizing: Option<SizingName>,
+    /// Make the K-th of N parts of the data set, each on a machine of its own.
+    #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = part)]
+    pub(crate) shard: (u32, u32),
+    /// Take drapes made elsewhere: a manifest, or a folder laid out as the shirts of Wang et al. 2018.
+    #[arg(long, value_name = "JSON|DIR")]
+    pub(crate) import: Option<PathBuf>,
+    /// Name of the body's OBJ in each sample of such a folder.
+    #[arg(long, value_name = "NAME", requires = "import")]
+    pub(crate) body_file: Option<String>,
+    /// Unit of such a folder.
+    #[arg(long, value_name = "UNIT", requires = "import", default_value = "m", value_parser = unit)]
+    pub(crate) units: Unit,
+}
+
+const LONG_HELP: &str = "\
+A data set that was begun goes on where it was: at most the scene that each thread was at is lost. \
+Parts made on several machines (--shard) are one data set once their shards are in one folder.
+
+A manifest is JSON: {\"schema\": \"garnet.import/1\", \"units\": \"m\", \"scenes\": [{\"split\": \
+\"train\", \"body\": \"b1\", \"sequence\": \"walk\", \"body_mesh\": \"b1.obj\", \"garment_mesh\": \
+\"g1.obj\"}]}, with meshes as OBJ, or as npz with an array `vertices`.";
+
+/// Quality of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum QualityName {
+    /// For a first look.
+    Fast,
+    /// What networks learn from.
+    Teacher,
+    /// The most accurate, and slow.
+    Reference,
+}
+
+/// Who wears what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SizingName {
+    /// All wear the template; bodies that it does not fit are left out.
+    OneSize,
+    /// Each body wears a garment cut to its measures.
+    MadeToMeasure,
+}
+
+impl QualityName {
+    pub(crate) fn quality(self) -> Quality {
+        match self {
+            Self::Fast => Quality::Fast,
+            Self::Teacher => Quality::Teacher,
+            Self::Reference => Quality::Reference,
+        }
+    }
+}
+
+impl DatasetArgs {
+    pub(crate) fn sizing(&self, package: &GarmentPackage) -> Sizing {
+        let pattern = package.manifest.pattern.as_ref();
+        match self.sizing {
+            Some(SizingName::OneSize) => Sizing::OneSize,
+            Some(SizingName::MadeToMeasure) => Sizing::MadeToMeasure,
+            None if pattern.is_some_and(|pattern| pattern.kind == "jeans") => Sizing::MadeToMeasure,
+            None => Sizing::OneSize,
+        }
+    }
+}
+
+fn counts(text: &str) -> Result<Counts, String> {
+    const MOST: u32 = 1_000_000;
+    let numbers: Option<Vec<u32>> = text.split('/').map(|word| word.parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[train, valid, test])
+            if [train, valid, test].iter().all(|&count| count <= MOST)
+                && train + valid + test > 0 =>
+        {
+            Ok(Counts { train, valid, test })
+        }
+        _ => Err("expected three numbers of bodies, as in 500/20/80".to_owned()),
+    }
+}
+
+/// Number of the part, from 0, and of how many.
+fn part(text: &str) -> Result<(u32, u32), String> {
+    let numbers = text
+        .split_once('/')
+        .and_then(|(part, of)| Some((part.parse::<u32>().ok()?, of.parse::<u32>().ok()?)));
+    match numbers {
+        Some((part, of)) if (1..=of).contains(&part) => Ok((part - 1, of)),
+        _ => Err("expected a part and the number of parts, as in 1/4".to_owned()),
+    }
+}
+
+fn unit(text: &str) -> Result<Unit, String> {
+    text.parse().map_err(|error: UnitError| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_three() {
+        let expected = Counts {
+            train: 5,
+            valid: 0,
+            test: 2,
+        };
+        assert_eq!(counts("5/0/2"), Ok(expected));
+        for text in ["", "5", "5/1", "0/0/0", "1/1/1/1", "a/b/c", "-1/2/3", "9999999/1/1"] {
+            assert!(counts(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn parts_count_from_one() {
+        assert_eq!(part("1/1"), Ok((0, 1)));
+        assert_eq!(part("4/4"), Ok((3, 4)));
+        for text in ["0/4", "5/4", "1", "1/0", "a/2"] {
+            assert!(part(text).is_err(), "{text}");
+        }
+    }
+}

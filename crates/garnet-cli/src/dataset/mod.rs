@@ -1,0 +1,105 @@
+//! `garnet dataset`: many simulated scenes of one garment.
+
+mod args;
+mod progress;
+mod report;
+
+use std::{path::Path, sync::atomic::AtomicBool, time::Instant};
+
+use garnet::data::{
+    Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest, Limits, generate, import,
+};
+
+pub(crate) use args::DatasetArgs;
+use progress::Progress;
+use report::DatasetReport;
+
+use crate::{
+    console::{Console, print_document},
+    failure::{ExitStatus, Hint, refused},
+    output,
+};
+
+/// Makes a data set, goes on with one, or imports one.
+pub(crate) fn run(args: &DatasetArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    let start = Instant::now();
+    output::check_folder(&args.output)?;
+    let package = read_package(&args.garment)?;
+    output::make_folder(&args.output)?;
+    let tried = match &args.import {
+        Some(manifest) => {
+            take(manifest, args, &package, console)?;
+            None
+        }
+        None => Some(make(args, &package, console)?),
+    };
+    let dataset = Dataset::open(&args.output)?;
+    let report = DatasetReport::new(&dataset, &args.output, tried, start.elapsed())?;
+    if console.is_json() {
+        print_document(&report)?;
+    }
+    console.summary(&report);
+    Ok(ExitStatus::Done)
+}
+
+fn read_package(path: &Path) -> anyhow::Result<GarmentPackage> {
+    if GarmentPackage::is_at(path) {
+        return Ok(GarmentPackage::read(path)?);
+    }
+    Err(refused(
+        format!("`{}` is no garment package", path.display()),
+        "it is no folder with a `garment.toml`",
+        "make one with `garnet garment tshirt -o DIR`, or of your own garment with `garnet garment \
+         from-obj`",
+    ))
+}
+
+/// Simulates; returns how many bodies of the population were looked at.
+fn make(args: &DatasetArgs, package: &GarmentPackage, console: &Console) -> anyhow::Result<u64> {
+    let options = DatasetOptions {
+        seed: args.seed,
+        bodies: args.bodies,
+        poses: args.poses,
+        quality: args.quality.quality(),
+        sizing: args.sizing(package),
+        limits: Limits::default(),
+        part: args.shard,
+        threads: rayon::current_num_threads(),
+    };
+    let progress = Progress::new(console);
+    let observer = |event: DatasetEvent| progress.tell(&event);
+    let made = generate(package, &args.output, &options, &observer, &AtomicBool::new(false));
+    progress.finish();
+    made.hint(|| {
+        "the data set goes on where it was if the command is run again with the same arguments; \
+         other arguments need another folder"
+            .to_owned()
+    })?;
+    Ok(progress.tried())
+}
+
+/// Imports.
+fn take(
+    manifest: &Path,
+    args: &DatasetArgs,
+    package: &GarmentPackage,
+    console: &Console,
+) -> anyhow::Result<()> {
+    let (scenes, base) = if manifest.is_dir() {
+        let body = args.body_file.as_deref().ok_or_else(|| {
+            refused(
+                format!("`{}` is a folder of shirts without bodies", manifest.display()),
+                "the body's file in each sample is not known",
+                "name it with `--body-file NAME`, or give a manifest instead of a folder",
+            )
+        })?;
+        (ImportManifest::wang_2018(manifest, body, args.units)?, manifest)
+    } else {
+        let base = manifest.parent().unwrap_or(Path::new(""));
+        (ImportManifest::read(manifest)?, base)
+    };
+    let bar = console.progress(scenes.scenes.len());
+    import(package, &scenes, base, &args.output, &mut |done| bar.set_position(done as u64))?;
+    bar.finish_and_clear();
+    Ok(())
+}

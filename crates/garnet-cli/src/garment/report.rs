@@ -1,0 +1,62 @@
+//! What is told about a garment package.
+
+use std::{fmt, path::PathBuf, time::Duration};
+
+use garnet::{data::GarmentPackage, penetration};
+use serde::Serialize;
+
+/// What was made.
+#[derive(Debug, Serialize)]
+pub(crate) struct GarmentReport {
+    schema: &'static str,
+    name: String,
+    written: Vec<String>,
+    vertices: usize,
+    triangles: usize,
+    fabric: String,
+    /// Vertices of the template inside the rest body.
+    inside: usize,
+    deepest_m: f32,
+    seconds: f64,
+}
+
+impl GarmentReport {
+    pub(crate) fn new(
+        package: &GarmentPackage,
+        written: &[PathBuf],
+        time: Duration,
+    ) -> anyhow::Result<Self> {
+        let found = penetration(package.mesh.positions(), package.body.skin());
+        Ok(Self {
+            schema: "garnet.garment/1",
+            name: package.manifest.name.clone(),
+            written: written.iter().map(|path| path.display().to_string()).collect(),
+            vertices: package.mesh.num_vertices(),
+            triangles: package.mesh.num_faces(),
+            fabric: package.manifest.fabric.name.clone(),
+            inside: found.inside,
+            deepest_m: found.deepest,
+            seconds: time.as_secs_f64(),
+        })
+    }
+}
+
+impl fmt::Display for GarmentReport {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            formatter,
+            "made the garment `{}` of {} vertices and {} triangles, {}, in {:.1} s",
+            self.name, self.vertices, self.triangles, self.fabric, self.seconds
+        )?;
+        write!(formatter, "wrote {}", self.written.join(", "))?;
+        if self.inside > 0 {
+            write!(
+                formatter,
+                "\n  {} vertices lie inside the body, the deepest {:.1} mm",
+                self.inside,
+                1e3 * self.deepest_m
+            )?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,92 @@
+//! Which drapes are good enough to learn from.
+
+use garnet_sim::DrapeReport;
+use serde::{Deserialize, Serialize};
+
+/// What the simulation of a scene measured at its end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneReport {
+    /// Strain of the edges: length over rest length minus 1, at the median.
+    pub strain_p50: f32,
+    /// Strain that 1 % of the edges exceed.
+    pub strain_p99: f32,
+    /// The largest strain.
+    pub strain_max: f32,
+    /// Share of the vertices faster than 5 mm/s.
+    pub moving: f32,
+    /// Vertices inside the body that are not caught where it runs through itself.
+    pub inside: u32,
+    /// The deepest of them, in metres.
+    pub deepest: f32,
+    /// Pairs of triangles of the garment that cross.
+    pub self_intersections: u32,
+}
+
+/// Above these values a scene is not learned from.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Vertices inside the body.
+    pub inside: u32,
+    /// Strain that 1 % of the edges exceed.
+    pub strain_p99: f32,
+    /// Share of the vertices faster than 5 mm/s.
+    pub moving: f32,
+    /// Pairs of triangles of the garment that cross.
+    pub self_intersections: u32,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            inside: 0,
+            strain_p99: 0.05,
+            moving: 0.015,
+            self_intersections: 20,
+        }
+    }
+}
+
+impl From<&DrapeReport> for SceneReport {
+    fn from(report: &DrapeReport) -> Self {
+        Self {
+            strain_p50: report.strain.p50,
+            strain_p99: report.strain.p99,
+            strain_max: report.strain.max,
+            moving: report.speeds.share_moving,
+            inside: report.penetration.num_inside as u32,
+            deepest: report.penetration.deepest,
+            self_intersections: report.num_self_intersections as u32,
+        }
+    }
+}
+
+impl Limits {
+    /// The first limit that a scene exceeds: a short name, and what was measured.
+    pub fn violation(&self, report: &SceneReport) -> Option<(&'static str, String)> {
+        if report.inside > self.inside {
+            let (inside, deepest) = (report.inside, 1e3 * report.deepest);
+            let reason = format!("{inside} vertices inside the body, up to {deepest:.1} mm");
+            return Some(("penetration", reason));
+        }
+        // Written so that NaN is refused, too.
+        if !(report.strain_p99 <= self.strain_p99) {
+            let reason = format!(
+                "1 % of the edges are longer than at rest by more than {:.1} %",
+                100.0 * report.strain_p99
+            );
+            return Some(("strain", reason));
+        }
+        if report.self_intersections > self.self_intersections {
+            let reason = format!("{} pairs of triangles cross", report.self_intersections);
+            return Some(("self-intersection", reason));
+        }
+        if !(report.moving <= self.moving) {
+            let share = 100.0 * report.moving;
+            let reason = format!("{share:.1} % of the vertices are faster than 5 mm/s");
+            return Some(("unsettled", reason));
+        }
+        None
+    }
+}

@@ -1,0 +1,190 @@
+//! Bodies of the population, dressed and posed.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+
+use garnet_body::{
+    poses::{PoseSampler, Poser, SelfContact},
+    shape::{BodyParameters, ParametricBody, Population},
+};
+use garnet_pattern::Wearer;
+
+use super::generate::DatasetOptions;
+use super::manifest::Sizing;
+use super::record::{BodyRecord, Posed, SceneRecord, StoredParameters};
+use crate::tailor::{Tailor, values};
+use crate::wearer::{self, fits};
+use crate::{BodyPath, DataError, GarmentPackage, SceneReport, Teacher};
+
+/// Dresses bodies of the population.
+pub(super) struct Dresser<'a> {
+    package: &'a GarmentPackage,
+    options: DatasetOptions,
+    population: Population,
+    /// Drapes the template.
+    template: Teacher,
+    /// Cuts garments to measure.
+    tailor: Option<Tailor>,
+}
+
+/// What became of a scene.
+pub(super) enum Outcome {
+    /// It is in the data set; its numbers are still to be set.
+    Accepted(Box<SceneRecord>),
+    /// It is not.
+    Rejected {
+        /// The sequence that the pose is from.
+        sequence: String,
+        /// Short name of the reason.
+        kind: &'static str,
+        /// What was measured.
+        reason: String,
+    },
+}
+
+/// A body of the population with the garment for it.
+pub(super) struct Dressed {
+    parameters: BodyParameters,
+    ready: Result<Ready, (&'static str, String)>,
+}
+
+struct Ready {
+    body: garnet_skin::Body,
+    poser: Poser,
+    contact: SelfContact,
+    /// A teacher of its own, if the garment was cut for it.
+    own: Option<Own>,
+}
+
+struct Own {
+    teacher: Teacher,
+    garment: BTreeMap<String, f64>,
+    worn: Vec<garnet_mesh::Point3>,
+}
+
+impl<'a> Dresser<'a> {
+    pub(super) fn new(package: &'a GarmentPackage, options: &DatasetOptions) -> Result<Self, DataError> {
+        let tailor = match options.sizing {
+            Sizing::OneSize => None,
+            Sizing::MadeToMeasure => Some(Tailor::of_package(package)?.ok_or(DataError::NoPattern)?),
+        };
+        Ok(Self {
+            package,
+            options: *options,
+            population: Population::new(options.seed),
+            template: Teacher::new(package)?,
+            tailor,
+        })
+    }
+
+    /// Whether the garment fits a body of the population: by the chest, waist and hip that it is
+    /// given. Garments without a pattern fit all.
+    pub(super) fn fits(&self, parameters: &BodyParameters) -> bool {
+        self.tailor.is_some() || fits(self.package, parameters)
+    }
+
+    /// Builds a body, and cuts and fits the garment if each has its own.
+    pub(super) fn dressed(&self, index: u64, stop: &AtomicBool) -> Dressed {
+        let parameters = self.population.sample(index);
+        let ready = self.ready(&parameters, stop);
+        Dressed { parameters, ready }
+    }
+
+    fn ready(&self, parameters: &BodyParameters, stop: &AtomicBool) -> Result<Ready, (&'static str, String)> {
+        let no_body = |error: &dyn std::fmt::Display| ("body", error.to_string());
+        let built = ParametricBody::build(parameters).map_err(|error| no_body(&error))?;
+        let own = match &self.tailor {
+            None => None,
+            Some(tailor) => {
+                let worn = wearer::wearer(built.body(), built.measures())
+                    .map_err(DataError::from)
+                    .and_then(|wearer| own(tailor, built.body(), &wearer, stop));
+                Some(worn.map_err(|error| ("wearing", error.to_string()))?)
+            }
+        };
+        let body = built.into_body();
+        Ok(Ready {
+            poser: Poser::new(body.skeleton()).map_err(|error| no_body(&error))?,
+            contact: SelfContact::new(&body).map_err(|error| no_body(&error))?,
+            body,
+            own,
+        })
+    }
+}
+
+impl Dressed {
+    /// What the data set keeps of the body.
+    pub(super) fn record(&self, number: u32) -> BodyRecord {
+        let own = self.ready.as_ref().ok().and_then(|ready| ready.own.as_ref());
+        BodyRecord {
+            number,
+            parameters: Some(StoredParameters::from(&self.parameters)),
+            garment: own.map_or_else(BTreeMap::new, |own| own.garment.clone()),
+            worn: own.map(|own| own.worn.clone()),
+        }
+    }
+
+    /// Drapes the garment on the body in a pose.
+    pub(super) fn drape(
+        &self,
+        dresser: &Dresser<'_>,
+        sampler: &PoseSampler,
+        number: u64,
+        stop: &AtomicBool,
+    ) -> Outcome {
+        let ready = match &self.ready {
+            Ok(ready) => ready,
+            Err((kind, reason)) => return rejected("", kind, reason.clone()),
+        };
+        let sound = match sampler.sample_for(&ready.poser, &ready.contact, number) {
+            Ok(sound) => sound,
+            Err(error) => return rejected("", "pose", error.to_string()),
+        };
+        let options = &dresser.options;
+        let (teacher, from) = match &ready.own {
+            Some(own) => (&own.teacher, &ready.body),
+            None => (&dresser.template, &dresser.package.body),
+        };
+        let draped = BodyPath::to_shape(from, &ready.body, &sound.pose)
+            .map_err(DataError::from)
+            .and_then(|path| teacher.drape(&path, options.quality, stop, &mut |_| {}));
+        let drape = match draped {
+            Ok(drape) => drape,
+            Err(error) => return rejected(sound.sequence, "simulation", error.to_string()),
+        };
+        let report = SceneReport::from(&drape.report);
+        if let Some((kind, reason)) = options.limits.violation(&report) {
+            return rejected(sound.sequence, kind, reason);
+        }
+        Outcome::Accepted(Box::new(SceneRecord {
+            body: 0,
+            pose: 0,
+            sequence: sound.sequence.to_owned(),
+            posed: Posed::Pose(sound.pose),
+            garment: drape.positions,
+            report: Some(report),
+        }))
+    }
+}
+
+fn own(
+    tailor: &Tailor,
+    body: &garnet_skin::Body,
+    wearer: &Wearer,
+    stop: &AtomicBool,
+) -> Result<Own, DataError> {
+    let worn = tailor.dress(body, wearer, None, stop)?;
+    Ok(Own {
+        teacher: tailor.teacher(&worn, body)?,
+        garment: values(&worn.sewn.parameters),
+        worn: worn.positions,
+    })
+}
+
+fn rejected(sequence: &str, kind: &'static str, reason: String) -> Outcome {
+    Outcome::Rejected {
+        sequence: sequence.to_owned(),
+        kind,
+        reason,
+    }
+}

@@ -1,0 +1,125 @@
+//! `dataset.json`: what a data set is made of.
+
+use std::path::Path;
+
+use garnet_mesh::{Fingerprint, write_atomically};
+use serde::{Deserialize, Serialize};
+
+use super::plan::Counts;
+use crate::{DataError, Limits, package::Manifest as PackageManifest};
+
+/// What this version writes and reads.
+pub const DATASET_SCHEMA: &str = "garnet.dataset/1";
+
+/// `dataset.json`: all that decides over the contents of a data set, in SI units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DatasetManifest {
+    /// [`DATASET_SCHEMA`].
+    pub schema: String,
+    /// Version of the program that made it.
+    pub generator: String,
+    /// The garment, as its package says.
+    pub garment: PackageManifest,
+    /// The seed of bodies and poses.
+    pub seed: u64,
+    /// Bodies in each split.
+    pub bodies: Counts,
+    /// Scenes on each body.
+    pub poses: u32,
+    /// Quality of the simulation; none for drapes made elsewhere.
+    pub quality: Option<String>,
+    /// Whether all bodies wear the template, or each a garment cut for it.
+    pub sizing: Sizing,
+    /// Above these a scene is rejected.
+    pub limits: Limits,
+    /// Bodies in a shard.
+    pub bodies_per_shard: u32,
+}
+
+/// Who wears what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sizing {
+    /// All bodies wear the template: bodies that it does not fit are left out.
+    OneSize,
+    /// Each body wears a garment cut to its measures.
+    MadeToMeasure,
+}
+
+impl DatasetManifest {
+    /// The hash that ties shards to their data set.
+    pub fn fingerprint(&self) -> Fingerprint {
+        let mut manifest = self.clone();
+        // Variants that are trained later do not change the data.
+        manifest.garment.variants.clear();
+        let text = serde_json::to_string(&manifest).unwrap_or_default();
+        Fingerprint::of_bytes(text.as_bytes())
+    }
+
+    /// Reads `dataset.json`.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Read`], [`DataError::Text`], or [`DataError::Foreign`] for another version.
+    pub fn read(path: &Path) -> Result<Self, DataError> {
+        let text = std::fs::read_to_string(path).map_err(|source| DataError::read(path, source))?;
+        let manifest: Self =
+            serde_json::from_str(&text).map_err(|source| DataError::json(path, &source))?;
+        if manifest.schema == DATASET_SCHEMA {
+            return Ok(manifest);
+        }
+        let what = format!("its schema is `{}`, not `{DATASET_SCHEMA}`", manifest.schema);
+        Err(DataError::foreign(path, what))
+    }
+
+    /// Writes `dataset.json`.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Write`].
+    pub fn write(&self, path: &Path) -> Result<(), DataError> {
+        let mut text =
+            serde_json::to_string_pretty(self).map_err(|source| DataError::json(path, &source))?;
+        text.push('\n');
+        Ok(write_atomically(path, |writer| writer.write_all(text.as_bytes()))?)
+    }
+
+    /// Refuses to go on with a data set that was asked for in another way.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::OtherDataset`] with the first difference.
+    pub fn check_same(&self, asked: &Self, path: &Path) -> Result<(), DataError> {
+        let pairs = |manifest: &Self| {
+            [
+                ("garment", manifest.garment.name.clone()),
+                ("template", manifest.garment.positions.clone()),
+                ("seed", manifest.seed.to_string()),
+                (
+                    "bodies",
+                    format!(
+                        "{}/{}/{}",
+                        manifest.bodies.train, manifest.bodies.valid, manifest.bodies.test
+                    ),
+                ),
+                ("poses", manifest.poses.to_string()),
+                ("quality", manifest.quality.clone().unwrap_or_default()),
+                ("sizing", format!("{:?}", manifest.sizing)),
+                ("version", manifest.generator.clone()),
+                ("fingerprint", manifest.fingerprint().to_string()),
+            ]
+        };
+        for ((field, found), (_, asked)) in pairs(self).into_iter().zip(pairs(asked)) {
+            if found != asked {
+                return Err(DataError::OtherDataset {
+                    path: path.to_path_buf(),
+                    field,
+                    found,
+                    asked,
+                });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,163 @@
+//! Why data cannot be made, read or written.
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
+
+use garnet_body::{motion::RetargetError, shape::ShapeError};
+use garnet_mesh::{MeshError, ObjError, WriteError};
+use garnet_pattern::PatternError;
+use garnet_sim::SimError;
+use garnet_skin::{FileError, SkinError, WriteRigError};
+
+/// Why data cannot be made, read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DataError {
+    /// A file cannot be read.
+    #[error("cannot read `{}`", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A folder cannot be made, or a file in it not removed.
+    #[error("cannot change `{}`", path.display())]
+    Folder {
+        /// The folder or file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A file with tensors is cut off or damaged.
+    #[error("`{}` is no sound safetensors file", path.display())]
+    Tensors {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: safetensors::SafeTensorError,
+    },
+    /// A file with JSON or TOML in it does not parse.
+    #[error("`{}`: {reason}", path.display())]
+    Text {
+        /// The file.
+        path: PathBuf,
+        /// What was expected and found, with line and column.
+        reason: String,
+    },
+    /// A file belongs to something else or to another version.
+    #[error("`{}` does not belong here: {what}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What tells so.
+        what: String,
+    },
+    /// The folder holds a data set that was asked for in another way.
+    #[error("`{}` holds a data set with {field} {found}, asked for is {asked}", path.display())]
+    OtherDataset {
+        /// The manifest.
+        path: PathBuf,
+        /// What differs.
+        field: &'static str,
+        /// The value there.
+        found: String,
+        /// The value that was asked for.
+        asked: String,
+    },
+    /// The size fits too few bodies of the population.
+    #[error("the garment fits only {found} of {tried} bodies, {needed} are needed")]
+    FewFit {
+        /// Bodies that it fits.
+        found: usize,
+        /// Bodies that were tried.
+        tried: usize,
+        /// Bodies that are needed.
+        needed: usize,
+    },
+    /// A garment that was not made from a pattern is to be cut to measure.
+    #[error("the garment has no sewing pattern: it cannot be cut to the measures of bodies")]
+    NoPattern,
+    /// A garment lies too deep in its body to be simulated.
+    #[error("{inside} of {vertices} vertices of the garment are inside the body at rest, the deepest by {} mm", 1e3 * deepest)]
+    InsideAtStart {
+        /// Vertices inside.
+        inside: usize,
+        /// All vertices.
+        vertices: usize,
+        /// The deepest, in metres.
+        deepest: f32,
+    },
+    /// The work was stopped from outside.
+    #[error("stopped")]
+    Stopped,
+    /// A mesh is none.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// An OBJ file cannot be read.
+    #[error(transparent)]
+    Obj(#[from] ObjError),
+    /// A rig cannot be read.
+    #[error(transparent)]
+    Rig(#[from] FileError),
+    /// A rig cannot be written.
+    #[error(transparent)]
+    WriteRig(#[from] WriteRigError),
+    /// Body and garment, or body and pose, do not fit together.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
+    /// A body cannot be built.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// A body cannot be posed.
+    #[error(transparent)]
+    Pose(#[from] RetargetError),
+    /// A pattern cannot be cut.
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
+    /// A scene cannot be simulated.
+    #[error(transparent)]
+    Sim(#[from] SimError),
+}
+
+impl DataError {
+    pub(crate) fn read(path: &Path, source: io::Error) -> Self {
+        Self::Read {
+            path: path.to_path_buf(),
+            source,
+        }
+    }
+
+    pub(crate) fn folder(path: &Path, source: io::Error) -> Self {
+        Self::Folder {
+            path: path.to_path_buf(),
+            source,
+        }
+    }
+
+    pub(crate) fn tensors(path: &Path, source: safetensors::SafeTensorError) -> Self {
+        Self::Tensors {
+            path: path.to_path_buf(),
+            source,
+        }
+    }
+
+    pub(crate) fn json(path: &Path, source: &serde_json::Error) -> Self {
+        Self::Text {
+            path: path.to_path_buf(),
+            reason: source.to_string(),
+        }
+    }
+
+    pub(crate) fn foreign(path: &Path, what: impl Into<String>) -> Self {
+        Self::Foreign {
+            path: path.to_path_buf(),
+            what: what.into(),
+        }
+    }
+}

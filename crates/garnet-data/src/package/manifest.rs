@@ -1,0 +1,120 @@
+//! `garment.toml`: what a garment package says of itself.
+
+use std::collections::BTreeMap;
+
+use garnet_sim::Fabric;
+use serde::{Deserialize, Serialize};
+
+use crate::StoredParameters;
+
+/// What this version writes and reads.
+pub const PACKAGE_SCHEMA: &str = "garnet.garment/1";
+
+/// `garment.toml`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// [`PACKAGE_SCHEMA`].
+    pub schema: String,
+    /// Name of the garment.
+    pub name: String,
+    /// Fingerprint of the topology of the template.
+    pub fingerprint: String,
+    /// Fingerprint of the positions of the template.
+    pub positions: String,
+    /// The fabric.
+    pub fabric: StoredFabric,
+    /// The sewing pattern, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pattern: Option<StoredPattern>,
+    /// The body that the template lies on.
+    pub rest_body: StoredRestBody,
+    /// The trained variants.
+    #[serde(default, rename = "variant", skip_serializing_if = "Vec::is_empty")]
+    pub variants: Vec<Variant>,
+}
+
+/// A fabric as files hold it, in SI units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredFabric {
+    /// What it is called.
+    pub name: String,
+    /// Areal density, kg/m².
+    pub density: f32,
+    /// Young's modulus times thickness, N/m.
+    pub membrane: f32,
+    /// Bending rigidity, N m.
+    pub bending: f32,
+    /// Coulomb's coefficient.
+    pub friction: f32,
+    /// The distance that cloth keeps from skin, in metres.
+    pub thickness: f32,
+}
+
+impl StoredFabric {
+    /// A fabric under a name.
+    pub fn new(name: impl Into<String>, fabric: &Fabric) -> Self {
+        Self {
+            name: name.into(),
+            density: fabric.density,
+            membrane: fabric.membrane,
+            bending: fabric.bending,
+            friction: fabric.friction,
+            thickness: fabric.thickness,
+        }
+    }
+
+    /// The fabric.
+    pub const fn fabric(&self) -> Fabric {
+        Fabric {
+            density: self.density,
+            membrane: self.membrane,
+            bending: self.bending,
+            friction: self.friction,
+            thickness: self.thickness,
+        }
+    }
+}
+
+/// A sewing pattern as files hold it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredPattern {
+    /// Which pattern: tshirt, sweater, dress, jeans.
+    pub kind: String,
+    /// The number of vertices that was asked for.
+    pub vertices: usize,
+    /// The parameters, in metres or without unit.
+    pub parameters: BTreeMap<String, f64>,
+}
+
+/// The rest body as files hold it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredRestBody {
+    /// File with mesh, skeleton and weights, in the package.
+    pub rig: String,
+    /// Parameters, if it is a built-in body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<StoredParameters>,
+}
+
+/// A trained variant, with its measured error and cost.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Variant {
+    /// Its name.
+    pub name: String,
+    /// File with its weights, in the package.
+    pub weights: String,
+    /// Whether it is taken if none is asked for.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub default: bool,
+    /// Mean distance to the teacher on the test split, in metres (paper, Eq. 17).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distance_error: Option<f64>,
+    /// Floating-point operations of one forward pass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flop: Option<f64>,
+}

@@ -1,0 +1,177 @@
+//! Garment packages: a folder with a template, the body that it lies on, and trained variants.
+
+mod manifest;
+
+use std::path::{Path, PathBuf};
+
+use garnet_mesh::{Fingerprint, ObjFile, TriMesh, write_atomically};
+use garnet_sim::RestShape;
+use garnet_skin::{Body, Rig, read_rig, write_rig_npz};
+
+pub use manifest::{
+    Manifest, PACKAGE_SCHEMA, StoredFabric, StoredPattern, StoredRestBody, Variant,
+};
+
+use crate::rest_file;
+use crate::{DataError, StoredParameters};
+
+/// Name of the manifest in a package.
+pub const MANIFEST_FILE: &str = "garment.toml";
+
+const TEMPLATE_FILE: &str = "template.obj";
+const BODY_FILE: &str = "body.rig.npz";
+const REST_FILE: &str = "template.rest.safetensors";
+
+/// A garment that lies on a body at rest, and all that a simulation or a network needs to know of it.
+///
+/// In a folder it is `garment.toml`, `template.obj`, `body.rig.npz`, and for garments with a sewing
+/// pattern `template.rest.safetensors`: the flat pattern and where it is shrunk.
+#[derive(Debug, Clone)]
+pub struct GarmentPackage {
+    /// What the package says of itself.
+    pub manifest: Manifest,
+    /// The template as text, with groups and the flat pattern as UVs.
+    pub template: ObjFile,
+    /// The template's triangles.
+    pub mesh: TriMesh,
+    /// Lengths at rest.
+    pub rest: RestShape,
+    /// The body that the template lies on.
+    pub body: Body,
+}
+
+/// What a package is made of.
+#[derive(Debug)]
+pub struct PackageParts {
+    /// Name of the garment.
+    pub name: String,
+    /// The template as text.
+    pub template: ObjFile,
+    /// Lengths at rest.
+    pub rest: RestShape,
+    /// The fabric.
+    pub fabric: StoredFabric,
+    /// The sewing pattern, if there is one.
+    pub pattern: Option<StoredPattern>,
+    /// The body that the template lies on.
+    pub body: Body,
+    /// Its parameters, if it is a built-in one.
+    pub parameters: Option<StoredParameters>,
+}
+
+impl GarmentPackage {
+    /// Makes a package of its parts.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Mesh`] if the template has no triangles.
+    pub fn new(parts: PackageParts) -> Result<Self, DataError> {
+        let mesh = parts.template.mesh()?;
+        let manifest = Manifest {
+            schema: PACKAGE_SCHEMA.to_owned(),
+            name: parts.name,
+            fingerprint: Fingerprint::of_topology(&mesh).to_string(),
+            positions: Fingerprint::of_positions(mesh.positions()).to_string(),
+            fabric: parts.fabric,
+            pattern: parts.pattern,
+            rest_body: StoredRestBody {
+                rig: BODY_FILE.to_owned(),
+                parameters: parts.parameters,
+            },
+            variants: Vec::new(),
+        };
+        Ok(Self {
+            manifest,
+            template: parts.template,
+            mesh,
+            rest: parts.rest,
+            body: parts.body,
+        })
+    }
+
+    /// Whether a path is a package: a folder with a manifest.
+    pub fn is_at(path: &Path) -> bool {
+        path.join(MANIFEST_FILE).is_file()
+    }
+
+    /// Reads a package.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError`] that names the file: one is missing, damaged, of another version, or does not
+    /// belong to the template.
+    pub fn read(folder: &Path) -> Result<Self, DataError> {
+        let manifest = Self::read_manifest(folder)?;
+        let template = ObjFile::read(folder.join(TEMPLATE_FILE))?;
+        let mesh = template.mesh()?;
+        let path = folder.join(TEMPLATE_FILE);
+        let found = Fingerprint::of_topology(&mesh).to_string();
+        if found != manifest.fingerprint {
+            let expected = &manifest.fingerprint;
+            let what = format!("its fingerprint is {found}, `{MANIFEST_FILE}` says {expected}");
+            return Err(DataError::foreign(&path, what));
+        }
+        let found = Fingerprint::of_positions(mesh.positions()).to_string();
+        if found != manifest.positions {
+            let what = format!("its vertices are not those that `{MANIFEST_FILE}` was written for");
+            return Err(DataError::foreign(&path, what));
+        }
+        let rest = match &manifest.pattern {
+            Some(_) => rest_file::read(&folder.join(REST_FILE), mesh.num_faces())?,
+            None => RestShape::Worn(mesh.positions().to_vec()),
+        };
+        let body = read_rig(folder.join(&manifest.rest_body.rig))?.into_body()?;
+        Ok(Self {
+            manifest,
+            template,
+            mesh,
+            rest,
+            body,
+        })
+    }
+
+    /// Reads `garment.toml` alone.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Read`], [`DataError::Text`] with the line, or [`DataError::Foreign`] for
+    /// another version.
+    pub fn read_manifest(folder: &Path) -> Result<Manifest, DataError> {
+        let path = folder.join(MANIFEST_FILE);
+        let text = std::fs::read_to_string(&path).map_err(|source| DataError::read(&path, source))?;
+        let manifest: Manifest = toml::from_str(&text).map_err(|source| DataError::Text {
+            path: path.clone(),
+            reason: source.to_string(),
+        })?;
+        if manifest.schema != PACKAGE_SCHEMA {
+            let what = format!("its schema is `{}`, not `{PACKAGE_SCHEMA}`", manifest.schema);
+            return Err(DataError::foreign(&path, what));
+        }
+        Ok(manifest)
+    }
+
+    /// Writes the package into a folder that is there; the manifest last, so that a folder with a
+    /// manifest is whole.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Write`] or [`DataError::WriteRig`].
+    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, DataError> {
+        let path = |name: &str| folder.join(name);
+        let source = self.template.source();
+        write_atomically(path(TEMPLATE_FILE), |writer| writer.write_all(source))?;
+        write_rig_npz(path(BODY_FILE), &Rig::from(self.body.clone()))?;
+        let mut written = vec![path(TEMPLATE_FILE), path(BODY_FILE)];
+        if rest_file::write(&path(REST_FILE), &self.rest)? {
+            written.push(path(REST_FILE));
+        }
+        let manifest = path(MANIFEST_FILE);
+        let text = toml::to_string(&self.manifest).map_err(|source| DataError::Text {
+            path: manifest.clone(),
+            reason: source.to_string(),
+        })?;
+        write_atomically(&manifest, |writer| writer.write_all(text.as_bytes()))?;
+        written.push(manifest);
+        Ok(written)
+    }
+}

@@ -1,0 +1,53 @@
+//! The rest shape of a sewn garment as a file.
+
+use std::path::Path;
+
+use garnet_mesh::write_atomically;
+use garnet_sim::RestShape;
+
+use crate::DataError;
+use crate::tensors::{Array, Contents, to_bytes};
+
+const SCHEMA: &str = "garnet.rest/1";
+
+/// Writes tensors `corners` `[face, 3, 2]`, metres, and `shrink` `[face]`. A garment without pattern
+/// needs no file; returns whether there is one.
+pub(crate) fn write(path: &Path, rest: &RestShape) -> Result<bool, DataError> {
+    let RestShape::Flat { corners, shrink } = rest else {
+        return Ok(false);
+    };
+    let corners = Array {
+        shape: vec![corners.len(), 3, 2],
+        values: corners.as_flattened().as_flattened().to_vec(),
+    };
+    let shrink = Array {
+        shape: vec![shrink.len()],
+        values: shrink.clone(),
+    };
+    let arrays = [("corners", &corners), ("shrink", &shrink)];
+    let bytes = to_bytes(&arrays, SCHEMA.to_owned());
+    let bytes = bytes.map_err(|source| DataError::tensors(path, source))?;
+    write_atomically(path, |writer| writer.write_all(&bytes))?;
+    Ok(true)
+}
+
+pub(crate) fn read(path: &Path, num_faces: usize) -> Result<RestShape, DataError> {
+    let bytes = std::fs::read(path).map_err(|source| DataError::read(path, source))?;
+    let contents = Contents::of(&bytes).map_err(|source| DataError::tensors(path, source))?;
+    let contents = contents.filter(|contents| contents.text == SCHEMA);
+    let contents = contents.ok_or_else(|| DataError::foreign(path, format!("it is no `{SCHEMA}`")))?;
+    let array = |name: &str, shape: &[usize]| {
+        let array = contents.array(name).filter(|array| array.shape == shape);
+        let what = format!("it has no tensor `{name}` of shape {shape:?}");
+        array.ok_or_else(|| DataError::foreign(path, what))
+    };
+    let corners = array("corners", &[num_faces, 3, 2])?.values;
+    let corners: Vec<[[f32; 2]; 3]> = corners
+        .as_chunks::<2>()
+        .0
+        .as_chunks::<3>()
+        .0
+        .to_vec();
+    let shrink = array("shrink", &[num_faces])?.values;
+    Ok(RestShape::Flat { corners, shrink })
+}

@@ -1,0 +1,196 @@
+//! Cutting garments to the measures of bodies, and putting them on.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+
+use garnet_mesh::{ObjFile, Point3};
+use garnet_pattern::{
+    GarmentKind, Measures, Parameters, SewnGarment, Template, Wearer,
+};
+use garnet_sim::{
+    Cloth, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, drape,
+};
+use garnet_skin::{Body, Garment};
+
+use crate::package::{PackageParts, StoredFabric, StoredPattern};
+use crate::parts::collider;
+use crate::teacher::{check_stop, stopping};
+use crate::{DataError, GarmentPackage, StoredParameters, Teacher};
+
+/// Cuts garments of one topology to the measures of bodies, and puts them on.
+#[derive(Debug, Clone)]
+pub struct Tailor {
+    template: Template,
+    parameters: Parameters,
+    num_vertices: usize,
+    fabric: StoredFabric,
+}
+
+/// A garment on the body that it was cut for.
+#[derive(Debug, Clone)]
+pub struct Worn {
+    /// The garment.
+    pub sewn: SewnGarment,
+    /// Its positions on the body at rest `[vertex]`, in metres.
+    pub positions: Vec<Point3>,
+}
+
+impl Tailor {
+    /// Triangulates a pattern with about `num_vertices` vertices.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Pattern`].
+    pub fn new(
+        parameters: Parameters,
+        num_vertices: usize,
+        fabric: StoredFabric,
+    ) -> Result<Self, DataError> {
+        Ok(Self {
+            template: Template::new(parameters.garment(), num_vertices)?,
+            parameters,
+            num_vertices,
+            fabric,
+        })
+    }
+
+    /// The tailor of a package that was made from a pattern; none if it was not.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Pattern`] if the pattern of the package is none of this version.
+    pub fn of_package(package: &GarmentPackage) -> Result<Option<Self>, DataError> {
+        let Some(pattern) = &package.manifest.pattern else {
+            return Ok(None);
+        };
+        let kind: GarmentKind = pattern.kind.parse()?;
+        let mut parameters = kind.parameters();
+        for (name, &value) in &pattern.parameters {
+            parameters.set(name, value)?;
+        }
+        let fabric = package.manifest.fabric.clone();
+        Self::new(parameters, pattern.vertices, fabric).map(Some)
+    }
+
+    /// The parameters that garments are cut with.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Cuts the garment to the measures of `wearer`, or to others if `cut` is given, and puts it on
+    /// `body`, which is the wearer at rest: the seams are closed, the cloth contracts onto the skin.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Pattern`] if the parameters are not possible on this wearer, [`DataError::Sim`]
+    /// if the cloth cannot be put on.
+    pub fn dress(
+        &self,
+        body: &Body,
+        wearer: &Wearer,
+        cut: Option<&Measures>,
+        stop: &AtomicBool,
+    ) -> Result<Worn, DataError> {
+        let cut = cut.unwrap_or(&wearer.measures);
+        let sewn = self.template.sewn(&self.parameters, cut, wearer)?;
+        let rest = rest_of(&sewn);
+        let fabric = self.fabric.fabric();
+        let cloth = Cloth::new(&sewn.faces, sewn.num_vertices(), &rest, &fabric)?;
+        let positions = body.rest().positions();
+        let scene = Scene {
+            cloth: &cloth,
+            start: &sewn.start,
+            body: Some(MovingBody {
+                collider: &collider(body)?,
+                motion: &|_| positions.to_vec(),
+                allowed_parts: None,
+            }),
+        };
+        let schedule = wearing(cloth.mean_edge_length());
+        let worn = drape(&scene, &schedule, &mut stopping(stop, &mut |_| {}));
+        check_stop(stop)?;
+        Ok(Worn {
+            positions: worn?.positions,
+            sewn,
+        })
+    }
+
+    /// The teacher of a garment on the body that it was cut for.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Teacher::of_garment`].
+    pub fn teacher(&self, worn: &Worn, body: &Body) -> Result<Teacher, DataError> {
+        let mesh = worn.sewn.start_mesh().with_positions(worn.positions.clone())?;
+        let garment = Garment::new(mesh).bind(body)?;
+        Teacher::of_garment(garment, body, &rest_of(&worn.sewn), &self.fabric.fabric())
+    }
+
+    /// A package of a garment on the body that it was cut for.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Obj`] or [`DataError::Mesh`], which a sewn garment does not give.
+    pub fn package(
+        &self,
+        name: String,
+        worn: &Worn,
+        body: Body,
+        parameters: Option<StoredParameters>,
+    ) -> Result<GarmentPackage, DataError> {
+        let text = worn.sewn.obj(&worn.positions);
+        GarmentPackage::new(PackageParts {
+            name,
+            template: ObjFile::parse(text.into_bytes(), "template.obj")?,
+            rest: rest_of(&worn.sewn),
+            fabric: self.fabric.clone(),
+            pattern: Some(StoredPattern {
+                kind: self.parameters.garment().name().to_owned(),
+                vertices: self.num_vertices,
+                parameters: values(&self.parameters),
+            }),
+            body,
+            parameters,
+        })
+    }
+}
+
+/// Name and value of each parameter.
+pub(crate) fn values(parameters: &Parameters) -> BTreeMap<String, f64> {
+    parameters
+        .iter()
+        .map(|parameter| (parameter.spec.name.to_owned(), parameter.value))
+        .collect()
+}
+
+/// The fabric that a garment is usually made of.
+pub fn usual_fabric(kind: GarmentKind) -> StoredFabric {
+    let (name, fabric) = match kind {
+        GarmentKind::Tshirt => ("jersey", Fabric::jersey()),
+        GarmentKind::Sweater => ("knit", Fabric::knit()),
+        GarmentKind::Dress => ("cotton", Fabric::cotton()),
+        GarmentKind::Jeans => ("denim", Fabric::denim()),
+    };
+    StoredFabric::new(name, &fabric)
+}
+
+/// Frames in which a garment contracts from its start shape, of a sixtieth of a second each.
+const CONTRACTION_FRAMES: u32 = 45;
+
+/// The schedule for putting a garment on a body that stands still.
+fn wearing(edge_length: f32) -> Schedule {
+    let mut schedule = Schedule::for_quality(Quality::Teacher, edge_length);
+    schedule.motion_frames = 0;
+    schedule.contraction_frames = CONTRACTION_FRAMES;
+    if let Some(first) = schedule.stages.first_mut() {
+        first.frames += CONTRACTION_FRAMES;
+    }
+    schedule
+}
+
+fn rest_of(sewn: &SewnGarment) -> RestShape {
+    RestShape::Flat {
+        corners: sewn.flat.clone(),
+        shrink: sewn.shrink.clone(),
+    }
+}

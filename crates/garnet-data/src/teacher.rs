@@ -1,0 +1,212 @@
+//! The simulation as a teacher: a garment, ready to be draped on the way of its body to a pose.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use garnet_mesh::Point3;
+use garnet_sim::{
+    Cloth, Collider, Drape, Event, Fabric, MovingBody, RestShape, Scene, Schedule, drape,
+};
+use garnet_skin::{Body, BoundGarment, Garment};
+
+pub use garnet_sim::Quality;
+
+use crate::parts::{allowed_parts, collider};
+use crate::{BodyPath, DataError, GarmentPackage};
+
+/// More of the vertices inside the body at rest than this, and the garment does not lie on it.
+const MAX_SHARE_INSIDE: f64 = 0.3;
+
+/// The name of a quality in files and messages.
+pub const fn quality_name(quality: Quality) -> &'static str {
+    match quality {
+        Quality::Fast => "fast",
+        Quality::Teacher => "teacher",
+        Quality::Reference => "reference",
+    }
+}
+
+/// A garment that lies on a body at rest, ready to be simulated.
+///
+/// Vertices at one place are simulated as one. Loose pieces, buttons say, are carried along with the
+/// cloth that they sit on.
+#[derive(Debug, Clone)]
+pub struct Teacher {
+    garment: BoundGarment,
+    /// Nodes of the garment that are simulated.
+    nodes: Vec<u32>,
+    /// For nodes of loose pieces: the simulated node that they follow.
+    carried: Vec<(u32, u32)>,
+    cloth: Cloth,
+    start: Vec<Point3>,
+    collider: Collider,
+    allowed: Option<Vec<u32>>,
+}
+
+impl Teacher {
+    /// The garment of a package.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Teacher::of_garment`], and [`DataError::Skin`].
+    pub fn new(package: &GarmentPackage) -> Result<Self, DataError> {
+        let garment = Garment::new(package.mesh.clone()).bind(&package.body)?;
+        let fabric = package.manifest.fabric.fabric();
+        Self::of_garment(garment, &package.body, &package.rest, &fabric)
+    }
+
+    /// A garment that was bound to `body`. The rest shape is that of its mesh.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::InsideAtStart`] if a third of the garment is inside the body; [`DataError::Sim`]
+    /// for a mesh that no cloth can be, or constants that no fabric has.
+    pub fn of_garment(
+        garment: BoundGarment,
+        body: &Body,
+        rest: &RestShape,
+        fabric: &Fabric,
+    ) -> Result<Self, DataError> {
+        let is_piece = garment.is_piece();
+        let mut number = vec![u32::MAX; is_piece.len()];
+        let mut nodes = Vec::with_capacity(is_piece.len());
+        for (node, _) in is_piece.iter().enumerate().filter(|&(_, &is_piece)| !is_piece) {
+            number[node] = nodes.len() as u32;
+            nodes.push(node as u32);
+        }
+        let faces: Vec<[u32; 3]> = garment
+            .faces()
+            .iter()
+            .map(|face| face.map(|node| number[node as usize]))
+            .filter(|face| !face.contains(&u32::MAX))
+            .collect();
+        let start: Vec<Point3> = nodes
+            .iter()
+            .map(|&node| garment.rest()[node as usize])
+            .collect();
+        check_start(&start, body)?;
+        let rest = match rest {
+            // Faces that welding makes a line are in no simulation: such a pattern is not cut.
+            RestShape::Flat { corners, .. } if corners.len() == faces.len() => rest.clone(),
+            _ => RestShape::Worn(start.clone()),
+        };
+        let allowed = allowed_parts(body, garment.weights());
+        let allowed = allowed.map(|all| nodes.iter().map(|&node| all[node as usize]).collect());
+        Ok(Self {
+            cloth: Cloth::new(&faces, nodes.len(), &rest, fabric)?,
+            carried: carried(&garment, &nodes),
+            collider: collider(body)?,
+            garment,
+            nodes,
+            start,
+            allowed,
+        })
+    }
+
+    /// How many vertices are simulated.
+    pub fn num_simulated(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Simulates the garment while the body goes along its path, and until it rests.
+    ///
+    /// The result's positions are those of the garment's mesh `[vertex]`. `observer` is told how far
+    /// it is, with the positions at the end of each frame; `stop` ends it.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Stopped`], or [`DataError::Sim`] if the cloth flies apart.
+    pub fn drape(
+        &self,
+        path: &BodyPath,
+        quality: Quality,
+        stop: &AtomicBool,
+        observer: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Drape, DataError> {
+        let schedule = Schedule::for_quality(quality, self.cloth.mean_edge_length());
+        let motion = |time: f32| path.positions(time);
+        let scene = Scene {
+            cloth: &self.cloth,
+            start: &self.start,
+            body: Some(MovingBody {
+                collider: &self.collider,
+                motion: &motion,
+                allowed_parts: self.allowed.as_deref(),
+            }),
+        };
+        let result = drape(&scene, &schedule, &mut stopping(stop, observer));
+        check_stop(stop)?;
+        let mut result = result?;
+        result.positions = self.vertices(&result.positions);
+        Ok(result)
+    }
+
+    /// Positions of the garment's mesh `[vertex]` of those of the simulated nodes.
+    pub fn vertices(&self, simulated: &[Point3]) -> Vec<Point3> {
+        let mut at_nodes = self.garment.rest().to_vec();
+        for (&node, &position) in self.nodes.iter().zip(simulated) {
+            at_nodes[node as usize] = position;
+        }
+        for &(node, follows) in &self.carried {
+            let moved = at_nodes[follows as usize] - self.garment.rest()[follows as usize];
+            at_nodes[node as usize] += moved;
+        }
+        self.garment.weld().scatter(&at_nodes)
+    }
+}
+
+/// An observer that ends the simulation once `stop` is set.
+pub(crate) fn stopping<'a>(
+    stop: &'a AtomicBool,
+    observer: &'a mut dyn FnMut(Event<'_>),
+) -> impl FnMut(Event<'_>) -> ControlFlow<()> + 'a {
+    |event| {
+        observer(event);
+        if stop.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+/// Whether the work goes on.
+pub(crate) fn check_stop(stop: &AtomicBool) -> Result<(), DataError> {
+    if stop.load(Ordering::Relaxed) {
+        return Err(DataError::Stopped);
+    }
+    Ok(())
+}
+
+/// The simulated node that each node of a loose piece is nearest to.
+fn carried(garment: &BoundGarment, nodes: &[u32]) -> Vec<(u32, u32)> {
+    let pieces = garment.is_piece().iter().enumerate();
+    let pieces = pieces.filter(|&(_, &is_piece)| is_piece);
+    pieces
+        .filter_map(|(piece, _)| {
+            let place = garment.rest()[piece];
+            let distance = |&&node: &&u32| (garment.rest()[node as usize] - place).norm_squared();
+            let nearest = nodes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+            Some((piece as u32, *nearest))
+        })
+        .collect()
+}
+
+fn check_start(start: &[Point3], body: &Body) -> Result<(), DataError> {
+    let skin = body.skin();
+    if !skin.is_closed() {
+        return Ok(());
+    }
+    let is_inside = skin.contains_all(start);
+    let inside = is_inside.iter().filter(|&&is_inside| is_inside).count();
+    if inside as f64 <= MAX_SHARE_INSIDE * start.len() as f64 {
+        return Ok(());
+    }
+    let depths = start.iter().zip(&is_inside).filter(|&(_, &is_inside)| is_inside);
+    let depths = depths.map(|(&point, _)| skin.closest(point).distance_squared.sqrt());
+    Err(DataError::InsideAtStart {
+        inside,
+        vertices: start.len(),
+        deepest: depths.fold(0.0, f32::max),
+    })
+}

@@ -1,0 +1,138 @@
+//! Tensors of a safetensors file.
+
+use std::collections::HashMap;
+
+use garnet_mesh::{Point3, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion};
+use safetensors::{Dtype, SafeTensorError, SafeTensors, View, serialize};
+
+/// Key under which the text of a file is kept. There is one key alone, because the format does not
+/// order several.
+const TEXT_KEY: &str = "garnet";
+
+/// An array of `f32` with a shape.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Array {
+    pub(crate) shape: Vec<usize>,
+    pub(crate) values: Vec<f32>,
+}
+
+impl Array {
+    /// Rows of points `[row, vertex, 3]`.
+    pub(crate) fn of_points<'a>(rows: impl Iterator<Item = &'a [Point3]>, num_points: usize) -> Self {
+        let values: Vec<f32> = rows
+            .flat_map(|row| row.iter().flat_map(|point| [point.x, point.y, point.z]))
+            .collect();
+        let row = (3 * num_points).max(1);
+        Self {
+            shape: vec![values.len() / row, num_points, 3],
+            values,
+        }
+    }
+
+    /// Length of the first axis.
+    pub(crate) fn len(&self) -> usize {
+        self.shape.first().copied().unwrap_or(0)
+    }
+
+    /// The values of a row.
+    pub(crate) fn row(&self, row: usize) -> &[f32] {
+        let size: usize = self.shape.iter().skip(1).product();
+        &self.values[row * size..(row + 1) * size]
+    }
+
+    /// The points of a row.
+    pub(crate) fn points(&self, row: usize) -> Vec<Point3> {
+        let values = self.row(row).chunks_exact(3);
+        values.map(|p| Point3::new(p[0], p[1], p[2])).collect()
+    }
+
+    /// The rotations of a row, stored as x, y, z, w.
+    pub(crate) fn rotations(&self, row: usize) -> Vec<UnitQuaternion<f32>> {
+        let values = self.row(row).chunks_exact(4);
+        // Kept as stored: normalising anew would change the last bit of the body.
+        values
+            .map(|q| UnitQuaternion::new_unchecked(Quaternion::new(q[3], q[0], q[1], q[2])))
+            .collect()
+    }
+
+    /// The vector of a row.
+    pub(crate) fn vector(&self, row: usize) -> Vector3 {
+        let values = self.row(row);
+        Vector3::new(values[0], values[1], values[2])
+    }
+}
+
+/// A view as the format wants it.
+struct Bytes<'a> {
+    shape: &'a [usize],
+    data: Vec<u8>,
+}
+
+impl View for &Bytes<'_> {
+    fn dtype(&self) -> Dtype {
+        Dtype::F32
+    }
+
+    fn shape(&self) -> &[usize] {
+        self.shape
+    }
+
+    fn data(&self) -> std::borrow::Cow<'_, [u8]> {
+        self.data.as_slice().into()
+    }
+
+    fn data_len(&self) -> usize {
+        self.data.len()
+    }
+}
+
+/// The bytes of a file with these arrays and this text. Equal contents give equal bytes.
+pub(crate) fn to_bytes(arrays: &[(&str, &Array)], text: String) -> Result<Vec<u8>, SafeTensorError> {
+    let bytes = |array: &Array| -> Vec<u8> {
+        let values = array.values.iter();
+        values.flat_map(|value| value.to_le_bytes()).collect()
+    };
+    let views: Vec<(&str, Bytes<'_>)> = arrays
+        .iter()
+        .map(|(name, array)| {
+            let (shape, data) = (array.shape.as_slice(), bytes(array));
+            (*name, Bytes { shape, data })
+        })
+        .collect();
+    let metadata = HashMap::from([(TEXT_KEY.to_owned(), text)]);
+    serialize(views.iter().map(|(name, view)| (*name, view)), Some(metadata))
+}
+
+/// Arrays and text of a file.
+pub(crate) struct Contents<'a> {
+    tensors: SafeTensors<'a>,
+    /// The text.
+    pub(crate) text: String,
+}
+
+impl<'a> Contents<'a> {
+    /// Reads the head of a file; none where it holds no text of ours.
+    pub(crate) fn of(bytes: &'a [u8]) -> Result<Option<Self>, SafeTensorError> {
+        let (_, metadata) = SafeTensors::read_metadata(bytes)?;
+        let texts = metadata.metadata().as_ref();
+        let text = texts.and_then(|texts| texts.get(TEXT_KEY)).cloned();
+        let tensors = SafeTensors::deserialize(bytes)?;
+        Ok(text.map(|text| Self { tensors, text }))
+    }
+
+    /// An array of a name; none if there is none, or if it does not hold `f32`.
+    pub(crate) fn array(&self, name: &str) -> Option<Array> {
+        let view = self.tensors.tensor(name).ok()?;
+        (view.dtype() == Dtype::F32).then(|| Array {
+            shape: view.shape().to_vec(),
+            values: view
+                .data()
+                .as_chunks()
+                .0
+                .iter()
+                .map(|bytes| f32::from_le_bytes(*bytes))
+                .collect(),
+        })
+    }
+}

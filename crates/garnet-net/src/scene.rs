@@ -1,0 +1,304 @@
+//! One garment over one body, as the network sees it.
+
+use garnet_knn::VertexTree;
+use garnet_mesh::{Point3, Vector3};
+use nalgebra::{Isometry3, Matrix3, UnitQuaternion};
+
+use crate::table::RowTable;
+use crate::{BodySampling, Frame, GarNetConfig, GarmentGraph, NetError, UNIT, VertexInput};
+
+/// Beyond this no coordinate belongs to a garment, metres.
+const MAX_COORDINATE: f32 = 1e6;
+
+/// What a scene brings: the skinned garment M and the target body B.
+#[derive(Debug, Clone, Copy)]
+pub struct SceneInput<'a> {
+    /// The warped garment `[vertex]`, in metres.
+    pub warped: &'a [Point3],
+    /// The target body `[point]`, in metres.
+    pub body: &'a [Point3],
+    /// Unit normals `[point]`; may be empty where the configuration does not ask for them.
+    pub body_normals: &'a [Vector3],
+    /// Where the root joint (the pelvis) is.
+    pub world_from_root: Isometry3<f32>,
+    /// The blended skinning rotation of each garment vertex, from the template to the scene; may
+    /// be empty where the configuration does not ask for it.
+    pub rotations: &'a [UnitQuaternion<f32>],
+    /// Parameters of shape and pose; [`Variant::GlobalParams`](crate::Variant::GlobalParams) only.
+    pub parameters: &'a [f32],
+}
+
+/// The arrays of a scene, in the root frame and in units of 0.1 m.
+///
+/// Buffers are kept between scenes.
+#[derive(Debug, Clone, Default)]
+pub struct Scene {
+    /// Vertices `[vertex][3]`.
+    pub(crate) vertices: Vec<f32>,
+    /// What vertices bring along `[vertex][feature]`.
+    pub(crate) features: Vec<f32>,
+    /// Used body points `[point][3 or 6]`.
+    pub(crate) body: Vec<f32>,
+    /// The kept body points nearest to each vertex.
+    pub(crate) nearest: RowTable,
+    /// Parameters of shape and pose.
+    pub(crate) parameters: Vec<f32>,
+    /// From the frame of prediction to the world: one for all vertices, or one each.
+    frames: Vec<Matrix3<f32>>,
+    /// M, in metres.
+    warped: Vec<Point3>,
+}
+
+impl Scene {
+    /// Prepares a scene; see [`Scene::prepare`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Scene::prepare`].
+    pub fn new(
+        config: &GarNetConfig,
+        garment: &GarmentGraph,
+        sampling: &BodySampling,
+        input: &SceneInput<'_>,
+    ) -> Result<Self, NetError> {
+        let mut scene = Self::default();
+        scene.prepare(config, garment, sampling, input)?;
+        Ok(scene)
+    }
+
+    /// Fills the arrays for a scene, reusing the buffers.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::Count`] or [`NetError::Missing`] where an array has the wrong length,
+    /// [`NetError::NotFinite`] for a coordinate that is not usable.
+    pub fn prepare(
+        &mut self,
+        config: &GarNetConfig,
+        garment: &GarmentGraph,
+        sampling: &BodySampling,
+        input: &SceneInput<'_>,
+    ) -> Result<(), NetError> {
+        check(config, garment, sampling, input)?;
+        let root_from_world = input.world_from_root.inverse();
+        let root = input.world_from_root.rotation.to_rotation_matrix();
+        self.warped.clear();
+        self.warped.extend_from_slice(input.warped);
+        self.vertices.clear();
+        for point in input.warped {
+            let place = (root_from_world * point).coords / UNIT;
+            self.vertices.extend_from_slice(place.as_slice());
+        }
+        self.frames.clear();
+        match config.frame {
+            Frame::Root => self.frames.push(root.into_inner()),
+            Frame::Skin => {
+                let frames = input.rotations.iter().map(rotation);
+                self.frames.extend(frames);
+            }
+        }
+        self.parameters.clear();
+        self.parameters.extend_from_slice(input.parameters);
+        self.body.clear();
+        let used: Vec<Point3> = (sampling.used().iter())
+            .map(|&index| input.body[index as usize])
+            .collect();
+        if config.has_body_stream() {
+            for (&index, point) in sampling.used().iter().zip(&used) {
+                let place = (root_from_world * point).coords / UNIT;
+                self.body.extend_from_slice(place.as_slice());
+                if config.body.normals {
+                    let normal = root_from_world * input.body_normals[index as usize];
+                    self.body.extend_from_slice(normal.as_slice());
+                }
+            }
+        }
+        self.nearest = RowTable::default();
+        if config.has_local_pooling() {
+            let kept: Vec<Point3> = (sampling.kept().iter())
+                .map(|&index| used[index as usize])
+                .collect();
+            let neighbors = VertexTree::new(&kept)?;
+            let neighbors = neighbors.k_nearest_all(input.warped, config.pooling.neighbors);
+            self.nearest.num_columns = neighbors.num_neighbors();
+            self.nearest.indices = neighbors.into_indices();
+        }
+        self.fill_features(config, garment, sampling, input, &used)
+    }
+
+    /// What each vertex brings along: one after the other in the order of the configuration.
+    fn fill_features(
+        &mut self,
+        config: &GarNetConfig,
+        garment: &GarmentGraph,
+        sampling: &BodySampling,
+        input: &SceneInput<'_>,
+        used: &[Point3],
+    ) -> Result<(), NetError> {
+        let nearest = if config.needs_nearest() {
+            VertexTree::new(used)?.k_nearest_all(input.warped, 1)
+        } else {
+            VertexTree::new(&[])?.k_nearest_all(&[], 1)
+        };
+        let root_from_world = input.world_from_root.rotation.inverse();
+        self.features.clear();
+        for vertex in 0..garment.num_vertices() {
+            let frame_from_world = self.frame(vertex).transpose();
+            let near = nearest.row(vertex).first().map(|&index| index as usize);
+            for feature in &config.garment.inputs {
+                match feature {
+                    VertexInput::Template => {
+                        let place = &garment.template()[3 * vertex..3 * vertex + 3];
+                        self.features.extend_from_slice(place);
+                    }
+                    VertexInput::BodyOffset => {
+                        let point = used[near.unwrap_or(0)];
+                        let offset = frame_from_world * (input.warped[vertex] - point) / UNIT;
+                        self.features.extend_from_slice(offset.as_slice());
+                    }
+                    VertexInput::BodyNormal => {
+                        let index = sampling.used()[near.unwrap_or(0)] as usize;
+                        let normal = frame_from_world * input.body_normals[index];
+                        self.features.extend_from_slice(normal.as_slice());
+                    }
+                    VertexInput::Rotation => {
+                        let turned = rotation(&(root_from_world * input.rotations[vertex]));
+                        self.features.extend_from_slice(&turned.as_slice()[..6]);
+                    }
+                }
+            }
+            self.features.extend_from_slice(garment.sewing_parameters());
+        }
+        Ok(())
+    }
+
+    /// How many vertices the garment has.
+    pub fn num_vertices(&self) -> usize {
+        self.warped.len()
+    }
+
+    /// M, the warped garment, in metres.
+    pub fn warped(&self) -> &[Point3] {
+        &self.warped
+    }
+
+    /// World from the frame of prediction at a vertex.
+    fn frame(&self, vertex: usize) -> &Matrix3<f32> {
+        &self.frames[vertex.min(self.frames.len() - 1)]
+    }
+
+    /// G_P = M + f(M, B): the vertices moved by translations `[vertex][3]` as the network gives
+    /// them, in metres.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::Diverged`] for a translation that is not finite, [`NetError::Count`] for the
+    /// wrong number of them.
+    pub fn moved(&self, translations: &[f32]) -> Result<Vec<Point3>, NetError> {
+        let (rows, rest) = translations.as_chunks::<3>();
+        if rows.len() != self.num_vertices() || !rest.is_empty() {
+            return Err(NetError::Count {
+                what: "translations",
+                found: rows.len(),
+                expected: self.num_vertices(),
+            });
+        }
+        let mut moved = Vec::with_capacity(rows.len());
+        for (vertex, (&row, point)) in rows.iter().zip(&self.warped).enumerate() {
+            let place = point + self.frame(vertex) * Vector3::from(row) * UNIT;
+            if !place.iter().all(|value| value.abs() < MAX_COORDINATE) {
+                return Err(NetError::Diverged { vertex });
+            }
+            moved.push(place);
+        }
+        Ok(moved)
+    }
+
+    /// Turns gradients by places `[vertex]` into gradients by translations `[vertex][3]`, both
+    /// in units: the adjoint of [`Scene::moved`].
+    ///
+    /// # Panics
+    ///
+    /// If there are more gradients than vertices.
+    pub fn pulled_back(&self, gradients: &[Vector3]) -> Vec<f32> {
+        let turned = gradients.iter().enumerate();
+        let turned = turned.map(|(vertex, gradient)| self.frame(vertex).transpose() * gradient);
+        turned.flat_map(|gradient| gradient.data.0[0]).collect()
+    }
+}
+
+fn rotation(turn: &UnitQuaternion<f32>) -> Matrix3<f32> {
+    turn.to_rotation_matrix().into_inner()
+}
+
+/// Compares all lengths with what the configuration asks for, and looks for stray numbers.
+fn check(
+    config: &GarNetConfig,
+    garment: &GarmentGraph,
+    sampling: &BodySampling,
+    input: &SceneInput<'_>,
+) -> Result<(), NetError> {
+    let num_vertices = garment.num_vertices();
+    let (normals, rotations) = (input.body_normals, input.rotations);
+    let needs_normals = config.body.normals && config.has_body_stream()
+        || config.garment.inputs.contains(&VertexInput::BodyNormal);
+    if needs_normals && normals.is_empty() {
+        return Err(NetError::Missing {
+            what: "normals of the body are",
+            needed_by: "the network is fed with",
+        });
+    }
+    if config.needs_rotations() && rotations.is_empty() {
+        return Err(NetError::Missing {
+            what: "skinning rotations are",
+            needed_by: "the network predicts in",
+        });
+    }
+    let or_none = |is_needed: bool, count| if is_needed { count } else { 0 };
+    let expected_parameters = or_none(!config.has_body_stream(), config.num_body_parameters);
+    let num_normals = or_none(needs_normals, sampling.num_points());
+    let num_rotations = or_none(config.needs_rotations(), num_vertices);
+    let sewing = garment.sewing_parameters().len();
+    let counts = [
+        ("garment vertices", input.warped.len(), num_vertices),
+        ("body points", input.body.len(), sampling.num_points()),
+        ("normals of the body", normals.len(), num_normals),
+        ("skinning rotations", rotations.len(), num_rotations),
+        ("parameters", input.parameters.len(), expected_parameters),
+        ("sewing parameters", sewing, config.num_sewing_parameters),
+    ];
+    for (what, found, expected) in counts {
+        // More than is asked for is harmless; it is just not looked at.
+        let is_optional = matches!(what, "normals of the body" | "skinning rotations" | "parameters");
+        if found != expected && !(expected == 0 && is_optional) {
+            return Err(NetError::Count {
+                what,
+                found,
+                expected,
+            });
+        }
+    }
+    let points = |what, points: &[Point3]| {
+        first_stray(what, points.iter().map(|point| point.coords.as_slice()))
+    };
+    points("garment vertex", input.warped)?;
+    points("body point", input.body)?;
+    first_stray("body normal", normals.iter().map(|normal| normal.as_slice()))?;
+    let turns = rotations.iter().map(|turn| turn.coords.as_slice());
+    first_stray("skinning rotation", turns)?;
+    first_stray("parameter", input.parameters.iter().map(std::slice::from_ref))?;
+    let root = input.world_from_root;
+    let root = [root.translation.vector.as_slice(), root.rotation.coords.as_slice()];
+    first_stray("root transform", root)
+}
+
+fn first_stray<'a>(
+    what: &'static str,
+    rows: impl IntoIterator<Item = &'a [f32]>,
+) -> Result<(), NetError> {
+    let is_stray = |row: &[f32]| !row.iter().all(|value| value.abs() < MAX_COORDINATE);
+    match rows.into_iter().position(is_stray) {
+        Some(index) => Err(NetError::NotFinite { what, index }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,34 @@
+//! The draft of each garment, and where it starts around its wearer.
+
+use crate::curve::Point2;
+use crate::draft::{Draft, Layer};
+use crate::top_start::TopStart;
+use crate::wearer::{Landmark, Measures};
+use crate::{GarmentKind, Parameters, PatternError, Wearer};
+
+/// From the chart of a patch into space.
+#[derive(Debug, Clone)]
+pub(crate) enum StartShape {
+    Top(TopStart),
+}
+
+impl StartShape {
+    pub(crate) fn at(&self, layer: Layer, chart: Point2, closes: bool) -> Landmark {
+        match self {
+            Self::Top(top) => top.at(layer, chart, closes),
+        }
+    }
+}
+
+/// The pattern of a garment cut to measures, in the flat and around a wearer.
+pub(crate) fn draft(
+    parameters: &Parameters,
+    cut: &Measures,
+    wearer: &Wearer,
+) -> Result<(Draft, StartShape), PatternError> {
+    let (draft, start) = match parameters.garment() {
+        GarmentKind::Tshirt | GarmentKind::Sweater => crate::tops::shirt(parameters, cut, wearer)?,
+        GarmentKind::Dress | GarmentKind::Jeans => unimplemented!("in work"),
+    };
+    Ok((draft, StartShape::Top(start)))
+}

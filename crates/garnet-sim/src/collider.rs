@@ -1,0 +1,114 @@
+//! What cloth lies on: a body or any other mesh that moves.
+
+use crate::{Point3, SimError};
+use garnet_knn::Surface;
+use garnet_mesh::TriMesh;
+
+/// The faces of a body, and which part of it each belongs to.
+///
+/// Parts are numbers below 32 that mean nothing here: two arms, a trunk and two legs, say. They tell
+/// cloth which skin it may rest on, and where two parts face each other.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Collider {
+    faces: Vec<[u32; 3]>,
+    num_vertices: usize,
+    part_of_face: Option<Vec<u8>>,
+}
+
+/// How many parts a collider can have.
+pub const MAX_PARTS: u8 = 32;
+
+/// Where the vertices `[vertex]` of a collider are at a time from 0 (the garment's start) to 1 (the
+/// target), in metres.
+///
+/// It is asked at equal steps, 0 first, and has to be continuous. A collider that stands still is
+/// `&|_| positions.clone()`.
+pub type Motion<'a> = dyn Fn(f32) -> Vec<Point3> + 'a;
+
+impl Collider {
+    /// A collider without parts.
+    ///
+    /// # Errors
+    ///
+    /// [`SimError::Collider`] for faces that name missing vertices.
+    pub fn new(faces: &[[u32; 3]], num_vertices: usize) -> Result<Self, SimError> {
+        let nowhere = vec![Point3::origin(); num_vertices];
+        let mesh = TriMesh::new(nowhere, faces.to_vec()).map_err(SimError::Collider)?;
+        Ok(Self {
+            num_vertices,
+            faces: mesh.into_parts().1,
+            part_of_face: None,
+        })
+    }
+
+    /// The same collider with the part of each face.
+    ///
+    /// # Errors
+    ///
+    /// [`SimError::Count`] if there is not one part a face, [`SimError::PartTooLarge`].
+    pub fn with_parts(mut self, part_of_face: Vec<u8>) -> Result<Self, SimError> {
+        crate::rest_shape::check_count("parts of faces", part_of_face.len(), self.faces.len())?;
+        for (face, &part) in part_of_face.iter().enumerate() {
+            if part >= MAX_PARTS {
+                return Err(SimError::PartTooLarge { face, part });
+            }
+        }
+        self.part_of_face = Some(part_of_face);
+        Ok(self)
+    }
+
+    /// Vertex numbers `[face][corner]`.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// How many vertices there are.
+    pub fn num_vertices(&self) -> usize {
+        self.num_vertices
+    }
+
+    /// The part of each face, if there are parts.
+    pub fn part_of_face(&self) -> Option<&[u8]> {
+        self.part_of_face.as_deref()
+    }
+
+    /// The collider at a place, ready for proximity queries.
+    ///
+    /// # Errors
+    ///
+    /// [`SimError::Collider`] for positions that do not fit or are not finite.
+    pub fn surface(&self, positions: Vec<Point3>) -> Result<Surface, SimError> {
+        if positions.len() != self.num_vertices {
+            return Err(SimError::Count {
+                what: "positions of the collider",
+                found: positions.len(),
+                expected: self.num_vertices,
+            });
+        }
+        let mesh = TriMesh::new(positions, self.faces.clone()).map_err(SimError::Collider)?;
+        Ok(Surface::new(&mesh))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_have_to_fit() {
+        let collider = Collider::new(&[[0, 1, 2]], 3).unwrap();
+        let none = collider.clone().with_parts(Vec::new());
+        assert!(matches!(none, Err(SimError::Count { found: 0, .. })));
+        let large = collider.clone().with_parts(vec![32]);
+        assert_eq!(large, Err(SimError::PartTooLarge { face: 0, part: 32 }));
+        assert!(collider.with_parts(vec![31]).is_ok());
+    }
+
+    #[test]
+    fn positions_have_to_fit() {
+        let collider = Collider::new(&[[0, 1, 2]], 3).unwrap();
+        let error = collider.surface(vec![Point3::origin(); 2]).unwrap_err();
+        assert!(matches!(error, SimError::Count { expected: 3, .. }));
+        assert!(Collider::new(&[[0, 1, 3]], 3).is_err());
+    }
+}

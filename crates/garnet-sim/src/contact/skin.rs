@@ -1,0 +1,248 @@
+//! The collider at a time: its hierarchy, normals and velocities.
+
+use crate::contact::triangle::project_origin;
+use crate::{Collider, Point3, SimError, Vector3};
+use garnet_knn::{Feature, KnnError, Surface};
+use garnet_mesh::Topology;
+
+/// The skin that cloth lies on, between one refresh of the contacts and the next.
+#[derive(Debug)]
+pub(crate) struct Skin {
+    surface: Surface,
+    /// The face across each side `[face][side]`, the side from a corner to the next; the face
+    /// itself where there is none.
+    across: Vec<[u32; 3]>,
+    topology: Topology,
+    parts: Option<Vec<u8>>,
+    face_normals: Vec<Vector3>,
+    vertex_normals: Vec<Vector3>,
+    /// Velocity of each vertex, m/s; empty while all stand still.
+    velocities: Vec<Vector3>,
+    /// Sum of the farthest moves of any vertex since the start, m.
+    travel: f32,
+}
+
+/// A place on the skin.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Foot {
+    pub(crate) face: u32,
+    pub(crate) barycentric: [f32; 3],
+    pub(crate) feature: Feature,
+    pub(crate) point: Point3,
+    /// From the place to the point that was asked for.
+    pub(crate) offset: Vector3,
+    pub(crate) distance_squared: f32,
+}
+
+/// A walk over the skin ends after so many steps.
+const MAX_STEPS: usize = 24;
+
+impl Skin {
+    pub(crate) fn new(collider: &Collider, positions: Vec<Point3>) -> Result<Self, SimError> {
+        let surface = collider.surface(positions)?;
+        let topology = Topology::new(collider.num_vertices(), collider.faces());
+        let mut across: Vec<[u32; 3]> = (0..collider.faces().len() as u32)
+            .map(|face| [face; 3])
+            .collect();
+        for (edge, vertices) in topology.edges().iter().enumerate() {
+            let &[first, second] = topology.edge_faces(edge) else {
+                continue;
+            };
+            for (face, other) in [(first, second), (second, first)] {
+                let corners = collider.faces()[face as usize];
+                for side in 0..3 {
+                    let ends = [corners[side], corners[(side + 1) % 3]];
+                    if vertices.contains(&ends[0]) && vertices.contains(&ends[1]) {
+                        across[face as usize][side] = other;
+                    }
+                }
+            }
+        }
+        let mut skin = Self {
+            surface,
+            across,
+            topology,
+            parts: collider.part_of_face().map(<[u8]>::to_vec),
+            face_normals: Vec::new(),
+            vertex_normals: Vec::new(),
+            velocities: Vec::new(),
+            travel: 0.0,
+        };
+        skin.measure_normals();
+        Ok(skin)
+    }
+
+    pub(crate) fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// How far any part of the skin can have come since the start, m.
+    pub(crate) fn travel(&self) -> f32 {
+        self.travel
+    }
+
+    /// Moves all vertices to `positions`.
+    pub(crate) fn move_to(&mut self, positions: &[Point3]) -> Result<(), KnnError> {
+        let pairs = self.surface.positions().iter().zip(positions);
+        let farthest = pairs
+            .map(|(a, b)| (b - a).norm_squared())
+            .fold(0.0, f32::max);
+        if farthest > 0.0 || positions.len() != self.surface.positions().len() {
+            self.surface.refit(positions)?;
+            self.travel += farthest.sqrt();
+            self.measure_normals();
+        }
+        Ok(())
+    }
+
+    /// Lets all vertices move towards `targets`, to be there after some seconds.
+    pub(crate) fn head_for(&mut self, targets: &[Point3], seconds: f32) {
+        self.velocities.clear();
+        let pairs = self.surface.positions().iter().zip(targets);
+        self.velocities
+            .extend(pairs.map(|(from, to)| (to - from) / seconds));
+    }
+
+    /// Lets all vertices stand still.
+    pub(crate) fn stand(&mut self) {
+        self.velocities.clear();
+    }
+
+    /// Whether a face may be touched by cloth that the parts of a bit mask may touch.
+    #[inline]
+    pub(crate) fn is_allowed(&self, face: u32, mask: u32) -> bool {
+        match &self.parts {
+            Some(parts) => mask >> parts[face as usize] & 1 == 1,
+            None => true,
+        }
+    }
+
+    /// The place on a face nearest to `point`.
+    #[inline]
+    pub(crate) fn foot_on(&self, face: u32, point: Point3) -> Foot {
+        let corners = self.surface.faces()[face as usize];
+        let relative = corners.map(|vertex| self.surface.positions()[vertex as usize] - point);
+        let projection = project_origin(relative);
+        let [u, v, w] = projection.barycentric;
+        let towards = u * relative[0] + v * relative[1] + w * relative[2];
+        Foot {
+            face,
+            barycentric: projection.barycentric,
+            feature: projection.feature,
+            point: point + towards,
+            offset: -towards,
+            distance_squared: towards.norm_squared(),
+        }
+    }
+
+    /// The nearest place that can be reached from `start_face` by always coming nearer, over faces
+    /// that are allowed.
+    pub(crate) fn walk(&self, point: Point3, start_face: u32, mask: u32) -> Foot {
+        let mut best = self.foot_on(start_face, point);
+        for _ in 0..MAX_STEPS {
+            let from = best;
+            match from.feature {
+                Feature::Face => break,
+                Feature::Edge(side) => {
+                    let face = self.across[from.face as usize][usize::from(side)];
+                    self.step(point, face, mask, &mut best);
+                }
+                Feature::Vertex(corner) => {
+                    let corners = self.surface.faces()[from.face as usize];
+                    let vertex = corners[usize::from(corner)] as usize;
+                    for &face in self.topology.vertex_faces(vertex) {
+                        self.step(point, face, mask, &mut best);
+                    }
+                }
+            }
+            if best.face == from.face {
+                break;
+            }
+        }
+        best
+    }
+
+    #[inline]
+    fn step(&self, point: Point3, face: u32, mask: u32, best: &mut Foot) {
+        if face != best.face && self.is_allowed(face, mask) {
+            let foot = self.foot_on(face, point);
+            if foot.distance_squared < best.distance_squared {
+                *best = foot;
+            }
+        }
+    }
+
+    /// The unit normal of a face; zero if it has no area.
+    #[inline]
+    pub(crate) fn face_normal(&self, face: u32) -> Vector3 {
+        self.face_normals[face as usize]
+    }
+
+    /// The pseudonormal where a place lies: on its face, edge or vertex. Not of unit length.
+    pub(crate) fn pseudonormal(&self, foot: &Foot) -> Vector3 {
+        let face = foot.face as usize;
+        match foot.feature {
+            Feature::Face => self.face_normals[face],
+            Feature::Edge(side) => {
+                let other = self.across[face][usize::from(side)];
+                self.face_normals[face] + self.face_normals[other as usize]
+            }
+            Feature::Vertex(corner) => {
+                let vertex = self.surface.faces()[face][usize::from(corner)];
+                self.vertex_normals[vertex as usize]
+            }
+        }
+    }
+
+    /// The normals of the corners interpolated at a place. Not of unit length.
+    pub(crate) fn smooth_normal(&self, foot: &Foot) -> Vector3 {
+        self.interpolated(foot, &self.vertex_normals)
+    }
+
+    /// How fast the skin moves at a place, m/s.
+    pub(crate) fn velocity(&self, foot: &Foot) -> Vector3 {
+        if self.velocities.is_empty() {
+            return Vector3::zeros();
+        }
+        self.interpolated(foot, &self.velocities)
+    }
+
+    fn interpolated(&self, foot: &Foot, values: &[Vector3]) -> Vector3 {
+        let [a, b, c] = self.surface.faces()[foot.face as usize];
+        let [u, v, w] = foot.barycentric;
+        u * values[a as usize] + v * values[b as usize] + w * values[c as usize]
+    }
+
+    fn measure_normals(&mut self) {
+        let positions = self.surface.positions();
+        self.face_normals.clear();
+        self.vertex_normals.clear();
+        self.vertex_normals
+            .resize(positions.len(), Vector3::zeros());
+        for &[a, b, c] in self.surface.faces() {
+            let corners = [a, b, c].map(|vertex| positions[vertex as usize]);
+            let sides = [0, 1, 2].map(|k| unit(corners[(k + 1) % 3] - corners[k]));
+            let normal = unit(sides[0].cross(&-sides[2]));
+            self.face_normals.push(normal);
+            for (corner, vertex) in [a, b, c].into_iter().enumerate() {
+                // The chord of the angle stands for the angle: it grows with it, up to half a turn.
+                let chord = (sides[corner] + sides[(corner + 2) % 3]).norm();
+                self.vertex_normals[vertex as usize] += normal * chord;
+            }
+        }
+        for normal in &mut self.vertex_normals {
+            *normal = unit(*normal);
+        }
+    }
+}
+
+/// The direction of a vector; zero for zero.
+#[inline]
+pub(crate) fn unit(vector: Vector3) -> Vector3 {
+    let squared = vector.norm_squared();
+    if squared > 0.0 {
+        vector / squared.sqrt()
+    } else {
+        Vector3::zeros()
+    }
+}

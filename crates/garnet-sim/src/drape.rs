@@ -1,0 +1,328 @@
+//! From the garment's start to its place on the body in the end.
+
+use std::ops::ControlFlow;
+
+use crate::contact::Skin;
+use crate::report::{Penetration, Speeds, Strain, self_intersections};
+use crate::solver::Solver;
+use crate::{DrapeReport, Energy, MovingBody, Point3, Scene, Schedule, SimError};
+
+/// A draped garment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drape {
+    /// Where the vertices are `[vertex]`, in metres.
+    pub positions: Vec<Point3>,
+    /// How well they lie.
+    pub report: DrapeReport,
+}
+
+/// What happens during a run.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub enum Event<'a> {
+    /// A frame is done.
+    Frame {
+        /// How many frames are done.
+        num_done: u64,
+        /// How many there will be.
+        num_frames: u64,
+        /// Substeps done over substeps of the whole run: what a bar shows.
+        progress: f32,
+        /// Where the garment is `[vertex]`, in metres.
+        positions: &'a [Point3],
+    },
+}
+
+/// Edges more often as long as at rest than this are torn.
+const TORN: f32 = 10.0;
+
+/// Speeds are measured over the frames of the last so many seconds.
+const SPEED_SECONDS: f32 = 0.1;
+
+/// The farthest that the body may move in a frame, in metres.
+const MAX_BODY_TRAVEL: f32 = 0.25;
+
+/// Simulates a scene.
+///
+/// One scene runs on one thread; the same scene and schedule give the same bytes. The motion of the
+/// body is asked at equal frames of a time that starts and ends gently. The observer hears of each
+/// frame, and may break off.
+///
+/// # Errors
+///
+/// What [`Scene::check`] and [`Schedule::check`] refuse; [`SimError::Collider`],
+/// [`SimError::Motion`] or [`SimError::MotionTooFast`] for a body that is not usable;
+/// [`SimError::Exploded`] or [`SimError::Torn`] if the cloth does not hold together;
+/// [`SimError::Stopped`] if the observer breaks off.
+///
+/// # Examples
+///
+/// A square of cotton falls on a ball.
+///
+/// ```
+/// use garnet_mesh::primitives::{grid, icosphere};
+/// use garnet_sim::{
+///     Cloth, Collider, Fabric, MovingBody, Point3, Quality, RestShape, Scene, Schedule, drape,
+/// };
+/// use std::ops::ControlFlow;
+///
+/// let square = grid(12, 12, [0.4, 0.4]);
+/// let rest = RestShape::Worn(square.positions().to_vec());
+/// let cloth = Cloth::new(square.faces(), square.num_vertices(), &rest, &Fabric::cotton())?;
+/// let over_the_ball = |p: &Point3| Point3::new(p.x, 0.11, p.y);
+/// let start: Vec<Point3> = square.positions().iter().map(over_the_ball).collect();
+///
+/// let ball = icosphere(3, 0.1);
+/// let collider = Collider::new(ball.faces(), ball.num_vertices())?;
+/// let scene = Scene {
+///     cloth: &cloth,
+///     start: &start,
+///     body: Some(MovingBody {
+///         collider: &collider,
+///         motion: &|_| ball.positions().to_vec(),
+///         allowed_parts: None,
+///     }),
+/// };
+/// let schedule = Schedule::for_quality(Quality::Fast, cloth.mean_edge_length());
+/// let draped = drape(&scene, &schedule, &mut |_| ControlFlow::Continue(()))?;
+/// assert_eq!(draped.report.penetration.num_inside, 0);
+/// assert!(draped.positions.iter().all(|p| p.y < 0.12));
+/// # Ok::<(), garnet_sim::SimError>(())
+/// ```
+pub fn drape(
+    scene: &Scene<'_>,
+    schedule: &Schedule,
+    observer: &mut dyn FnMut(Event<'_>) -> ControlFlow<()>,
+) -> Result<Drape, SimError> {
+    scene.check()?;
+    schedule.check()?;
+    let mut skin = scene
+        .body
+        .map(|body| BodyOnWay::new(body, schedule))
+        .transpose()?;
+    let mut solver = Solver::new(scene, schedule);
+    let mut clock = Clock::new(schedule);
+    let stages = schedule
+        .stages
+        .iter()
+        .map(|stage| (stage.frames, stage.rate, stage.damping));
+    let motion = (
+        schedule.motion_frames,
+        schedule.motion_rate,
+        crate::Damping::Drag,
+    );
+    for (stage, (frames, rate, damping)) in std::iter::once(motion).chain(stages).enumerate() {
+        let num_substeps = schedule.substeps(rate);
+        let step = schedule.frame_seconds / (num_substeps * schedule.refreshes_per_frame) as f32;
+        solver.begin_stage(step, damping);
+        for frame in 0..frames {
+            if let (0, Some(skin)) = (stage, &mut skin) {
+                skin.begin_frame(frame + 1)?;
+            }
+            for refresh in 0..schedule.refreshes_per_frame {
+                if let (0, Some(skin)) = (stage, &mut skin) {
+                    skin.begin_interval(refresh)?;
+                }
+                solver.refresh(skin.as_ref().map(|skin| &skin.skin), clock.frames_done);
+                for _ in 0..num_substeps {
+                    solver.substep();
+                }
+                clock.substeps_done += u64::from(num_substeps);
+            }
+            clock.frames_done += 1;
+            solver.check(clock.seconds())?;
+            let positions = solver.positions();
+            let event = clock.event(&positions);
+            if observer(event).is_break() {
+                return Err(SimError::Stopped {
+                    seconds: clock.seconds(),
+                });
+            }
+            clock.remember(positions);
+        }
+        if let (0, Some(skin)) = (stage, &mut skin) {
+            skin.arrive()?;
+        }
+    }
+    finish(scene, schedule, skin.as_ref(), &solver, &clock)
+}
+
+fn finish(
+    scene: &Scene<'_>,
+    schedule: &Schedule,
+    body: Option<&BodyOnWay<'_>>,
+    solver: &Solver<'_>,
+    clock: &Clock<'_>,
+) -> Result<Drape, SimError> {
+    let positions = solver.positions();
+    let strain = Strain::of(scene.cloth, &positions);
+    if strain.max.is_nan() || strain.max > TORN - 1.0 {
+        return Err(SimError::Torn {
+            vertices: scene.cloth.springs()[strain.max_edge].vertices,
+            factor: strain.max + 1.0,
+            seconds: clock.seconds(),
+        });
+    }
+    let report = DrapeReport {
+        strain,
+        speeds: clock.speeds(&positions),
+        penetration: body.map_or_else(Penetration::default, |body| {
+            Penetration::of(&positions, body.skin.surface())
+        }),
+        num_self_intersections: self_intersections(scene.cloth, &positions),
+        energy: Energy::of(scene.cloth, &positions, schedule.gravity),
+        num_substeps: clock.substeps_done,
+        seconds: clock.seconds(),
+    };
+    Ok(Drape { positions, report })
+}
+
+/// The body between two frames of its motion.
+struct BodyOnWay<'a> {
+    body: MovingBody<'a>,
+    skin: Skin,
+    from: Vec<Point3>,
+    to: Vec<Point3>,
+    motion_frames: u32,
+    refreshes: u32,
+    /// From one refresh to the next, in seconds.
+    interval: f32,
+    time: f32,
+}
+
+impl<'a> BodyOnWay<'a> {
+    fn new(body: MovingBody<'a>, schedule: &Schedule) -> Result<Self, SimError> {
+        let time = if schedule.motion_frames == 0 {
+            1.0
+        } else {
+            0.0
+        };
+        let from = (body.motion)(time);
+        Ok(Self {
+            body,
+            skin: Skin::new(body.collider, from.clone())?,
+            to: from.clone(),
+            from,
+            motion_frames: schedule.motion_frames,
+            refreshes: schedule.refreshes_per_frame,
+            interval: schedule.frame_seconds / schedule.refreshes_per_frame as f32,
+            time,
+        })
+    }
+
+    /// Asks the motion where the body is at the end of a frame, which are counted from 1.
+    fn begin_frame(&mut self, frame: u32) -> Result<(), SimError> {
+        self.time = eased(frame as f32 / self.motion_frames as f32);
+        std::mem::swap(&mut self.from, &mut self.to);
+        self.to = (self.body.motion)(self.time);
+        if self.to.len() != self.from.len() {
+            return Err(SimError::Count {
+                what: "positions of the collider",
+                found: self.to.len(),
+                expected: self.from.len(),
+            });
+        }
+        for (vertex, (from, to)) in self.from.iter().zip(&self.to).enumerate() {
+            let distance = (to - from).norm();
+            if distance > MAX_BODY_TRAVEL {
+                return Err(SimError::MotionTooFast {
+                    vertex,
+                    distance,
+                    max: MAX_BODY_TRAVEL,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves the skin to the beginning of an interval of the frame.
+    fn begin_interval(&mut self, refresh: u32) -> Result<(), SimError> {
+        let start = self.between(refresh);
+        let end = self.between(refresh + 1);
+        self.move_skin(&start)?;
+        self.skin.head_for(&end, self.interval);
+        Ok(())
+    }
+
+    /// Moves the skin to its last place.
+    fn arrive(&mut self) -> Result<(), SimError> {
+        let last = std::mem::take(&mut self.to);
+        self.move_skin(&last)?;
+        self.to = last;
+        self.skin.stand();
+        Ok(())
+    }
+
+    fn move_skin(&mut self, positions: &[Point3]) -> Result<(), SimError> {
+        let time = self.time;
+        self.skin
+            .move_to(positions)
+            .map_err(|source| SimError::Motion { time, source })
+    }
+
+    fn between(&self, refresh: u32) -> Vec<Point3> {
+        let share = refresh as f32 / self.refreshes as f32;
+        let pairs = self.from.iter().zip(&self.to);
+        pairs.map(|(from, to)| from + (to - from) * share).collect()
+    }
+}
+
+/// A time from 0 to 1 that starts and ends gently: 3 t² − 2 t³.
+fn eased(time: f32) -> f32 {
+    time * time * (3.0 - 2.0 * time)
+}
+
+/// Where the run is.
+struct Clock<'a> {
+    schedule: &'a Schedule,
+    frames_done: u64,
+    substeps_done: u64,
+    num_frames: u64,
+    num_substeps: u64,
+    /// The positions at the beginning of the time over which speeds are measured, and that frame.
+    before: Option<(Vec<Point3>, u64)>,
+}
+
+impl<'a> Clock<'a> {
+    fn new(schedule: &'a Schedule) -> Self {
+        Self {
+            schedule,
+            frames_done: 0,
+            substeps_done: 0,
+            num_frames: schedule.num_frames(),
+            num_substeps: schedule.num_substeps(),
+            before: None,
+        }
+    }
+
+    fn seconds(&self) -> f32 {
+        self.frames_done as f32 * self.schedule.frame_seconds
+    }
+
+    fn event<'b>(&self, positions: &'b [Point3]) -> Event<'b> {
+        Event::Frame {
+            num_done: self.frames_done,
+            num_frames: self.num_frames,
+            progress: self.substeps_done as f32 / self.num_substeps as f32,
+            positions,
+        }
+    }
+
+    /// Keeps the positions from which speeds are measured.
+    fn remember(&mut self, positions: Vec<Point3>) {
+        let wanted = (SPEED_SECONDS / self.schedule.frame_seconds).round() as u64;
+        if self.frames_done + wanted.max(1) <= self.num_frames {
+            self.before = Some((positions, self.frames_done));
+        }
+    }
+
+    fn speeds(&self, positions: &[Point3]) -> Speeds {
+        match &self.before {
+            Some((before, frame)) => {
+                let frames = (self.frames_done - frame) as f32;
+                Speeds::between(before, positions, frames * self.schedule.frame_seconds)
+            }
+            None => Speeds::between(positions, positions, 1.0),
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Cloth coming to rest.
+
+use garnet_knn::Surface;
+
+use super::options::ReferenceOptions;
+use super::solver::Reference;
+use crate::{Cloth, Point3, SimError};
+
+/// Longer steps than this, in seconds, have no inertia to speak of.
+const MAX_STEP: f64 = 100.0;
+
+/// No step gets shorter, in seconds.
+const MIN_STEP: f64 = 1e-3;
+
+/// Newton iterations after which the next step is longer, and after which it is shorter.
+const EASY: usize = 12;
+
+/// How a settling ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settled {
+    /// Steps taken.
+    pub steps: usize,
+    /// Newton iterations of all steps.
+    pub iterations: usize,
+    /// The largest force left over on a free vertex, over the mean weight of a vertex.
+    pub residual: f64,
+    /// The root of the mean square of the same.
+    pub rms_residual: f64,
+    /// Whether the residual is below the tolerance.
+    pub is_settled: bool,
+}
+
+impl Reference<'_> {
+    /// Lets the cloth come to rest: steps without speed that get longer while they are easy.
+    ///
+    /// Cloth that is not in balance after [`ReferenceOptions::max_steps`] is no error: the answer
+    /// says so.
+    ///
+    /// # Errors
+    ///
+    /// [`SimError::Exploded`] or [`SimError::Unsolvable`].
+    pub fn settle(&mut self) -> Result<Settled, SimError> {
+        let mut seconds = self.options.first_step;
+        let mut iterations = 0;
+        for steps in 0..=self.options.max_steps {
+            self.potential.contact.advance(&self.x);
+            if let Some(pairs) = &mut self.potential.self_contact {
+                pairs.look(&self.x);
+            }
+            let residual = self.residual();
+            let is_settled = residual <= self.options.tolerance;
+            if is_settled || steps == self.options.max_steps {
+                return Ok(Settled {
+                    steps,
+                    iterations,
+                    residual,
+                    rms_residual: self.rms_residual(),
+                    is_settled,
+                });
+            }
+            let step = self.descend(seconds)?;
+            iterations += step.iterations;
+            if !step.is_solved {
+                seconds = (0.25 * seconds).max(MIN_STEP);
+            } else if step.iterations <= EASY {
+                seconds = (2.0 * seconds).min(MAX_STEP);
+            }
+        }
+        unreachable!("the last round returns")
+    }
+}
+
+/// Drapes `cloth` from `start` `[vertex]` on `collider`, which stands still.
+///
+/// # Errors
+///
+/// As [`Reference::new`] and [`Reference::settle`].
+pub fn settle(
+    cloth: &Cloth,
+    start: &[Point3],
+    collider: &Surface,
+    options: ReferenceOptions,
+) -> Result<(Vec<Point3>, Settled), SimError> {
+    let mut reference = Reference::new(cloth, start, collider, options)?;
+    let settled = reference.settle()?;
+    let positions = reference
+        .positions()
+        .iter()
+        .map(|x| Point3::from(x.cast::<f32>()));
+    Ok((positions.collect(), settled))
+}

@@ -1,0 +1,223 @@
+//! What a drape is like, in numbers.
+
+use crate::{Cloth, Point3};
+use garnet_knn::Surface;
+use garnet_mesh::TriMesh;
+
+/// How well a garment lies after a run.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct DrapeReport {
+    /// Length over rest length − 1 of all edges.
+    pub strain: Strain,
+    /// Speeds over the last tenth of a second.
+    pub speeds: Speeds,
+    /// Where the garment is in the skin.
+    pub penetration: Penetration,
+    /// Pairs of garment triangles that cross.
+    pub num_self_intersections: usize,
+    /// Energy of the garment.
+    pub energy: Energy,
+    /// Substeps that were simulated.
+    pub num_substeps: u64,
+    /// Time that was simulated, in seconds.
+    pub seconds: f32,
+}
+
+/// Length over rest length − 1, over the edges of a garment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strain {
+    /// The median.
+    pub p50: f32,
+    /// The 99th of a hundred.
+    pub p99: f32,
+    /// The largest.
+    pub max: f32,
+    /// The edge of the largest, as an index into [`Cloth::springs`].
+    pub max_edge: usize,
+}
+
+/// Speeds of the vertices of a garment, m/s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Speeds {
+    /// Root of the mean square.
+    pub rms: f32,
+    /// The largest.
+    pub max: f32,
+    /// Share of the vertices that are faster than [`STILL_SPEED`], from 0 to 1.
+    pub share_moving: f32,
+}
+
+/// Vertices with a speed below this count as settled, m/s.
+pub const STILL_SPEED: f32 = 0.005;
+
+/// Vertices of a garment that are in the skin: the winding number of the skin around them is above
+/// one half.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Penetration {
+    /// How many are inside, those that are trapped apart.
+    pub num_inside: usize,
+    /// How deep the deepest of them is, in metres.
+    pub deepest: f32,
+    /// How many are inside where the body runs through itself: the skin next to them is itself
+    /// inside another part of the body.
+    pub num_trapped: usize,
+}
+
+/// Energy of a garment, in joules.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Energy {
+    /// Of the springs.
+    pub stretch: f64,
+    /// Of the hinges.
+    pub bending: f64,
+    /// Of the weight, from y = 0.
+    pub gravity: f64,
+}
+
+impl Energy {
+    /// The energy of `cloth` at `positions` `[vertex]` under a gravity in m/s².
+    pub fn of(cloth: &Cloth, positions: &[Point3], gravity: f32) -> Self {
+        let at = |vertex: u32| positions[vertex as usize].coords.cast::<f64>();
+        let mut energy = Self::default();
+        for spring in cloth.springs() {
+            let [a, b] = spring.vertices.map(at);
+            let stretch = (a - b).norm() - f64::from(spring.rest_length);
+            energy.stretch += 0.5 * f64::from(spring.stiffness) * stretch * stretch;
+        }
+        for hinge in cloth.hinges() {
+            let places = hinge.vertices.map(at);
+            let weighted = places.iter().zip(hinge.weights);
+            let fold: nalgebra::Vector3<f64> = weighted
+                .map(|(place, weight)| place * f64::from(weight))
+                .sum();
+            energy.bending += 0.5 * f64::from(hinge.stiffness) * fold.norm_squared();
+        }
+        for (position, &mass) in positions.iter().zip(cloth.masses()) {
+            energy.gravity += f64::from(mass) * f64::from(gravity) * f64::from(position.y);
+        }
+        energy
+    }
+
+    /// The sum.
+    pub fn total(&self) -> f64 {
+        self.stretch + self.bending + self.gravity
+    }
+}
+
+impl Strain {
+    /// The strain of `cloth` at `positions` `[vertex]`.
+    pub fn of(cloth: &Cloth, positions: &[Point3]) -> Self {
+        let springs = cloth.springs().iter().enumerate();
+        let strain = springs.map(|(edge, spring)| {
+            let [a, b] = spring.vertices.map(|vertex| positions[vertex as usize]);
+            ((a - b).norm() / spring.rest_length - 1.0, edge)
+        });
+        let mut sorted: Vec<(f32, usize)> = strain.collect();
+        sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
+        Self {
+            p50: at(0.5).0,
+            p99: at(0.99).0,
+            max: at(1.0).0,
+            max_edge: at(1.0).1,
+        }
+    }
+}
+
+impl Speeds {
+    /// The speeds of vertices that went from one place to another in some seconds.
+    pub fn between(before: &[Point3], after: &[Point3], seconds: f32) -> Self {
+        let (mut sum, mut max, mut moving) = (0.0_f64, 0.0_f32, 0_usize);
+        for (a, b) in before.iter().zip(after) {
+            let speed = (b - a).norm() / seconds;
+            sum += f64::from(speed * speed);
+            max = max.max(speed);
+            moving += usize::from(speed > STILL_SPEED);
+        }
+        let count = before.len().max(1) as f64;
+        Self {
+            rms: (sum / count).sqrt() as f32,
+            max,
+            share_moving: (moving as f64 / count) as f32,
+        }
+    }
+}
+
+/// How far before a face it is probed whether the face is inside another part, in metres.
+const PROBE: f32 = 5e-4;
+
+impl Penetration {
+    /// Counts the points `[vertex]` that are inside `skin`.
+    pub fn of(points: &[Point3], skin: &Surface) -> Self {
+        let mut penetration = Self::default();
+        let (low, high) = skin.bounds();
+        for &point in points {
+            let is_near = (0..3).all(|axis| (low[axis]..=high[axis]).contains(&point[axis]));
+            if !is_near || !skin.contains(point) {
+                continue;
+            }
+            let closest = skin.closest(point);
+            let before = closest.point + PROBE * skin.face_normal(closest.face);
+            if skin.contains(before) {
+                penetration.num_trapped += 1;
+            } else {
+                penetration.num_inside += 1;
+                let depth = closest.distance_squared.sqrt();
+                penetration.deepest = penetration.deepest.max(depth);
+            }
+        }
+        penetration
+    }
+}
+
+/// How many pairs of triangles of the garment cross.
+pub(crate) fn self_intersections(cloth: &Cloth, positions: &[Point3]) -> usize {
+    TriMesh::new(positions.to_vec(), cloth.faces().to_vec())
+        .map_or(0, |mesh| Surface::new(&mesh).self_intersections().len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Fabric, RestShape};
+    use garnet_mesh::primitives::{grid, icosphere};
+
+    #[test]
+    fn cloth_stretched_by_a_tenth_has_a_strain_of_a_tenth() {
+        let mesh = grid(4, 4, [0.2, 0.2]);
+        let rest = RestShape::Worn(mesh.positions().to_vec());
+        let cloth =
+            Cloth::new(mesh.faces(), mesh.num_vertices(), &rest, &Fabric::cotton()).unwrap();
+        let larger: Vec<Point3> = mesh.positions().iter().map(|p| p * 1.1).collect();
+        let strain = Strain::of(&cloth, &larger);
+        assert!((strain.p50 - 0.1).abs() < 1e-5 && (strain.max - 0.1).abs() < 1e-5);
+        // All directions are stretched alike: E = ½ Y/(1 − ν) · 2 ε² · A, with ν = 1/3 only on
+        // regular meshes; here the springs' own sum is the definition.
+        let energy = Energy::of(&cloth, &larger, 0.0);
+        let expected: f64 = 3.0 * 0.5 * 1000.0 * 0.04 * 0.01;
+        assert!(
+            (energy.stretch - expected).abs() < 0.35 * expected,
+            "{energy:?}"
+        );
+    }
+
+    #[test]
+    fn points_are_inside_a_sphere_or_not() {
+        let sphere = Surface::new(&icosphere(3, 0.5));
+        let points = [0.0, 0.45, 0.6].map(|x| Point3::new(x, 0.0, 0.0));
+        let penetration = Penetration::of(&points, &sphere);
+        assert_eq!((penetration.num_inside, penetration.num_trapped), (2, 0));
+        assert!((penetration.deepest - 0.5).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_vertex_that_moves_is_counted() {
+        let before = vec![Point3::origin(); 4];
+        let mut after = before.clone();
+        after[0].x = 0.001;
+        let speeds = Speeds::between(&before, &after, 0.1);
+        assert!((speeds.max - 0.01).abs() < 1e-6);
+        assert_eq!(speeds.share_moving, 0.25);
+    }
+}

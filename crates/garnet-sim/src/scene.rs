@@ -1,0 +1,83 @@
+//! What is simulated: a garment, where it starts, and the body that it lies on.
+
+use crate::rest_shape::check_count;
+use crate::{Cloth, Collider, Motion, Point3, SimError};
+use garnet_mesh::MeshError;
+
+/// A garment at its start and a body that moves.
+#[derive(Clone, Copy)]
+pub struct Scene<'a> {
+    /// The garment.
+    pub cloth: &'a Cloth,
+    /// Where its vertices are at the start `[vertex]`, in metres: on the body at time 0, and best at
+    /// rest there. Cloth that is dropped from afar finds other folds for each body.
+    pub start: &'a [Point3],
+    /// What the garment lies on, if anything.
+    pub body: Option<MovingBody<'a>>,
+}
+
+/// A collider and how it moves.
+#[derive(Clone, Copy)]
+pub struct MovingBody<'a> {
+    /// The faces of the body.
+    pub collider: &'a Collider,
+    /// Where its vertices are at each time from 0 to 1.
+    pub motion: &'a Motion<'a>,
+    /// Parts of the body that each garment vertex may touch `[vertex]`: bit k stands for part k.
+    /// `None`: all may touch all.
+    pub allowed_parts: Option<&'a [u32]>,
+}
+
+impl std::fmt::Debug for Scene<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("Scene")
+            .field("num_vertices", &self.cloth.num_vertices())
+            .field("body", &self.body)
+            .finish_non_exhaustive()
+    }
+}
+
+impl std::fmt::Debug for MovingBody<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("MovingBody")
+            .field("num_faces", &self.collider.faces().len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Scene<'_> {
+    /// Refuses a start that does not fit the garment or is not finite, and masks that do not fit.
+    ///
+    /// # Errors
+    ///
+    /// [`SimError::Count`] or [`SimError::Garment`].
+    pub fn check(&self) -> Result<(), SimError> {
+        let num_vertices = self.cloth.num_vertices();
+        check_count("positions of the garment", self.start.len(), num_vertices)?;
+        for (vertex, position) in self.start.iter().enumerate() {
+            if let Some(&value) = position.iter().find(|value| !value.is_finite()) {
+                let error = MeshError::NonFiniteCoordinate { vertex, value };
+                return Err(SimError::Garment(error));
+            }
+        }
+        if let Some(masks) = self.body.and_then(|body| body.allowed_parts) {
+            check_count("masks of allowed parts", masks.len(), num_vertices)?;
+        }
+        Ok(())
+    }
+
+    /// The parts that each vertex may touch; 0 for those that are held or touch nothing.
+    pub(crate) fn masks(&self) -> Vec<u32> {
+        let allowed = self.body.and_then(|body| body.allowed_parts);
+        let masks = self.cloth.is_pinned().iter().enumerate();
+        masks
+            .map(|(vertex, &is_pinned)| match (is_pinned, allowed) {
+                (true, _) => 0,
+                (false, None) => u32::MAX,
+                (false, Some(allowed)) => allowed[vertex],
+            })
+            .collect()
+    }
+}

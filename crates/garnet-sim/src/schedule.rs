@@ -1,0 +1,258 @@
+//! How long and how finely a scene is simulated.
+
+use crate::SimError;
+
+/// How accurate a drape has to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Quality {
+    /// For looking: edges are a few percent too long.
+    Fast,
+    /// For ground truth: the strain of all but a few edges is below 3 % where the size fits.
+    Teacher,
+    /// For comparison: twice as fine as the teacher.
+    Reference,
+}
+
+/// The steps of a simulation, all counted before it begins.
+///
+/// No step depends on the state of the cloth: a stop that comes one step earlier for one body than
+/// for the next would be a jump between their drapes. The run is the body's motion, then stages in
+/// which the cloth settles on the body in its last place.
+///
+/// XPBD with one iteration is soft at a low rate: the strain that it adds is about 2 g L h² / Δx²
+/// for a length L that hangs from edges Δx long, with substeps of h. So rates grow as 1/Δx.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Schedule {
+    /// Simulated time between two frames, in seconds: how long the body takes from one position to
+    /// the next, and how often events are sent.
+    pub frame_seconds: f32,
+    /// Into how many frames the motion is cut; 0 if the body stands still where it is at time 1.
+    pub motion_frames: u32,
+    /// Substeps a second during the motion.
+    pub motion_rate: f32,
+    /// How the cloth settles after the motion.
+    pub stages: Vec<Stage>,
+    /// How often in a frame contacts are looked for anew.
+    pub refreshes_per_frame: u32,
+    /// Hinges are projected once in so many substeps.
+    pub bending_interval: u32,
+    /// During how many frames rest lengths go from those of the start to their own. Garments that
+    /// start larger than they are cut shrink onto the body instead of snapping.
+    pub contraction_frames: u32,
+    /// Velocity lost to the air, 1/s.
+    pub drag: f32,
+    /// No vertex becomes faster than this, m/s.
+    pub max_speed: f32,
+    /// Vertices are pushed apart and out of the skin at no more than this, m/s.
+    pub max_push_speed: f32,
+    /// Acceleration downwards (along −y), m/s².
+    pub gravity: f32,
+    /// How cloth is kept from running through itself.
+    pub self_contact: SelfContact,
+}
+
+/// One stage of settling.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stage {
+    /// How many frames it lasts.
+    pub frames: u32,
+    /// Substeps a second.
+    pub rate: f32,
+    /// Whether the cloth is stopped when it begins to lose kinetic energy. Each stop is at a point
+    /// nearer to rest than the last; strong drag would freeze the cloth instead.
+    pub damping: Damping,
+}
+
+/// How a stage takes energy out of the cloth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Damping {
+    /// Drag alone.
+    Drag,
+    /// Drag, and all velocities are set to zero whenever the kinetic energy has a peak.
+    Kinetic,
+}
+
+/// How cloth is kept from running through itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SelfContact {
+    /// Not at all.
+    Off,
+    /// Vertices keep a distance of this many times the mean length of the edges around them.
+    Repulsion(f32),
+}
+
+/// Standard gravity, m/s².
+pub const STANDARD_GRAVITY: f32 = 9.80665;
+
+/// No schedule may have more substeps.
+pub const MAX_SUBSTEPS: u64 = 2_000_000;
+
+/// Edges are taken to be at least this long when rates are chosen, in metres.
+const MIN_EDGE: f32 = 0.003;
+
+impl Schedule {
+    /// The schedule for a garment with edges of `edge_length` metres in the mean.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use garnet_sim::{Quality, Schedule};
+    ///
+    /// let coarse = Schedule::for_quality(Quality::Teacher, 0.019);
+    /// let fine = Schedule::for_quality(Quality::Teacher, 0.0096);
+    /// assert!(fine.num_substeps() > coarse.num_substeps());
+    /// ```
+    pub fn for_quality(quality: Quality, edge_length: f32) -> Self {
+        // Substeps a second for each meter of 1/Δx.
+        let rate = |speed: f32| speed / edge_length.max(MIN_EDGE);
+        let stage = |frames: u32, speed: f32| Stage {
+            frames,
+            rate: rate(speed),
+            damping: Damping::Kinetic,
+        };
+        let stages = match quality {
+            Quality::Fast => vec![stage(30, 11.5), stage(15, 23.0)],
+            Quality::Teacher => vec![stage(30, 11.5), stage(20, 34.0), stage(20, 68.0)],
+            Quality::Reference => {
+                vec![
+                    stage(40, 11.5),
+                    stage(30, 34.0),
+                    stage(30, 68.0),
+                    stage(30, 136.0),
+                ]
+            }
+        };
+        Self {
+            frame_seconds: 1.0 / 60.0,
+            motion_frames: if quality == Quality::Fast { 30 } else { 45 },
+            motion_rate: rate(11.5),
+            stages,
+            refreshes_per_frame: 1,
+            bending_interval: 2,
+            contraction_frames: 0,
+            drag: 0.5,
+            max_speed: 8.0,
+            max_push_speed: 1.0,
+            gravity: STANDARD_GRAVITY,
+            self_contact: SelfContact::Repulsion(0.7),
+        }
+    }
+
+    /// Simulated seconds of the whole run.
+    pub fn seconds(&self) -> f32 {
+        self.num_frames() as f32 * self.frame_seconds
+    }
+
+    /// Frames of the whole run.
+    pub fn num_frames(&self) -> u64 {
+        let settling = self.stages.iter().map(|stage| u64::from(stage.frames));
+        u64::from(self.motion_frames) + settling.sum::<u64>()
+    }
+
+    /// Substeps of the whole run.
+    pub fn num_substeps(&self) -> u64 {
+        let of = |frames: u32, rate: f32| {
+            u64::from(frames) * u64::from(self.refreshes_per_frame) * u64::from(self.substeps(rate))
+        };
+        let settling = self.stages.iter().map(|stage| of(stage.frames, stage.rate));
+        of(self.motion_frames, self.motion_rate) + settling.sum::<u64>()
+    }
+
+    /// Substeps from one refresh of the contacts to the next at a rate of substeps a second.
+    pub(crate) fn substeps(&self, rate: f32) -> u32 {
+        let between = self.frame_seconds / self.refreshes_per_frame as f32;
+        ((rate * between).round() as u32).max(1)
+    }
+
+    /// Refuses schedules that cannot be followed or take forever.
+    ///
+    /// # Errors
+    ///
+    /// [`SimError::Schedule`] or [`SimError::TooManySteps`].
+    pub fn check(&self) -> Result<(), SimError> {
+        let mut values = vec![
+            ("seconds a frame", self.frame_seconds, 1e-4, 0.1),
+            ("substeps a second", self.motion_rate, 1.0, 1e6),
+            (
+                "refreshes a frame",
+                self.refreshes_per_frame as f32,
+                1.0,
+                64.0,
+            ),
+            (
+                "substeps between projections of hinges",
+                self.bending_interval as f32,
+                1.0,
+                64.0,
+            ),
+            ("a drag of", self.drag, 0.0, 100.0),
+            ("a greatest speed of", self.max_speed, 0.01, 1e4),
+            (
+                "a greatest speed of pushes of",
+                self.max_push_speed,
+                1e-3,
+                1e4,
+            ),
+            ("a gravity of", self.gravity, -100.0, 100.0),
+        ];
+        if let SelfContact::Repulsion(factor) = self.self_contact {
+            values.push(("a distance of cloth from cloth of", factor, 0.01, 1.0));
+        }
+        values.extend(
+            self.stages
+                .iter()
+                .map(|stage| ("substeps a second", stage.rate, 1.0, 1e6)),
+        );
+        for (quantity, value, min, max) in values {
+            if !(min..=max).contains(&value) {
+                return Err(SimError::Schedule {
+                    quantity,
+                    value: value.into(),
+                    min: min.into(),
+                    max: max.into(),
+                });
+            }
+        }
+        let steps = self.num_substeps();
+        if steps > MAX_SUBSTEPS {
+            return Err(SimError::TooManySteps {
+                steps,
+                max: MAX_SUBSTEPS,
+            });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_quality_has_a_sound_schedule_at_every_edge_length() {
+        for quality in [Quality::Fast, Quality::Teacher, Quality::Reference] {
+            for edge_length in [0.0, 1e-6, 0.005, 0.02, 0.5] {
+                let schedule = Schedule::for_quality(quality, edge_length);
+                assert_eq!(schedule.check(), Ok(()), "{quality:?} {edge_length}");
+            }
+        }
+    }
+
+    #[test]
+    fn endless_and_absurd_schedules_are_refused() {
+        let schedule = Schedule::for_quality(Quality::Fast, 0.01);
+        let endless = Schedule {
+            motion_frames: u32::MAX,
+            ..schedule.clone()
+        };
+        assert!(matches!(
+            endless.check(),
+            Err(SimError::TooManySteps { .. })
+        ));
+        let absurd = Schedule {
+            frame_seconds: f32::NAN,
+            ..schedule
+        };
+        assert!(matches!(absurd.check(), Err(SimError::Schedule { .. })));
+    }
+}

@@ -1,0 +1,163 @@
+//! The production solver: XPBD in small steps on a moving skin.
+
+use crate::contact::{self, ContactLaw, Contacts, Reach, Skin};
+use crate::xpbd::bending::Bending;
+use crate::xpbd::pairs::{PairLaw, Pairs};
+use crate::xpbd::particles::{Particles, Push};
+use crate::xpbd::springs::Springs;
+use crate::{Cloth, Damping, Point3, Scene, Schedule, SelfContact, SimError, Vector3};
+
+/// The state of one run.
+#[derive(Debug)]
+pub(crate) struct Solver<'a> {
+    cloth: &'a Cloth,
+    schedule: &'a Schedule,
+    inverse_masses: Vec<f32>,
+    particles: Particles,
+    springs: Springs,
+    bending: Bending,
+    contacts: Contacts,
+    pairs: Option<Pairs>,
+    /// Lengths of the springs at the start, m; empty if they do not matter.
+    start_lengths: Vec<f32>,
+    center: Vector3,
+    step: f32,
+    damping: Damping,
+    last_kinetic: f32,
+    /// Substeps since the stage began, and since the contacts were refreshed.
+    substep: u32,
+    substep_of_refresh: u32,
+}
+
+/// Garments this far from where they started are lost, in metres.
+const LOST: f32 = 100.0;
+
+impl<'a> Solver<'a> {
+    pub(crate) fn new(scene: &Scene<'a>, schedule: &'a Schedule) -> Self {
+        let cloth = scene.cloth;
+        let start_lengths = if schedule.contraction_frames == 0 {
+            Vec::new()
+        } else {
+            let length =
+                |[a, b]: [u32; 2]| (scene.start[a as usize] - scene.start[b as usize]).norm();
+            cloth
+                .springs()
+                .iter()
+                .map(|spring| length(spring.vertices))
+                .collect()
+        };
+        let mut springs = Springs::new(cloth);
+        springs.set_lengths(|spring| cloth.springs()[spring].rest_length);
+        let sum: nalgebra::Vector3<f64> = scene.start.iter().map(|p| p.coords.cast::<f64>()).sum();
+        Self {
+            cloth,
+            schedule,
+            inverse_masses: cloth.inverse_masses(),
+            particles: Particles::new(cloth, scene.start),
+            springs,
+            bending: Bending::new(cloth),
+            contacts: Contacts::new(scene.masks(), Reach::of(cloth.fabric().thickness)),
+            pairs: match schedule.self_contact {
+                SelfContact::Off => None,
+                SelfContact::Repulsion(factor) => Some(Pairs::new(cloth, scene.start, factor)),
+            },
+            start_lengths,
+            center: (sum / scene.start.len().max(1) as f64).cast(),
+            step: 0.0,
+            damping: Damping::Drag,
+            last_kinetic: 0.0,
+            substep: 0,
+            substep_of_refresh: 0,
+        }
+    }
+
+    pub(crate) fn positions(&self) -> Vec<Point3> {
+        self.particles.positions()
+    }
+
+    /// Sets the length of the substeps, in seconds, and how energy is taken out.
+    pub(crate) fn begin_stage(&mut self, step: f32, damping: Damping) {
+        if self.step > 0.0 {
+            self.particles.rescale(step / self.step);
+        }
+        self.step = step;
+        self.damping = damping;
+        self.last_kinetic = 0.0;
+        self.substep = 0;
+        self.springs
+            .set_step(self.cloth, &self.inverse_masses, step);
+        let every = self.schedule.bending_interval;
+        self.bending
+            .set_step(self.cloth, &self.inverse_masses, step, every);
+    }
+
+    /// Looks for contacts anew. `frame` counts from the start of the run.
+    pub(crate) fn refresh(&mut self, skin: Option<&Skin>, frame: u64) {
+        self.particles.rebase();
+        self.springs.rebase(&self.particles.bases);
+        self.bending.rebase(&self.particles.bases);
+        self.contract(frame);
+        if let Some(skin) = skin {
+            self.contacts.refresh(skin, &self.particles, self.step);
+        }
+        if let Some(pairs) = &mut self.pairs {
+            pairs.refresh(&self.particles);
+        }
+        self.substep_of_refresh = 0;
+    }
+
+    /// Sets rest lengths on their way from the start to those of the cloth.
+    fn contract(&mut self, frame: u64) {
+        let num_frames = u64::from(self.schedule.contraction_frames);
+        if frame <= num_frames && !self.start_lengths.is_empty() {
+            let share = frame as f32 / num_frames as f32;
+            let (start, springs) = (&self.start_lengths, self.cloth.springs());
+            self.springs.set_lengths(|spring| {
+                start[spring] + (springs[spring].rest_length - start[spring]) * share
+            });
+        }
+    }
+
+    pub(crate) fn substep(&mut self) {
+        let (schedule, step) = (self.schedule, self.step);
+        let push = Push {
+            gravity: schedule.gravity * step * step,
+            keep: (-schedule.drag * step).exp(),
+            max_travel: schedule.max_speed * step,
+        };
+        let max_push = schedule.max_push_speed * step;
+        let friction = self.cloth.fabric().friction;
+        let kinetic = self.particles.fly(push);
+        self.last_kinetic = if self.damping == Damping::Kinetic && kinetic < self.last_kinetic {
+            self.particles.stop(push);
+            0.0
+        } else {
+            kinetic
+        };
+        self.springs.project(&mut self.particles.offsets);
+        if self.substep % schedule.bending_interval == 0 {
+            self.bending.project(&mut self.particles.offsets);
+        }
+        if let Some(pairs) = &self.pairs {
+            let law = PairLaw { friction, max_push };
+            pairs.project(&mut self.particles, &self.inverse_masses, law);
+        }
+        self.substep += 1;
+        self.substep_of_refresh += 1;
+        let law = ContactLaw { friction, max_push };
+        let substep = self.substep_of_refresh as f32;
+        contact::project(&self.contacts.planes, &mut self.particles, law, substep);
+    }
+
+    /// Refuses to go on with a garment that is nowhere.
+    pub(crate) fn check(&self, seconds: f32) -> Result<(), SimError> {
+        match self.particles.first_lost(self.center, LOST) {
+            None => Ok(()),
+            Some(vertex) => Err(SimError::Exploded {
+                vertex,
+                at: self.particles.position(vertex),
+                seconds,
+            }),
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Extended position-based dynamics in small steps with one iteration each.
+//!
+//! Macklin, Storey, Lu, Terdiman, Chentanez, Jeschke and Müller 2019, "Small steps in physics
+//! simulation": many short substeps with one projection of each constraint converge faster than few
+//! with many.
+
+pub(crate) mod bending;
+pub(crate) mod coloring;
+pub(crate) mod pairs;
+pub(crate) mod particles;
+pub(crate) mod quad;
+pub(crate) mod springs;

@@ -1,0 +1,256 @@
+//! Cloth on cloth: vertices that repel each other.
+
+use crate::xpbd::particles::Particles;
+use crate::xpbd::quad::Quad;
+use crate::{Cloth, Point3};
+
+/// Finds vertices that come near each other, and keeps them apart.
+///
+/// Vertices within two edges of each other never repel: springs and hinges hold them apart. A pair
+/// that was nearer at the start than its reach keeps the distance of the start, so that pockets and
+/// collars are not blown up.
+#[derive(Debug)]
+pub(crate) struct Pairs {
+    /// Vertices within two edges of each and with a larger number: `[ring_starts[v]..]`.
+    rings: Vec<u32>,
+    ring_starts: Vec<u32>,
+    /// Half the distance that each vertex keeps from another like it, m.
+    radii: Vec<f32>,
+    /// The largest distance at which two vertices become a pair, m.
+    search: f32,
+    start: Vec<Point3>,
+    grid: Grid,
+    pairs: Vec<Pair>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Pair {
+    vertices: [u32; 2],
+    reach: f32,
+}
+
+/// Pairs are those that are nearer than this many times their reach: the others do not meet before
+/// the next refresh.
+const MARGIN: f32 = 1.5;
+
+/// Radii are cut at this many times the mean, so that one long edge does not widen the grid.
+const MAX_RADIUS: f32 = 2.0;
+
+/// What keeps pairs apart.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PairLaw {
+    /// Coulomb's coefficient.
+    pub(crate) friction: f32,
+    /// Vertices gain no velocity from being pushed apart farther than this a substep, m.
+    pub(crate) max_push: f32,
+}
+
+impl Pairs {
+    /// `factor` times the mean rest length of the edges around is what vertices keep from another.
+    pub(crate) fn new(cloth: &Cloth, start: &[Point3], factor: f32) -> Self {
+        let topology = cloth.topology();
+        let num_vertices = cloth.num_vertices();
+        let mut rings: Vec<[u32; 2]> = topology.edges().to_vec();
+        rings.extend(topology.two_ring_pairs());
+        rings.sort_unstable();
+        let mut ring_starts = vec![0; num_vertices + 1];
+        for &[vertex, _] in &rings {
+            ring_starts[vertex as usize + 1] += 1;
+        }
+        for vertex in 0..num_vertices {
+            ring_starts[vertex + 1] += ring_starts[vertex];
+        }
+        let mut sums = vec![(0.0_f32, 0.0_f32); num_vertices];
+        for spring in cloth.springs() {
+            for vertex in spring.vertices {
+                let (length, count) = &mut sums[vertex as usize];
+                *length += spring.rest_length;
+                *count += 1.0;
+            }
+        }
+        let largest = MAX_RADIUS * 0.5 * factor * cloth.mean_edge_length();
+        let radius =
+            |(length, count): &(f32, f32)| (0.5 * factor * length / count.max(1.0)).min(largest);
+        let radii: Vec<f32> = sums.iter().map(radius).collect();
+        let widest = radii.iter().copied().fold(0.0, f32::max);
+        Self {
+            rings: rings.into_iter().map(|[_, other]| other).collect(),
+            ring_starts,
+            search: MARGIN * 2.0 * widest,
+            radii,
+            start: start.to_vec(),
+            grid: Grid::default(),
+            pairs: Vec::new(),
+        }
+    }
+
+    /// Finds the pairs anew.
+    pub(crate) fn refresh(&mut self, particles: &Particles) {
+        let points = &particles.bases[..particles.num_vertices()];
+        self.pairs.clear();
+        self.grid.fill(points, self.search);
+        let (rings, starts, radii, start) =
+            (&self.rings, &self.ring_starts, &self.radii, &self.start);
+        let pairs = &mut self.pairs;
+        self.grid
+            .for_near_pairs(points, self.search, |a, b, squared| {
+                let reach = radii[a] + radii[b];
+                if squared > MARGIN * MARGIN * reach * reach {
+                    return;
+                }
+                let (a, b) = (a.min(b), a.max(b));
+                let ring = &rings[starts[a] as usize..starts[a + 1] as usize];
+                if ring.contains(&(b as u32)) {
+                    return;
+                }
+                pairs.push(Pair {
+                    vertices: [a as u32, b as u32],
+                    reach: reach.min((start[a] - start[b]).norm()),
+                });
+            });
+    }
+
+    /// Pushes the pairs that are too near apart and brakes their sliding.
+    pub(crate) fn project(&self, particles: &mut Particles, inverse_masses: &[f32], law: PairLaw) {
+        for pair in &self.pairs {
+            let [a, b] = pair.vertices.map(|vertex| vertex as usize);
+            let (xa, xb) = (particles.offsets[a], particles.offsets[b]);
+            let across = (particles.bases[a] - particles.bases[b]) + (xa - xb);
+            let squared = across.dot3(across);
+            if squared >= pair.reach * pair.reach || squared <= f32::MIN_POSITIVE {
+                continue;
+            }
+            let total = inverse_masses[a] + inverse_masses[b];
+            if total == 0.0 {
+                continue;
+            }
+            let distance = squared.sqrt();
+            let normal = across * (1.0 / distance);
+            let push = pair.reach - distance;
+            let (share_a, share_b) = (inverse_masses[a] / total, inverse_masses[b] / total);
+            let excess = normal * (push - law.max_push).max(0.0);
+            let (last_a, last_b) = (
+                particles.last[a] + excess * share_a,
+                particles.last[b] - excess * share_b,
+            );
+            let (xa, xb) = (
+                xa + normal * (push * share_a),
+                xb - normal * (push * share_b),
+            );
+            let against = (xa - last_a) - (xb - last_b);
+            let sliding = against - normal * normal.dot3(against);
+            let length = sliding.dot3(sliding).sqrt();
+            let grip = law.friction * push.min(law.max_push);
+            let braked: Quad = sliding * if length <= grip { 1.0 } else { grip / length };
+            particles.offsets[a] = xa - braked * share_a;
+            particles.offsets[b] = xb + braked * share_b;
+            particles.last[a] = last_a;
+            particles.last[b] = last_b;
+        }
+    }
+}
+
+/// Points sorted into cubes of a hashed grid.
+#[derive(Debug, Default)]
+struct Grid {
+    cells: Vec<[i32; 3]>,
+    hashes: Vec<u32>,
+    starts: Vec<u32>,
+    sorted: Vec<u32>,
+}
+
+/// Half of the 26 neighbors of a cube: each pair of cubes is met once.
+const FORWARD: [[i32; 3]; 13] = [
+    [1, 0, 0],
+    [-1, 1, 0],
+    [0, 1, 0],
+    [1, 1, 0],
+    [-1, -1, 1],
+    [0, -1, 1],
+    [1, -1, 1],
+    [-1, 0, 1],
+    [0, 0, 1],
+    [1, 0, 1],
+    [-1, 1, 1],
+    [0, 1, 1],
+    [1, 1, 1],
+];
+
+impl Grid {
+    fn fill(&mut self, points: &[Quad], size: f32) {
+        let per_meter = 1.0 / size;
+        let num_slots = (2 * points.len()).next_power_of_two();
+        let cell = |point: &Quad| {
+            let [x, y, z, _] = point.0;
+            [x, y, z].map(|value| (value * per_meter).floor() as i32)
+        };
+        self.cells.clear();
+        self.cells.extend(points.iter().map(cell));
+        self.starts.clear();
+        self.starts.resize(num_slots + 1, 0);
+        self.hashes.clear();
+        for &cell in &self.cells {
+            let slot = hash(cell, num_slots);
+            self.hashes.push(slot);
+            self.starts[slot as usize + 1] += 1;
+        }
+        for slot in 0..num_slots {
+            self.starts[slot + 1] += self.starts[slot];
+        }
+        // Filled from the back, so that each start ends where it began.
+        let mut next = self.starts.clone();
+        self.sorted.clear();
+        self.sorted.resize(points.len(), 0);
+        for (point, &slot) in self.hashes.iter().enumerate() {
+            let place = &mut next[slot as usize];
+            self.sorted[*place as usize] = point as u32;
+            *place += 1;
+        }
+    }
+
+    /// Calls `found` with each pair no farther apart than `distance`, and its squared distance.
+    fn for_near_pairs(
+        &self,
+        points: &[Quad],
+        distance: f32,
+        mut found: impl FnMut(usize, usize, f32),
+    ) {
+        let limit = distance * distance;
+        let num_slots = self.starts.len() - 1;
+        let mut check = |a: usize, b: usize| {
+            let across = points[a] - points[b];
+            let squared = across.dot3(across);
+            if squared < limit {
+                found(a, b, squared);
+            }
+        };
+        for (a, &cell) in self.cells.iter().enumerate() {
+            for &b in self.slot(self.hashes[a]) {
+                let b = b as usize;
+                if b > a && self.cells[b] == cell {
+                    check(a, b);
+                }
+            }
+            for step in FORWARD {
+                let other = [0, 1, 2].map(|axis| cell[axis].wrapping_add(step[axis]));
+                for &b in self.slot(hash(other, num_slots)) {
+                    if self.cells[b as usize] == other {
+                        check(a, b as usize);
+                    }
+                }
+            }
+        }
+    }
+
+    fn slot(&self, slot: u32) -> &[u32] {
+        let slot = slot as usize;
+        &self.sorted[self.starts[slot] as usize..self.starts[slot + 1] as usize]
+    }
+}
+
+/// Teschner et al. 2003, "Optimized spatial hashing for collision detection of deformable objects".
+fn hash([x, y, z]: [i32; 3], num_slots: usize) -> u32 {
+    let mixed =
+        x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663) ^ z.wrapping_mul(83_492_791);
+    mixed as u32 & (num_slots as u32 - 1)
+}
