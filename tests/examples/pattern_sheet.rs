@@ -27,10 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "usage: pattern_sheet FOLDER SEX,STATURE,BMI [VERTICES] [SIZE] [NAME=VALUE]…".into(),
         );
     };
-    let numbers: Vec<f64> = shape
-        .split(',')
-        .map(str::parse)
-        .collect::<Result<_, _>>()?;
+    let numbers: Vec<f64> = shape.split(',').map(str::parse).collect::<Result<_, _>>()?;
     let [sex, stature, bmi] = *numbers.as_slice() else {
         return Err("SEX,STATURE,BMI are three numbers".into());
     };
@@ -58,8 +55,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         let garment = template.sewn(&parameters, &cut, &wearer)?;
         garment.write_obj(folder.join(format!("{kind}_start.obj")), &garment.start)?;
-        write_obj(folder.join(format!("{kind}_flat.obj")), &garment.flat_mesh())?;
-        picture(&garment, body.body().rest(), &folder.join(format!("{kind}.png")))?;
+        write_obj(
+            folder.join(format!("{kind}_flat.obj")),
+            &garment.flat_mesh(),
+        )?;
+        picture(
+            &garment,
+            body.body().rest(),
+            &folder.join(format!("{kind}.png")),
+        )?;
         report(&garment, body.body().rest())?;
     }
     Ok(())
@@ -144,7 +148,11 @@ fn report(garment: &SewnGarment, body: &TriMesh) -> Result<(), Box<dyn Error>> {
 fn picture(garment: &SewnGarment, body: &TriMesh, path: &Path) -> Result<(), Box<dyn Error>> {
     let start = garment.start_mesh();
     let flat = garment.flat_mesh();
-    let layers = [(body, palette::SKIN), (&start, palette::GARMENT), (&flat, palette::GARMENT)];
+    let layers = [
+        (body, palette::SKIN),
+        (&start, palette::GARMENT),
+        (&flat, palette::GARMENT),
+    ];
     let on_body = [
         Camera::front(),
         Camera::new(0.6, 0.2),

@@ -7,5 +7,6 @@ mod assets;
 mod demo;
 mod garbage;
 mod held;
+mod pattern;
 mod pipeline;
 mod stability;

@@ -105,7 +105,7 @@ pub fn write_fine(folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Sex, stature in metres, body mass index, and pose of the bodies in the picture of the README.
+/// Sex, stature in metres, body mass index, and pose of some bodies side by side.
 const PEOPLE: [(f64, f64, f64, &str); 10] = [
     (1.0, 1.72, 18.5, "a_pose"),
     (1.0, 1.63, 25.0, "stand"),

@@ -1,6 +1,8 @@
 //! Measures what posing does to the built-in bodies, over sampled bodies and poses:
 //! `cargo run --release -p garnet-body --example check_poses -- [POSES]`.
 //!
+//! `… -- bends [BODIES]` measures elbows and knees bent to 140 degrees instead.
+//!
 //! Tells how much the volume changes, how many poses were corrected or thrown away for
 //! self-contact, how deep the contacts left are, and the time of a posed body.
 
@@ -11,9 +13,9 @@
 
 use std::time::Instant;
 
-use garnet_body::poses::{Outcome, PoseSampler, Poser, SelfContact};
+use garnet_body::poses::{BentRing, Hinge, Outcome, PoseSampler, Poser, SelfContact, bent_ring};
 use garnet_body::shape::{ParametricBody, Population};
-use garnet_skin::{Method, Point3};
+use garnet_skin::{Body, Method, Point3};
 
 /// Poses of one body.
 const POSES_PER_BODY: u64 = 25;
@@ -21,7 +23,15 @@ const POSES_PER_BODY: u64 = 25;
 /// Seed of bodies and poses.
 const SEED: u64 = 11;
 
+/// How far limbs are bent, in degrees.
+const LARGEST_FLEXION: u32 = 140;
+const FLEXION_STEP: usize = 20;
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    if std::env::args().nth(1).is_some_and(|word| word == "bends") {
+        let count = std::env::args().nth(2).map_or(Ok(20), |text| text.parse());
+        return bends(count?);
+    }
     let num_poses = std::env::args()
         .nth(1)
         .map_or(Ok(500), |text| text.parse::<u64>())?;
@@ -68,6 +78,38 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("  {:.1} % {what}", 100.0 * change);
     }
     println!("a posed body takes {:.2} ms (median)", times[count / 2]);
+    Ok(())
+}
+
+/// The worst rings of bent elbows and knees over some bodies.
+fn bends(count: u64) -> Result<(), Box<dyn std::error::Error>> {
+    let population = Population::new(SEED);
+    let bodies: Vec<Body> = (0..count)
+        .filter_map(|number| ParametricBody::build(&population.sample(number)).ok())
+        .map(ParametricBody::into_body)
+        .collect();
+    println!(
+        "{} bodies; the worst radius of the ring at the joint",
+        bodies.len()
+    );
+    for hinge in Hinge::ALL {
+        for degrees in (0..=LARGEST_FLEXION).step_by(FLEXION_STEP) {
+            let mut worst = BentRing::default();
+            for body in &bodies {
+                let ring = bent_ring(body, hinge, f64::from(degrees))?;
+                worst.bulge = worst.bulge.max(ring.bulge);
+                worst.fold_collapse = worst.fold_collapse.max(ring.fold_collapse);
+                worst.outer_collapse = worst.outer_collapse.max(ring.outer_collapse);
+            }
+            println!(
+                "{hinge:?} {degrees:>3} degrees: bulge {:>4.1} %, collapse in the fold {:>4.1} %, \
+                 outside {:>4.1} %",
+                100.0 * worst.bulge,
+                100.0 * worst.fold_collapse,
+                100.0 * worst.outer_collapse
+            );
+        }
+    }
     Ok(())
 }
 

@@ -8,8 +8,8 @@ use common::{ARM_RADIUS, TRUNK_RADIUS, body, skeleton};
 use garnet_body::{
     motion::{Ground, Side, lowest_points, put_on_ground},
     poses::{
-        BodyAngles, GaitCycle, Outcome, Part, PoseSampler, Poser, SelfContact, SeparationOptions,
-        key_pose, key_poses,
+        BodyAngles, GaitCycle, Hinge, Outcome, Part, PoseSampler, Poser, SelfContact,
+        SeparationOptions, bent_ring, key_pose, key_poses,
     },
     shape::{BodyParameters, JOINT_NAMES, ParametricBody},
 };
@@ -412,5 +412,23 @@ fn the_built_in_body_does_not_run_through_itself_in_drawn_poses() {
         }
         println!("sex {sex}, BMI {bmi}: {num_rejected} draws rejected for 60 poses");
         assert!(num_rejected < 12, "{num_rejected} draws were rejected");
+    }
+}
+
+#[test]
+fn bent_elbows_and_knees_neither_bulge_nor_collapse() {
+    const MAX_BULGE: f32 = 0.15;
+    const MAX_COLLAPSE: f32 = 0.25;
+    for (sex, bmi) in [(0.0, 20.0), (0.0, 33.0), (1.0, 19.0), (1.0, 31.0)] {
+        let built = ParametricBody::build(&BodyParameters::new(sex).with_bmi(bmi)).unwrap();
+        for hinge in Hinge::ALL {
+            for degrees in [45.0, 90.0, 140.0] {
+                let ring = bent_ring(built.body(), hinge, degrees).unwrap();
+                let is_sound = ring.bulge < MAX_BULGE
+                    && ring.fold_collapse < MAX_COLLAPSE
+                    && ring.outer_collapse < MAX_COLLAPSE;
+                assert!(is_sound, "{hinge:?} at {degrees}: {ring:?}");
+            }
+        }
     }
 }

@@ -4,7 +4,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::{
     body::BodyArgs, dataset::DatasetArgs, drape::DrapeArgs, garment::GarmentArgs, info::InfoArgs,
-    render::RenderArgs,
+    render::RenderArgs, simulate::SimulateArgs,
 };
 
 /// Drapes garment meshes on body meshes.
@@ -29,6 +29,8 @@ pub(crate) enum Command {
     Body(Box<BodyArgs>),
     /// Make a garment package: cut one from a pattern, or take a garment of your own.
     Garment(Box<GarmentArgs>),
+    /// Simulate a garment on a body that moves to its pose: slow, and accurate.
+    Simulate(Box<SimulateArgs>),
     /// Simulate many scenes of a garment, for training and tests.
     Dataset(Box<DatasetArgs>),
     /// Tell what is in a file, and what is unusual about a mesh.

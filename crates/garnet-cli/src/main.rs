@@ -16,6 +16,7 @@ mod output;
 mod posing;
 mod render;
 mod sidecar;
+mod simulate;
 
 use std::process::ExitCode;
 
@@ -50,6 +51,7 @@ fn run(command: Command, console: &Console) -> anyhow::Result<ExitStatus> {
         Command::Drape(args) => drape::run(*args, console),
         Command::Body(args) => body::run(&args, console),
         Command::Garment(args) => garment::run(&args, console),
+        Command::Simulate(args) => simulate::run(*args, console),
         Command::Dataset(args) => dataset::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Render(args) => render::run(&args, console),

@@ -2,7 +2,7 @@
 
 use garnet_mesh::Point3;
 use garnet_skin::{
-    Body, Joint, Pose, PosedBody, SkinError, SkinWeights, Skeleton, Vector3, skin_dual_quaternion,
+    Body, Joint, Pose, PosedBody, Skeleton, SkinError, SkinWeights, Vector3, skin_dual_quaternion,
 };
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
@@ -37,7 +37,9 @@ impl BodyPath {
     /// shape that is known by its offsets alone.
     pub fn to_posed(body: &Body, target: &PosedBody) -> Self {
         let zero = || vec![Vector3::zeros(); body.rest().num_vertices()];
-        let shape = target.shape_offsets().map_or_else(zero, <[Vector3]>::to_vec);
+        let shape = target
+            .shape_offsets()
+            .map_or_else(zero, <[Vector3]>::to_vec);
         let path = Self::new(body, body.skeleton(), shape, target.posed_from_rest());
         path.ending_at(target.skin().positions())
     }
@@ -76,14 +78,18 @@ impl BodyPath {
         posed_from_rest: &[Isometry3<f32>],
     ) -> Self {
         let skeleton = body.skeleton();
-        let parents: Vec<Option<usize>> = skeleton.joints().iter().map(|joint| joint.parent).collect();
+        let parents: Vec<Option<usize>> =
+            skeleton.joints().iter().map(|joint| joint.parent).collect();
         let positions = |joints: &[Joint]| -> Vec<Point3> {
             joints.iter().map(|joint| joint.rest_position).collect()
         };
         let pivots = [positions(skeleton.joints()), positions(target.joints())];
         let num_joints = parents.len();
         let mut rotations = vec![UnitQuaternion::identity(); num_joints];
-        let mut bones = [vec![Vector3::zeros(); num_joints], vec![Vector3::zeros(); num_joints]];
+        let mut bones = [
+            vec![Vector3::zeros(); num_joints],
+            vec![Vector3::zeros(); num_joints],
+        ];
         for joint in 0..num_joints {
             let rotation = posed_from_rest[joint].rotation;
             let place = posed_from_rest[joint] * pivots[1][joint];
@@ -114,7 +120,11 @@ impl BodyPath {
     /// With the end exactly at `target`.
     fn ending_at(mut self, target: &[Point3]) -> Self {
         let end = self.positions(1.0);
-        self.residual = target.iter().zip(&end).map(|(target, end)| target - end).collect();
+        self.residual = target
+            .iter()
+            .zip(&end)
+            .map(|(target, end)| target - end)
+            .collect();
         self
     }
 
@@ -150,7 +160,9 @@ impl BodyPath {
             };
         }
         for (joint, frame) in frames.iter_mut().enumerate() {
-            let pivot = self.pivots[0][joint].coords.lerp(&self.pivots[1][joint].coords, time);
+            let pivot = self.pivots[0][joint]
+                .coords
+                .lerp(&self.pivots[1][joint].coords, time);
             *frame *= Translation3::from(-pivot);
         }
         frames

@@ -35,19 +35,15 @@ pub(crate) fn read(path: &Path, num_faces: usize) -> Result<RestShape, DataError
     let bytes = std::fs::read(path).map_err(|source| DataError::read(path, source))?;
     let contents = Contents::of(&bytes).map_err(|source| DataError::tensors(path, source))?;
     let contents = contents.filter(|contents| contents.text == SCHEMA);
-    let contents = contents.ok_or_else(|| DataError::foreign(path, format!("it is no `{SCHEMA}`")))?;
+    let contents =
+        contents.ok_or_else(|| DataError::foreign(path, format!("it is no `{SCHEMA}`")))?;
     let array = |name: &str, shape: &[usize]| {
         let array = contents.array(name).filter(|array| array.shape == shape);
         let what = format!("it has no tensor `{name}` of shape {shape:?}");
         array.ok_or_else(|| DataError::foreign(path, what))
     };
     let corners = array("corners", &[num_faces, 3, 2])?.values;
-    let corners: Vec<[[f32; 2]; 3]> = corners
-        .as_chunks::<2>()
-        .0
-        .as_chunks::<3>()
-        .0
-        .to_vec();
+    let corners: Vec<[[f32; 2]; 3]> = corners.as_chunks::<2>().0.as_chunks::<3>().0.to_vec();
     let shrink = array("shrink", &[num_faces])?.values;
     Ok(RestShape::Flat { corners, shrink })
 }

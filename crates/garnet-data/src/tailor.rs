@@ -4,12 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use garnet_mesh::{ObjFile, Point3};
-use garnet_pattern::{
-    GarmentKind, Measures, Parameters, SewnGarment, Template, Wearer,
-};
-use garnet_sim::{
-    Cloth, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, drape,
-};
+use garnet_pattern::{GarmentKind, Measures, Parameters, SewnGarment, Template, Wearer};
+use garnet_sim::{Cloth, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, drape};
 use garnet_skin::{Body, Garment};
 
 use crate::package::{PackageParts, StoredFabric, StoredPattern};
@@ -121,7 +117,10 @@ impl Tailor {
     ///
     /// Those of [`Teacher::of_garment`].
     pub fn teacher(&self, worn: &Worn, body: &Body) -> Result<Teacher, DataError> {
-        let mesh = worn.sewn.start_mesh().with_positions(worn.positions.clone())?;
+        let mesh = worn
+            .sewn
+            .start_mesh()
+            .with_positions(worn.positions.clone())?;
         let garment = Garment::new(mesh).bind(body)?;
         Teacher::of_garment(garment, body, &rest_of(&worn.sewn), &self.fabric.fabric())
     }

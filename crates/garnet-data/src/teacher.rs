@@ -70,7 +70,11 @@ impl Teacher {
         let is_piece = garment.is_piece();
         let mut number = vec![u32::MAX; is_piece.len()];
         let mut nodes = Vec::with_capacity(is_piece.len());
-        for (node, _) in is_piece.iter().enumerate().filter(|&(_, &is_piece)| !is_piece) {
+        for (node, _) in is_piece
+            .iter()
+            .enumerate()
+            .filter(|&(_, &is_piece)| !is_piece)
+        {
             number[node] = nodes.len() as u32;
             nodes.push(node as u32);
         }
@@ -186,7 +190,9 @@ fn carried(garment: &BoundGarment, nodes: &[u32]) -> Vec<(u32, u32)> {
         .filter_map(|(piece, _)| {
             let place = garment.rest()[piece];
             let distance = |&&node: &&u32| (garment.rest()[node as usize] - place).norm_squared();
-            let nearest = nodes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+            let nearest = nodes
+                .iter()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
             Some((piece as u32, *nearest))
         })
         .collect()
@@ -202,7 +208,10 @@ fn check_start(start: &[Point3], body: &Body) -> Result<(), DataError> {
     if inside as f64 <= MAX_SHARE_INSIDE * start.len() as f64 {
         return Ok(());
     }
-    let depths = start.iter().zip(&is_inside).filter(|&(_, &is_inside)| is_inside);
+    let depths = start
+        .iter()
+        .zip(&is_inside)
+        .filter(|&(_, &is_inside)| is_inside);
     let depths = depths.map(|(&point, _)| skin.closest(point).distance_squared.sqrt());
     Err(DataError::InsideAtStart {
         inside,

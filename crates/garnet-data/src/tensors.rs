@@ -19,7 +19,10 @@ pub(crate) struct Array {
 
 impl Array {
     /// Rows of points `[row, vertex, 3]`.
-    pub(crate) fn of_points<'a>(rows: impl Iterator<Item = &'a [Point3]>, num_points: usize) -> Self {
+    pub(crate) fn of_points<'a>(
+        rows: impl Iterator<Item = &'a [Point3]>,
+        num_points: usize,
+    ) -> Self {
         let values: Vec<f32> = rows
             .flat_map(|row| row.iter().flat_map(|point| [point.x, point.y, point.z]))
             .collect();
@@ -88,7 +91,10 @@ impl View for &Bytes<'_> {
 }
 
 /// The bytes of a file with these arrays and this text. Equal contents give equal bytes.
-pub(crate) fn to_bytes(arrays: &[(&str, &Array)], text: String) -> Result<Vec<u8>, SafeTensorError> {
+pub(crate) fn to_bytes(
+    arrays: &[(&str, &Array)],
+    text: String,
+) -> Result<Vec<u8>, SafeTensorError> {
     let bytes = |array: &Array| -> Vec<u8> {
         let values = array.values.iter();
         values.flat_map(|value| value.to_le_bytes()).collect()
@@ -101,7 +107,10 @@ pub(crate) fn to_bytes(arrays: &[(&str, &Array)], text: String) -> Result<Vec<u8
         })
         .collect();
     let metadata = HashMap::from([(TEXT_KEY.to_owned(), text)]);
-    serialize(views.iter().map(|(name, view)| (*name, view)), Some(metadata))
+    serialize(
+        views.iter().map(|(name, view)| (*name, view)),
+        Some(metadata),
+    )
 }
 
 /// Arrays and text of a file.

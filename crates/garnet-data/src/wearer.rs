@@ -65,7 +65,6 @@ pub fn default_rest_body() -> BodyParameters {
         .with_bmi(23.0)
 }
 
-
 /// Whether the template of a package fits a body that is not yet built, by the girths that its
 /// parameters give. A garment without pattern fits everybody.
 pub(crate) fn fits(package: &GarmentPackage, parameters: &BodyParameters) -> bool {

@@ -40,6 +40,20 @@ pub struct Warped {
     nodes: Vec<Point3>,
 }
 
+impl Warped {
+    /// A garment that something else than a warp has brought to the body, to be untangled: positions
+    /// `[vertex]` of its mesh, in metres.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer positions than vertices.
+    pub fn at(garment: &BoundGarment, positions: &[Point3]) -> Self {
+        Self {
+            nodes: garment.cloth.weld().gather(positions),
+        }
+    }
+}
+
 impl Draper {
     /// Warps by pose and shape and untangles with the default clearance.
     pub fn new() -> Self {

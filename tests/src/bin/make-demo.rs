@@ -2,7 +2,7 @@
 //!
 //! - `… -- fine FOLDER` writes the scene that the times of the command are stated for, a tunic of
 //!   10 000 vertices on a mannequin of 13 000.
-//! - `… -- people FILE` writes the bodies in the picture of the README.
+//! - `… -- people FILE` writes ten bodies side by side, at rest and in poses.
 
 use std::path::Path;
 

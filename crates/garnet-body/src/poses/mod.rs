@@ -23,6 +23,7 @@
 //! ```
 
 mod angles;
+mod bent;
 mod contact;
 mod gait;
 mod key_pose;
@@ -35,6 +36,7 @@ mod separate;
 mod sequences;
 
 pub use angles::{Arm, Bend, BodyAngles, Leg, NUM_ANGLES};
+pub use bent::{BentError, BentRing, Hinge, bent_ring};
 pub use contact::{Contact, ContactKind, ContactReport, SelfContact};
 pub use gait::GaitCycle;
 pub use key_pose::{KeyPose, key_pose, key_poses};

@@ -6,6 +6,9 @@
 //! are from Kapandji, *The Physiology of the Joints*, 6th edition 2007/2010, volume 1 section
 //! "The sternoclavicular joint" and volume 2 section "Movements of the hip". The range of trained
 //! people is what a pose of the library may use; noise never leaves the usual range.
+//!
+//! The numbers were entered without these books at hand and are not checked against them: each is an
+//! approximation, rounded to 5 degrees.
 
 use super::{BodyAngles, angles::NUM_ANGLES};
 

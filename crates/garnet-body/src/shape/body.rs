@@ -22,7 +22,7 @@ pub(super) struct Shared {
     pub(super) carrier: Carrier,
     /// The share of an arm in the weight of each vertex of the whole.
     pub(super) arm_share: Vec<f64>,
-    weights: SkinWeights,
+    pub(super) weights: SkinWeights,
 }
 
 pub(super) fn shared() -> &'static Shared {

@@ -32,19 +32,20 @@ const UNFOLDINGS_ON_SURFACE: usize = 2;
 /// Fitting ends when every girth is this close, relative.
 const GIRTH_TOLERANCE: f64 = 2e-3;
 
-/// The inseam, in metres.
+/// The inseam, in metres, and for how many rounds it is waited for: thighs that meet below the crotch
+/// leave it no room.
 const INSEAM_TOLERANCE: f64 = 2e-3;
+const ROUNDS_FOR_INSEAM: usize = 6;
 
 /// And, where no girth is given, the mass.
 const MASS_TOLERANCE: f64 = 8e-3;
 
 /// What is varied to meet the measures: the logarithms of the corrections of the girths and of the
-/// body mass index that the girths are predicted from, and the correction of the crotch in metres.
+/// body mass index that the girths are predicted from.
 type Unknowns = SVector<f64, NUM_UNKNOWNS>;
 const NUM_GIRTHS: usize = Measure::GIRTHS.len();
 const BMI: usize = NUM_GIRTHS;
-const CROTCH: usize = NUM_GIRTHS + 1;
-const NUM_UNKNOWNS: usize = NUM_GIRTHS + 2;
+const NUM_UNKNOWNS: usize = NUM_GIRTHS + 1;
 
 /// A girth changes by less than this in one round, as a logarithm.
 const MAX_CHANGE: f64 = 0.15;
@@ -52,10 +53,9 @@ const MAX_CHANGE: f64 = 0.15;
 /// Corrections beyond this would not look like a body, as a logarithm.
 const MAX_CORRECTION: f64 = 0.6;
 
-/// The crotch moves by less than this in one round, in metres.
-const MAX_CROTCH_CHANGE: f64 = 0.008;
-
-/// The crotch is moved by no more than this to meet the inseam, in metres.
+/// The crotch moves by this share of its error in one round, and by no more than this in all, in
+/// metres.
+const CROTCH_GAIN: f64 = 0.7;
 const MAX_CROTCH_CORRECTION: f64 = 0.03;
 
 /// A candidate on the way to the right measures.
@@ -95,6 +95,11 @@ impl Trial {
     /// Pairs of faces that intersect.
     fn intersections(&self) -> Vec<[u32; 2]> {
         Surface::new(&mesh(&self.positions)).self_intersections()
+    }
+
+    /// How far the crotch is too low, in metres.
+    fn rise(&self) -> f64 {
+        self.surface.anatomy.measures[Measure::Inseam] - self.measures[Measure::Inseam]
     }
 
     /// How far a girth is off, relative to what it shall be.
@@ -165,6 +170,9 @@ struct Fit {
     /// What the body shall weigh, if no girth says so.
     mass: Option<f64>,
     unknowns: Unknowns,
+    /// What is added to the height of the crotch, in metres. The mesh may have no room for it between
+    /// the thighs, so that it is no unknown that others could lean on.
+    crotch: f64,
     /// Errors over unknowns.
     slopes: SMatrix<f64, NUM_UNKNOWNS, NUM_UNKNOWNS>,
 }
@@ -184,6 +192,7 @@ impl Fit {
             mass: meets_mass.then_some(mass),
             parameters: parameters.clone().with(Measure::Stature, stature),
             unknowns: Unknowns::zeros(),
+            crotch: 0.0,
             slopes: SMatrix::identity(),
         }
     }
@@ -194,13 +203,13 @@ impl Fit {
         for (measure, value) in Measure::GIRTHS.into_iter().zip(self.unknowns.iter()) {
             corrections[measure] = value.exp();
         }
-        corrections.crotch = self.unknowns[CROTCH];
+        corrections.crotch = self.crotch;
         let shift = self.unknowns[BMI].exp();
         let body = self.parameters.completed(self.bmi.map(|bmi| bmi * shift));
         BodySurface::of(Anatomy::new(self.parameters.sex(), &body, corrections))
     }
 
-    /// Logarithms of what is measured over what shall be, and how far the crotch is too high.
+    /// Logarithms of what is measured over what shall be.
     fn errors(&self, trial: &Trial) -> Unknowns {
         let mut errors = Unknowns::zeros();
         for (place, measure) in Measure::GIRTHS.into_iter().enumerate() {
@@ -209,8 +218,6 @@ impl Fit {
         if let Some(mass) = self.mass {
             errors[BMI] = (trial.volume * BODY_DENSITY / mass).ln();
         }
-        errors[CROTCH] =
-            trial.measures[Measure::Inseam] - trial.surface.anatomy.measures[Measure::Inseam];
         errors
     }
 
@@ -225,24 +232,28 @@ impl Fit {
     ) -> Trial {
         let carrier = &shared().carrier;
         let mut errors = self.errors(&trial);
-        let badness = |errors: &Unknowns| {
-            errors.rows(0, NUM_GIRTHS).amax() + 0.2 * (errors[BMI].abs() + errors[CROTCH].abs())
+        let badness = |errors: &Unknowns, rise: f64| {
+            errors.rows(0, NUM_GIRTHS).amax() + 0.2 * errors[BMI].abs() + 0.02 * rise.abs()
         };
-        let is_met = |errors: &Unknowns, unknowns: &Unknowns| {
+        let is_met = |errors: &Unknowns, rise: f64, round: usize| {
             errors.rows(0, NUM_GIRTHS).amax() < girth_tolerance
                 && errors[BMI].abs() < mass_tolerance
-                && (errors[CROTCH].abs() < INSEAM_TOLERANCE
-                    || unknowns[CROTCH].abs() >= MAX_CROTCH_CORRECTION)
+                && (rise.abs() < INSEAM_TOLERANCE || round >= ROUNDS_FOR_INSEAM)
         };
-        let mut best = (badness(&errors), self.unknowns);
+        let mut rise = trial.rise();
+        let mut best = (badness(&errors, rise), self.unknowns, self.crotch);
         let mut best_trial = trial;
         let mut carried = best_trial.carried.clone();
-        for _ in 0..rounds {
-            if is_met(&errors, &self.unknowns) {
+        for round in 0..rounds {
+            if is_met(&errors, rise, round) {
                 break;
             }
             let before = self.unknowns;
             self.advance(&errors);
+            if round < ROUNDS_FOR_INSEAM {
+                self.crotch = (self.crotch + CROTCH_GAIN * rise)
+                    .clamp(-MAX_CROTCH_CORRECTION, MAX_CROTCH_CORRECTION);
+            }
             let surface = self.surface();
             carrier.follow(&mut carried, &surface);
             if !lifted.is_empty() {
@@ -252,26 +263,21 @@ impl Fit {
             let new_errors = self.errors(&trial);
             self.learn(&(self.unknowns - before), &(new_errors - errors));
             errors = new_errors;
-            if badness(&errors) < best.0 {
-                best = (badness(&errors), self.unknowns);
+            rise = trial.rise();
+            if badness(&errors, rise) < best.0 {
+                best = (badness(&errors, rise), self.unknowns, self.crotch);
                 best_trial = trial;
             }
         }
-        self.unknowns = best.1;
+        (_, self.unknowns, self.crotch) = best;
         best_trial
     }
 
     /// Takes a step towards no errors.
     fn advance(&mut self, errors: &Unknowns) {
         let step = self.slopes.lu().solve(errors).unwrap_or(*errors);
-        for (place, (unknown, step)) in self.unknowns.iter_mut().zip(&step).enumerate() {
-            let [change, largest] = if place == CROTCH {
-                [MAX_CROTCH_CHANGE, MAX_CROTCH_CORRECTION]
-            } else {
-                [MAX_CHANGE, MAX_CORRECTION]
-            };
-            *unknown = (*unknown - step.clamp(-change, change)).clamp(-largest, largest);
-        }
+        self.unknowns = (self.unknowns - step.map(|value| value.clamp(-MAX_CHANGE, MAX_CHANGE)))
+            .map(|value| value.clamp(-MAX_CORRECTION, MAX_CORRECTION));
     }
 
     /// Learns from what a step has changed: Broyden 1965.
@@ -279,7 +285,7 @@ impl Fit {
         let surprise = change - self.slopes * step;
         let updated = self.slopes + surprise * step.transpose() / step.norm_squared().max(1e-12);
         // A girth that grows when it is corrected downwards is an accident of the others.
-        if updated.diagonal().rows(0, CROTCH).min() > 0.3 {
+        if updated.diagonal().min() > 0.3 {
             self.slopes = updated;
         }
     }

@@ -12,7 +12,7 @@ use std::{
 use anyhow::Context;
 use garnet::{
     Body, Method, Point3, Rig, TriMesh,
-    io::{ObjFile, write_obj, write_rig_npz},
+    io::{write_obj, write_rig_npz},
     motion::FrameRange,
     shape::{BodyParameters, ParametricBody, Population},
 };
@@ -65,8 +65,8 @@ pub(crate) fn run(args: &BodyArgs, console: &Console) -> anyhow::Result<ExitStat
 struct Subject {
     body: Body,
     tape: Option<Tape>,
-    /// The text of an own body's OBJ.
-    file: Option<ObjFile>,
+    /// An own body's OBJ.
+    file: Option<own::FramedFile>,
 }
 
 impl Subject {
@@ -181,7 +181,9 @@ fn write_subject(
         Some(source) => source.read(&subject.body)?,
         None => Posing::default(),
     };
-    for note in notes {
+    let of_tape = subject.tape.iter().filter(|_| outputs.number.is_none());
+    let of_tape = of_tape.flat_map(Tape::conflicts);
+    for note in of_tape.chain(notes) {
         if !report.notes.contains(&note) {
             report.notes.push(note);
         }
@@ -228,8 +230,8 @@ fn write_body(
     coarse: bool,
 ) -> anyhow::Result<usize> {
     let num_vertices = positions.len();
-    if let Some(file) = &subject.file {
-        file.write_with_positions(path, &positions)?;
+    if let Some((file, frame)) = &subject.file {
+        file.write_with_positions(path, &frame.to_file(positions))?;
         return Ok(num_vertices);
     }
     let mesh = if coarse {

@@ -5,6 +5,9 @@ use std::fmt::{self, Write};
 use garnet::shape::{BodyParameters, Measure, ParametricBody};
 use serde::Serialize;
 
+/// A given length that is missed by more is told, in metres.
+const NOTABLE_LENGTH: f64 = 0.005;
+
 /// The document of `body`: `garnet.body/1`.
 #[derive(Debug, Serialize)]
 pub(crate) struct BodyReport {
@@ -66,6 +69,23 @@ impl Tape {
             bmi: built.mass() / (stature * stature),
             measures: measured.collect(),
         }
+    }
+
+    /// What is said of the measures that could not be met beside the others. A girth that cannot be
+    /// met is an error; a length is not.
+    pub(crate) fn conflicts(&self) -> impl Iterator<Item = String> + '_ {
+        self.measures.iter().filter_map(|measure| {
+            let asked = measure.asked_m?;
+            let is_off = (measure.m - asked).abs() > NOTABLE_LENGTH;
+            is_off.then(|| {
+                format!(
+                    "{} is {:.1} cm, not {:.1} as asked for: the other measures leave no room for it",
+                    measure.name,
+                    100.0 * measure.m,
+                    100.0 * asked
+                )
+            })
+        })
     }
 }
 

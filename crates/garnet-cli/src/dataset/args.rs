@@ -138,7 +138,16 @@ mod tests {
             test: 2,
         };
         assert_eq!(counts("5/0/2"), Ok(expected));
-        for text in ["", "5", "5/1", "0/0/0", "1/1/1/1", "a/b/c", "-1/2/3", "9999999/1/1"] {
+        for text in [
+            "",
+            "5",
+            "5/1",
+            "0/0/0",
+            "1/1/1/1",
+            "a/b/c",
+            "-1/2/3",
+            "9999999/1/1",
+        ] {
             assert!(counts(text).is_err(), "{text}");
         }
     }

@@ -10,7 +10,7 @@ use garnet::data::{
     Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest, Limits, generate, import,
 };
 
-pub(crate) use args::DatasetArgs;
+pub(crate) use args::{DatasetArgs, QualityName};
 use progress::Progress;
 use report::DatasetReport;
 
@@ -68,7 +68,13 @@ fn make(args: &DatasetArgs, package: &GarmentPackage, console: &Console) -> anyh
     };
     let progress = Progress::new(console);
     let observer = |event: DatasetEvent| progress.tell(&event);
-    let made = generate(package, &args.output, &options, &observer, &AtomicBool::new(false));
+    let made = generate(
+        package,
+        &args.output,
+        &options,
+        &observer,
+        &AtomicBool::new(false),
+    );
     progress.finish();
     made.hint(|| {
         "the data set goes on where it was if the command is run again with the same arguments; \
@@ -88,18 +94,26 @@ fn take(
     let (scenes, base) = if manifest.is_dir() {
         let body = args.body_file.as_deref().ok_or_else(|| {
             refused(
-                format!("`{}` is a folder of shirts without bodies", manifest.display()),
+                format!(
+                    "`{}` is a folder of shirts without bodies",
+                    manifest.display()
+                ),
                 "the body's file in each sample is not known",
                 "name it with `--body-file NAME`, or give a manifest instead of a folder",
             )
         })?;
-        (ImportManifest::wang_2018(manifest, body, args.units)?, manifest)
+        (
+            ImportManifest::wang_2018(manifest, body, args.units)?,
+            manifest,
+        )
     } else {
         let base = manifest.parent().unwrap_or(Path::new(""));
         (ImportManifest::read(manifest)?, base)
     };
     let bar = console.progress(scenes.scenes.len());
-    import(package, &scenes, base, &args.output, &mut |done| bar.set_position(done as u64))?;
+    import(package, &scenes, base, &args.output, &mut |done| {
+        bar.set_position(done as u64)
+    })?;
     bar.finish_and_clear();
     Ok(())
 }

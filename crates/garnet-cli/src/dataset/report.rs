@@ -109,7 +109,10 @@ impl Measured {
             values.sort_by(f32::total_cmp);
             Some([*values.get(values.len() / 2)?, *values.last()?])
         };
-        let mut crossings: Vec<u32> = reports.iter().map(|report| report.self_intersections).collect();
+        let mut crossings: Vec<u32> = reports
+            .iter()
+            .map(|report| report.self_intersections)
+            .collect();
         crossings.sort_unstable();
         Some(Self {
             strain_p99: of(|report| report.strain_p99)?,

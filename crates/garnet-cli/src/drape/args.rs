@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::ensure;
 use clap::{Args, ValueEnum};
-use garnet::{DrapeOptions, Unit, UnitError, UntangleOptions, UpAxis, Warp};
+use garnet::{
+    DrapeOptions, Unit, UnitError, UntangleOptions, UpAxis, Warp,
+    data::{GarmentPackage, Quality, StoredFabric},
+};
 
 use crate::{
     args::millimetres,
@@ -17,32 +20,11 @@ use crate::{
 #[derive(Debug, Args)]
 #[command(after_long_help = LONG_HELP)]
 pub(crate) struct DrapeArgs {
-    /// Garment, as OBJ, lying on the rest body.
-    #[arg(
-        value_name = "GARMENT",
-        required_unless_present = "scene",
-        conflicts_with = "scene"
-    )]
-    garment: Option<PathBuf>,
-    /// Bodies to drape it on, as OBJ; with `--pose`, the rest body.
-    #[arg(value_name = "BODY", conflicts_with = "scene")]
-    bodies: Vec<PathBuf>,
+    #[command(flatten)]
+    input: InputArgs,
     /// Where the draped OBJ goes; a folder for several bodies.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Take garment, bodies, weights and pose from a `drape-scene/1` file.
-    #[arg(long, value_name = "SCENE.json", conflicts_with_all = ["rig", "rest_body", "pose", "units", "up"])]
-    scene: Option<PathBuf>,
-    /// Skeleton and weights: npz, GLB, glTF or JSON [default: `<body>.rig.npz` beside the body].
-    #[arg(long, value_name = "FILE")]
-    rig: Option<PathBuf>,
-    /// Body on which the garment lies, as OBJ [default: the rest mesh of the rig].
-    #[arg(long, value_name = "OBJ")]
-    rest_body: Option<PathBuf>,
-    /// Pose the rest body, instead of taking the pose from BODY: a pose file, a frame of a motion
-    /// (BVH, npz as in AMASS, pose JSON), several as FIRST:END:STEP, or a pose of the library.
-    #[arg(long, value_name = "FILE[:FRAMES]|NAME")]
-    pose: Option<PoseSource>,
     /// Write the posed body, as OBJ; a folder for several.
     #[arg(long, value_name = "OBJ", requires = "pose")]
     body_out: Option<PathBuf>,
@@ -64,6 +46,34 @@ pub(crate) struct DrapeArgs {
     /// Drape each body this often, and report median and p95 of the times.
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     repeat: u32,
+}
+
+/// Garment and bodies, as `drape` and `simulate` take them.
+#[derive(Debug, Args)]
+pub(crate) struct InputArgs {
+    /// Garment, as OBJ, lying on the rest body, or a garment package.
+    #[arg(
+        value_name = "GARMENT",
+        required_unless_present = "scene",
+        conflicts_with = "scene"
+    )]
+    pub(crate) garment: Option<PathBuf>,
+    /// Bodies to drape it on, as OBJ; with `--pose`, the rest body.
+    #[arg(value_name = "BODY", conflicts_with = "scene")]
+    pub(crate) bodies: Vec<PathBuf>,
+    /// Take garment, bodies, weights and pose from a `drape-scene/1` file.
+    #[arg(long, value_name = "SCENE.json", conflicts_with_all = ["rig", "rest_body", "pose", "units", "up"])]
+    scene: Option<PathBuf>,
+    /// Skeleton and weights: npz, GLB, glTF or JSON [default: `<body>.rig.npz` beside the body].
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+    /// Body on which the garment lies, as OBJ [default: the rest mesh of the rig].
+    #[arg(long, value_name = "OBJ")]
+    rest_body: Option<PathBuf>,
+    /// Pose the rest body, instead of taking the pose from BODY: a pose file, a frame of a motion
+    /// (BVH, npz as in AMASS, pose JSON), several as FIRST:END:STEP, or a pose of the library.
+    #[arg(long, value_name = "FILE[:FRAMES]|NAME")]
+    pose: Option<PoseSource>,
     /// Unit of the OBJ files: m, dm, cm, mm or auto; or two, of garment and bodies: `cm,m`.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = units)]
     units: UnitsTaken,
@@ -92,6 +102,8 @@ pub(crate) enum MethodName {
     Dqs,
     /// Dual-quaternion skinning and the change of the body's shape.
     Warp,
+    /// The physics-based simulation that networks learn from; see `garnet simulate`.
+    Sim,
 }
 
 /// The axis that points up.
@@ -140,9 +152,21 @@ pub(crate) struct Job {
     /// Whether the report goes to stdout.
     pub(crate) prints_report: bool,
     pub(crate) options: DrapeOptions,
+    /// How the garment is simulated; none if it is warped.
+    pub(crate) simulation: Option<Simulation>,
     /// In metres.
     pub(crate) max_penetration: Option<f32>,
     pub(crate) repeat: u32,
+}
+
+/// How a garment is simulated.
+#[derive(Debug, Clone)]
+pub(crate) struct Simulation {
+    pub(crate) quality: Quality,
+    /// Instead of the fabric of the package, or of cotton.
+    pub(crate) fabric: Option<StoredFabric>,
+    /// Where an OBJ is written for each frame.
+    pub(crate) frames: Option<PathBuf>,
 }
 
 /// Where garment and bodies come from.
@@ -158,6 +182,8 @@ pub(crate) enum Source {
 #[derive(Debug)]
 pub(crate) struct SourceFiles {
     pub(crate) garment: PathBuf,
+    /// The package that the garment is from.
+    pub(crate) package: Option<PathBuf>,
     pub(crate) bodies: Vec<PathBuf>,
     pub(crate) rig: Option<PathBuf>,
     pub(crate) rest_body: Option<PathBuf>,
@@ -168,66 +194,105 @@ pub(crate) struct SourceFiles {
 
 impl Job {
     pub(crate) fn new(args: DrapeArgs) -> anyhow::Result<Self> {
-        let has_frames = args.pose.as_ref().is_some_and(PoseSource::is_several);
-        let is_several = args.bodies.len() > 1 || has_frames;
-        let outputs = if is_several {
-            output::check_folder(&args.output)?;
-            if has_frames {
-                Vec::new()
-            } else {
-                output::names_in(&args.output, &args.bodies)?
-            }
-        } else {
-            output::check_file(&args.output)?;
-            vec![args.output.clone()]
-        };
-        let prints_report = args
-            .report
-            .as_ref()
-            .is_some_and(|path| path.as_os_str() == "-");
-        let report = args.report.filter(|_| !prints_report);
-        if let Some(path) = &report {
-            output::check_file(path)?;
-        }
+        let mut job = Self::of_input(args.input, args.output)?;
+        job.take_report(args.report)?;
         match &args.body_out {
-            Some(folder) if has_frames => output::check_folder(folder)?,
+            Some(folder) if job.folder.is_some() => output::check_folder(folder)?,
             Some(path) => output::check_file(path)?,
             None => {}
         }
-        let options = DrapeOptions {
+        job.options = DrapeOptions {
             warp: args.method.warp(),
             untangle: (!args.no_untangle).then(|| UntangleOptions {
                 clearance: args.clearance,
                 ..UntangleOptions::default()
             }),
         };
-        let source = match (args.scene, args.garment) {
-            (Some(scene), _) => Source::Scene(scene),
-            (None, Some(garment)) => Source::Files(SourceFiles {
-                garment,
-                bodies: args.bodies,
-                rig: args.rig,
-                rest_body: args.rest_body,
-                pose: args.pose,
-                units: args.units,
-                up: args.up.axis(),
-            }),
+        job.simulation = (args.method == MethodName::Sim).then_some(Simulation {
+            quality: Quality::Teacher,
+            fabric: None,
+            frames: None,
+        });
+        job.body_out = args.body_out;
+        job.max_penetration = args.max_penetration;
+        job.repeat = args.repeat;
+        Ok(job)
+    }
+
+    /// The garment as it is, once on each body, into `output`.
+    pub(crate) fn of_input(input: InputArgs, output: PathBuf) -> anyhow::Result<Self> {
+        let has_frames = input.pose.as_ref().is_some_and(PoseSource::is_several);
+        let is_several = input.bodies.len() > 1 || has_frames;
+        let outputs = if is_several {
+            output::check_folder(&output)?;
+            if has_frames {
+                Vec::new()
+            } else {
+                output::names_in(&output, &input.bodies)?
+            }
+        } else {
+            output::check_file(&output)?;
+            vec![output.clone()]
+        };
+        Ok(Self {
+            source: input.source()?,
+            outputs,
+            folder: is_several.then_some(output),
+            body_out: None,
+            report: None,
+            prints_report: false,
+            options: DrapeOptions::default(),
+            simulation: None,
+            max_penetration: None,
+            repeat: 1,
+        })
+    }
+
+    /// Where the report goes.
+    pub(crate) fn take_report(&mut self, report: Option<PathBuf>) -> anyhow::Result<()> {
+        self.prints_report = report.as_ref().is_some_and(|path| path.as_os_str() == "-");
+        self.report = report.filter(|_| !self.prints_report);
+        self.report.as_deref().map_or(Ok(()), output::check_file)
+    }
+}
+
+impl InputArgs {
+    fn source(self) -> anyhow::Result<Source> {
+        let garment = match (self.scene, self.garment) {
+            (Some(scene), _) => return Ok(Source::Scene(scene)),
+            (None, Some(garment)) => garment,
             (None, None) => anyhow::bail!("neither a garment nor a scene is given"),
         };
-        if let Source::Files(files) = &source {
-            files.check()?;
-        }
-        Ok(Self {
-            source,
-            outputs,
-            folder: is_several.then_some(args.output),
-            body_out: args.body_out,
-            report,
-            prints_report,
-            options,
-            max_penetration: args.max_penetration,
-            repeat: args.repeat,
-        })
+        let package = GarmentPackage::is_at(&garment).then(|| garment.clone());
+        let files = match &package {
+            Some(folder) => {
+                let manifest = GarmentPackage::read_manifest(folder)?;
+                let has_body = self.rig.is_some() || self.rest_body.is_some();
+                let rig = folder.join(&manifest.rest_body.rig);
+                SourceFiles {
+                    garment: GarmentPackage::template_at(folder),
+                    rig: self.rig.or((!has_body).then_some(rig)),
+                    package,
+                    bodies: self.bodies,
+                    rest_body: self.rest_body,
+                    pose: self.pose,
+                    units: self.units,
+                    up: self.up.axis(),
+                }
+            }
+            None => SourceFiles {
+                garment,
+                package,
+                bodies: self.bodies,
+                rig: self.rig,
+                rest_body: self.rest_body,
+                pose: self.pose,
+                units: self.units,
+                up: self.up.axis(),
+            },
+        };
+        files.check()?;
+        Ok(Source::Files(files))
     }
 }
 
@@ -264,7 +329,7 @@ impl MethodName {
         match self {
             Self::Lbs => Warp::Linear,
             Self::Dqs => Warp::DualQuaternion,
-            Self::Auto | Self::Warp => Warp::Shape,
+            Self::Auto | Self::Warp | Self::Sim => Warp::Shape,
         }
     }
 }

@@ -5,11 +5,15 @@ use std::path::{Path, PathBuf};
 use garnet::{
     Point3, Rig,
     io::{ObjFile, Scene, read_rig},
+    shape::{Recognized, recognized},
 };
 use rayon::prelude::*;
 
 use super::args::SourceFiles;
-use crate::{failure::refused, sidecar::rig_beside};
+use crate::{
+    failure::refused,
+    sidecar::{built_in, rig_beside},
+};
 
 /// The files of a drape without a scene, as read.
 #[derive(Debug)]
@@ -42,16 +46,36 @@ impl Files {
         let rig = || rig_path.as_deref().map(read_rig).transpose();
         let ((garment, (bodies, rest_body)), rig) = rayon::join(meshes, rig);
         let (garment, bodies, rest_body) = (garment?, bodies?, rest_body?);
-        match (rig?, rig_path) {
-            (Some(rig), Some(rig_path)) => Ok(Self {
-                garment,
-                bodies,
-                rest_body,
-                rig,
-                rig_path,
-            }),
-            _ => Err(no_rig(source)),
-        }
+        let (rig, rig_path) = match (rig?, rig_path) {
+            (Some(rig), Some(rig_path)) => (rig, rig_path),
+            _ => built_in_rig(rest_body.as_ref(), &bodies, source)?,
+        };
+        Ok(Self {
+            garment,
+            bodies,
+            rest_body,
+            rig,
+            rig_path,
+        })
+    }
+}
+
+/// The rig of a built-in body without a rig file: of the rest body, or else of the one body.
+fn built_in_rig(
+    rest_body: Option<&ObjFile>,
+    bodies: &[BodyFile],
+    source: &SourceFiles,
+) -> anyhow::Result<(Rig, PathBuf)> {
+    let first = bodies.first().and_then(|body| body.file.as_ref());
+    let Some(file) = rest_body.or(first) else {
+        return Err(no_rig(source));
+    };
+    let Ok(mesh) = file.mesh() else {
+        return Err(no_rig(source));
+    };
+    match recognized(&mesh) {
+        Recognized::Stranger => Err(no_rig(source)),
+        _ => Ok((built_in(&mesh, file.path())?, file.path().to_path_buf())),
     }
 }
 

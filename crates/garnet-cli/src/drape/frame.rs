@@ -16,6 +16,14 @@ impl Frame {
         up: UpAxis::Y,
     };
 
+    /// The frame of a body, by its height.
+    pub(crate) fn detected(positions: &[Point3]) -> Self {
+        Self {
+            unit: detected_unit(positions),
+            up: detected_up(positions),
+        }
+    }
+
     /// Positions of the file, in metres with y up.
     pub(crate) fn to_metres(self, positions: Vec<Point3>) -> Vec<Point3> {
         if self == Self::OURS {

@@ -8,6 +8,7 @@ mod prepared;
 mod report;
 mod rest_body;
 mod rest_mesh;
+mod simulated;
 mod summary;
 mod timing;
 mod warning;
@@ -17,17 +18,20 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use garnet::{
     Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, PosedBody, TriMesh, Warp,
-    edge_stretch, io, penetration,
+    data::SceneReport, edge_stretch, io, penetration,
 };
 
 pub(crate) use args::DrapeArgs;
-use args::Job;
+pub(crate) use args::{InputArgs, Job, Simulation};
 pub(crate) use frame::Frame;
 use prepared::{Prepared, RestBody, Target};
 use report::{
     BodyReport, DrapeOutput, DrapeReport, DrapeSeconds, GarmentReport, OnceSeconds,
     PenetrationReport, PoseReport, RepeatedSeconds, Stretch, WarningReport,
 };
+pub(crate) use rest_body::rest_body_of;
+pub(crate) use rest_mesh::{Frames, RestMesh};
+use simulated::Teaching;
 use timing::timed;
 use warning::{Problem, Warning};
 
@@ -39,15 +43,26 @@ use crate::{
 
 /// Reads, binds, drapes on each body, writes and reports.
 pub(crate) fn run(args: DrapeArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    do_job(|| Job::new(args), console)
+}
+
+/// Does the job that `make` checks.
+pub(crate) fn do_job(
+    make: impl FnOnce() -> anyhow::Result<Job>,
+    console: &Console,
+) -> anyhow::Result<ExitStatus> {
     let (done, total) = timed(|| {
-        let job = Job::new(args)?;
+        let job = make()?;
         let (prepared, read) = timed(|| Prepared::read(&job.source));
         let prepared = prepared?;
         for note in &prepared.notes {
-            console.detail(&format_args!("note: {note}"));
+            console.summary(&format_args!("note: {note}"));
         }
         let (bound, bind) = timed(|| Bound::new(prepared));
         let mut bound = bound?;
+        if let Some(simulation) = &job.simulation {
+            bound.teacher = Some(Teaching::new(&bound, simulation, &job.source)?);
+        }
         let drapes = drape_all(&mut bound, &job, console)?;
         let seconds = OnceSeconds {
             read,
@@ -73,6 +88,8 @@ struct Bound {
     rest: RestBody,
     targets: Vec<Target>,
     pose: Option<crate::posing::PoseSource>,
+    /// The simulation, if that is the method.
+    teacher: Option<Teaching>,
     warnings: Vec<Warning>,
 }
 
@@ -117,6 +134,7 @@ impl Bound {
             rest,
             targets,
             pose,
+            teacher: None,
         })
     }
 }
@@ -158,7 +176,7 @@ fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<
     let mut drapes = Vec::with_capacity(bound.targets.len());
     for (target, output) in bound.targets.iter().zip(outputs) {
         bar.set_message(target.path.display().to_string());
-        let (drape, problems) = drape_one(bound, &draper, target, output, job)?;
+        let (drape, problems) = drape_one(bound, &draper, target, output, job, console)?;
         let warnings = problems.into_iter().map(|problem| Warning {
             path: output.clone(),
             problem,
@@ -178,14 +196,21 @@ fn drape_one(
     target: &Target,
     output: &Path,
     job: &Job,
+    console: &Console,
 ) -> anyhow::Result<(DrapeOutput, Vec<Problem>)> {
     let mut times = Vec::with_capacity(job.repeat as usize);
-    let (mut posed, mut drape, mut time) = drape_timed(bound, draper, target)?;
-    times.push(time);
+    let mut draped = drape_timed(bound, draper, target, console)?;
+    times.push(draped.time);
     for _ in 1..job.repeat {
-        (posed, drape, time) = drape_timed(bound, draper, target)?;
-        times.push(time);
+        draped = drape_timed(bound, draper, target, console)?;
+        times.push(draped.time);
     }
+    let Draped {
+        posed,
+        drape,
+        simulated,
+        mut time,
+    } = draped;
     let rest = bound.garment.mesh().positions();
     let (free, trapped): (Vec<[u32; 2]>, Vec<[u32; 2]>) = bound
         .edges
@@ -225,6 +250,7 @@ fn drape_one(
         has_other_shape: posed.shape_offsets().is_some(),
         untangle: drape.report.as_ref().map(Into::into),
         penetration: inside,
+        simulated,
         stretch: Stretch {
             p50: stretch.p50,
             p99: stretch.p99,
@@ -246,32 +272,45 @@ fn is_trapped(drape: &Drape, vertex: u32) -> bool {
         .is_some_and(|&is_trapped| is_trapped)
 }
 
+/// A garment on a body, and how long it took.
+struct Draped {
+    posed: PosedBody,
+    drape: Drape,
+    simulated: Option<SceneReport>,
+    time: DrapeSeconds,
+}
+
 fn drape_timed(
     bound: &Bound,
     draper: &Draper,
     target: &Target,
-) -> anyhow::Result<(PosedBody, Drape, DrapeSeconds)> {
+    console: &Console,
+) -> anyhow::Result<Draped> {
     let (posed, fit) = timed(|| target.posed(&bound.body));
     let posed = posed?;
     let cannot = || {
         let garment = bound.garment_file.path().display();
         format!("cannot drape `{garment}` on `{}`", target.path.display())
     };
-    let (warped, warp) = timed(|| draper.warp(&bound.garment, &posed));
-    let warped = warped.with_context(cannot)?;
+    let (brought, warp) = timed(|| match &bound.teacher {
+        None => Ok((draper.warp(&bound.garment, &posed)?, None)),
+        Some(teaching) => teaching.drape(bound, &posed, console),
+    });
+    let (warped, simulated) = brought.with_context(cannot)?;
     let (drape, untangle) = timed(|| draper.finish(&bound.garment, &posed, &warped));
     let drape = drape.with_context(cannot)?;
-    let write = 0.0;
-    Ok((
+    let time = DrapeSeconds {
+        fit,
+        warp,
+        untangle,
+        write: 0.0,
+    };
+    Ok(Draped {
         posed,
         drape,
-        DrapeSeconds {
-            fit,
-            warp,
-            untangle,
-            write,
-        },
-    ))
+        simulated,
+        time,
+    })
 }
 
 /// Writes a posed body with the text of the rest body's OBJ, or plainly if there is none.
@@ -316,7 +355,11 @@ impl Bound {
                 path: shown(&pose.path),
                 frame: pose.frames.map_or(0, garnet::motion::FrameRange::first),
             }),
-            method: method_name(warp),
+            method: match &self.teacher {
+                Some(_) => "sim",
+                None => method_name(warp),
+            },
+            simulation: self.teacher.as_ref().map(Teaching::report),
             untangled: untangle.is_some(),
             clearance_m: untangle.map(|options| options.clearance),
             threads: rayon::current_num_threads(),

@@ -1,6 +1,9 @@
 //! The report of `drape`: `garnet.drape/1`. Lengths are metres, times seconds.
 
-use garnet::UntangleReport;
+use garnet::{
+    UntangleReport,
+    data::{SceneReport, StoredFabric},
+};
 use serde::Serialize;
 
 use super::timing::Repeated;
@@ -18,8 +21,10 @@ pub(crate) struct DrapeReport {
     pub(crate) rest_body: BodyReport,
     /// The pose file, if there is one.
     pub(crate) pose: Option<PoseReport>,
-    /// `lbs`, `dqs` or `warp`.
+    /// `lbs`, `dqs`, `warp` or `sim`.
     pub(crate) method: &'static str,
+    /// Quality and fabric of the simulation; none for other methods.
+    pub(crate) simulation: Option<SimulationReport>,
     /// Whether penetrations were removed.
     pub(crate) untangled: bool,
     /// Smallest distance asked for between cloth and skin; none without untangling.
@@ -88,12 +93,25 @@ pub(crate) struct DrapeOutput {
     pub(crate) untangle: Option<Untangle>,
     /// What is inside the body; none after untangling, which tells more.
     pub(crate) penetration: Option<PenetrationReport>,
+    /// What the simulation measured at its end, before untangling; none for other methods.
+    pub(crate) simulated: Option<SceneReport>,
     /// Length over rest length of the edges of the garment's polygons.
     pub(crate) stretch: Stretch,
     /// Times of this drape; of the last one, if it was repeated.
     pub(crate) seconds: DrapeSeconds,
     /// Times of all repetitions; none if there is but one.
     pub(crate) repeated: Option<RepeatedSeconds>,
+}
+
+/// How garments were simulated.
+#[derive(Debug, Serialize)]
+pub(crate) struct SimulationReport {
+    /// `fast`, `teacher` or `reference`.
+    pub(crate) quality: &'static str,
+    /// The fabric, in SI units.
+    pub(crate) fabric: StoredFabric,
+    /// Vertices that were simulated.
+    pub(crate) vertices: usize,
 }
 
 /// Vertices inside the body.
@@ -190,6 +208,7 @@ pub(crate) struct OnceSeconds {
 pub(crate) struct DrapeSeconds {
     /// Posing the body, or recovering pose and shape from its vertices.
     pub(crate) fit: f64,
+    /// Bringing the garment to the body: the warp, or the simulation.
     pub(crate) warp: f64,
     pub(crate) untangle: f64,
     /// Zero for all but the last repetition.

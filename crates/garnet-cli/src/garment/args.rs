@@ -76,7 +76,8 @@ pub(crate) struct OwnArgs {
 }
 
 fn size(text: &str) -> Result<Size, String> {
-    text.parse().map_err(|error: garnet::pattern::PatternError| error.to_string())
+    text.parse()
+        .map_err(|error: garnet::pattern::PatternError| error.to_string())
 }
 
 const OWN: &str = "from-obj";
@@ -152,5 +153,7 @@ fn argument(spec: &'static ParameterSpec) -> Arg {
         .value_parser(clap::value_parser!(f64))
         .allow_negative_numbers(true)
         .help_heading("Pattern")
-        .help(format!("{help}, {low} to {high} {unit} [default: {default}]"))
+        .help(format!(
+            "{help}, {low} to {high} {unit} [default: {default}]"
+        ))
 }

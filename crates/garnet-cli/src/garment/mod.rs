@@ -3,11 +3,7 @@
 mod args;
 mod report;
 
-use std::{
-    path::Path,
-    sync::atomic::AtomicBool,
-    time::Instant,
-};
+use std::{path::Path, sync::atomic::AtomicBool, time::Instant};
 
 use anyhow::Context;
 use garnet::{
@@ -65,7 +61,10 @@ fn cut(args: &PatternArgs) -> anyhow::Result<GarmentPackage> {
         None => {
             let parameters = default_rest_body();
             let stored = StoredParameters::from(&parameters);
-            (ParametricBody::build(&parameters)?.into_body(), Some(stored))
+            (
+                ParametricBody::build(&parameters)?.into_body(),
+                Some(stored),
+            )
         }
     };
     let wearer = wearer_of(&body).transpose()?.ok_or_else(|| {
@@ -78,7 +77,10 @@ fn cut(args: &PatternArgs) -> anyhow::Result<GarmentPackage> {
     let sized: Option<Measures> = common.size.map(garnet::pattern::Size::measures);
     let tailor = Tailor::new(args.parameters.clone(), common.vertices, fabric)?;
     let worn = tailor.dress(&body, &wearer, sized.as_ref(), &AtomicBool::new(false))?;
-    let name = common.name.clone().unwrap_or_else(|| kind.name().to_owned());
+    let name = common
+        .name
+        .clone()
+        .unwrap_or_else(|| kind.name().to_owned());
     Ok(tailor.package(name, &worn, body, parameters)?)
 }
 
@@ -125,7 +127,8 @@ fn cannot_fit(path: &Path) -> String {
     format!("cannot make a body of `{}`", path.display())
 }
 
-fn fabric(name: &str) -> anyhow::Result<StoredFabric> {
+/// The fabric of a name.
+pub(crate) fn fabric(name: &str) -> anyhow::Result<StoredFabric> {
     let fabric = Fabric::named(name).ok_or_else(|| {
         refused(
             format!("there is no fabric `{name}`"),

@@ -30,7 +30,10 @@ impl GarmentReport {
         Ok(Self {
             schema: "garnet.garment/1",
             name: package.manifest.name.clone(),
-            written: written.iter().map(|path| path.display().to_string()).collect(),
+            written: written
+                .iter()
+                .map(|path| path.display().to_string())
+                .collect(),
             vertices: package.mesh.num_vertices(),
             triangles: package.mesh.num_faces(),
             fabric: package.manifest.fabric.name.clone(),

@@ -4,13 +4,14 @@ use std::path::Path;
 
 use anyhow::Context;
 use garnet::{
-    Bounds, MeshDiagnosis, diagnose,
+    Bounds, MeshDiagnosis, Rig, TriMesh, diagnose,
     io::{ObjFile, read_rig},
+    shape::{Recognized, recognized},
 };
 use serde::Serialize;
 
 use super::{rig::tape, table::Table};
-use crate::sidecar::rig_beside;
+use crate::{drape::Frame, sidecar::rig_beside};
 
 /// What is in a mesh and what is unusual about it. Lengths are in the unit of the file.
 #[derive(Debug, Serialize)]
@@ -47,8 +48,17 @@ pub(crate) struct MeshInfo {
     duplicate_faces: usize,
     non_manifold_edges: usize,
     inconsistent_edges: usize,
-    /// Tape measures at rest, in centimetres, if there is the rig of a built-in body beside it.
+    /// Tape measures at rest, in centimetres, if it is a built-in body at rest.
     tape_cm: Option<Vec<(&'static str, f64)>>,
+}
+
+/// The built-in body in metres, if the mesh is one at rest.
+fn built_in(mesh: &TriMesh) -> Option<Rig> {
+    let positions = Frame::detected(mesh.positions()).to_metres(mesh.positions().to_vec());
+    match recognized(&mesh.with_positions(positions).ok()?) {
+        Recognized::Rest(body) => Some(Rig::from(*body)),
+        _ => None,
+    }
 }
 
 impl MeshInfo {
@@ -57,7 +67,11 @@ impl MeshInfo {
         let mesh = file.mesh();
         let mesh = mesh.with_context(|| format!("cannot read `{}`", path.display()))?;
         let rig = rig_beside(path);
-        let rig = rig.is_file().then(|| read_rig(&rig).ok()).flatten();
+        let rig = if rig.is_file() {
+            read_rig(&rig).ok()
+        } else {
+            built_in(&mesh)
+        };
         Ok(Self {
             tape_cm: rig.as_ref().and_then(tape),
             ..Self::new(&file, &diagnose(&mesh))

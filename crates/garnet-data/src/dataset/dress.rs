@@ -63,10 +63,15 @@ struct Own {
 }
 
 impl<'a> Dresser<'a> {
-    pub(super) fn new(package: &'a GarmentPackage, options: &DatasetOptions) -> Result<Self, DataError> {
+    pub(super) fn new(
+        package: &'a GarmentPackage,
+        options: &DatasetOptions,
+    ) -> Result<Self, DataError> {
         let tailor = match options.sizing {
             Sizing::OneSize => None,
-            Sizing::MadeToMeasure => Some(Tailor::of_package(package)?.ok_or(DataError::NoPattern)?),
+            Sizing::MadeToMeasure => {
+                Some(Tailor::of_package(package)?.ok_or(DataError::NoPattern)?)
+            }
         };
         Ok(Self {
             package,
@@ -90,7 +95,11 @@ impl<'a> Dresser<'a> {
         Dressed { parameters, ready }
     }
 
-    fn ready(&self, parameters: &BodyParameters, stop: &AtomicBool) -> Result<Ready, (&'static str, String)> {
+    fn ready(
+        &self,
+        parameters: &BodyParameters,
+        stop: &AtomicBool,
+    ) -> Result<Ready, (&'static str, String)> {
         let no_body = |error: &dyn std::fmt::Display| ("body", error.to_string());
         let built = ParametricBody::build(parameters).map_err(|error| no_body(&error))?;
         let own = match &self.tailor {
@@ -115,7 +124,11 @@ impl<'a> Dresser<'a> {
 impl Dressed {
     /// What the data set keeps of the body.
     pub(super) fn record(&self, number: u32) -> BodyRecord {
-        let own = self.ready.as_ref().ok().and_then(|ready| ready.own.as_ref());
+        let own = self
+            .ready
+            .as_ref()
+            .ok()
+            .and_then(|ready| ready.own.as_ref());
         BodyRecord {
             number,
             parameters: Some(StoredParameters::from(&self.parameters)),

@@ -12,11 +12,11 @@ use std::{
 
 use garnet_mesh::Fingerprint;
 
+use super::dress::{Dresser, Outcome};
 use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
 use super::plan::{Counts, Plan, sampler};
 use super::record::{Rejection, SceneRecord, Split};
 use super::shard::{Layout, Shard};
-use super::dress::{Dresser, Outcome};
 use crate::teacher::quality_name;
 use crate::{DataError, GarmentPackage, Limits, Quality};
 
@@ -322,7 +322,10 @@ impl Job<'_> {
             piece.bodies.push(dressed.record(task.body));
             let time = start.elapsed() + std::mem::take(&mut fitting);
             let event = self.keep(task, pose, outcome, &mut piece, time);
-            piece.write(&self.layout.piece(task.split, task.body, pose), self.dataset)?;
+            piece.write(
+                &self.layout.piece(task.split, task.body, pose),
+                self.dataset,
+            )?;
             (self.observer)(event);
         }
         Ok(())
@@ -379,7 +382,10 @@ impl Job<'_> {
         for path in &pieces {
             shard.merge(Shard::read(path, self.dataset)?);
         }
-        shard.write(&self.layout.shard(pending.split, pending.number), self.dataset)?;
+        shard.write(
+            &self.layout.shard(pending.split, pending.number),
+            self.dataset,
+        )?;
         for path in &pieces {
             fs::remove_file(path).map_err(|source| DataError::folder(path, source))?;
         }

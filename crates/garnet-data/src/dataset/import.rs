@@ -126,7 +126,10 @@ impl ImportManifest {
 /// The numbers of the last line, as `p0`, `p1`, ….
 fn shirt_parameters(path: &Path) -> Result<BTreeMap<String, f64>, DataError> {
     let text = fs::read_to_string(path).map_err(|source| DataError::read(path, source))?;
-    let line = text.lines().filter(|line| !line.trim().is_empty()).next_back();
+    let line = text
+        .lines()
+        .filter(|line| !line.trim().is_empty())
+        .next_back();
     let words = line.unwrap_or_default().split_whitespace().enumerate();
     words
         .map(|(index, word)| {
@@ -214,7 +217,10 @@ fn described(
     garment.variants.clear();
     let most = bodies.iter().flat_map(BTreeMap::values).map(Vec::len).max();
     let [train, valid, test] = [0, 1, 2].map(|split: usize| bodies[split].len() as u32);
-    let has_parameters = manifest.scenes.iter().any(|scene| !scene.parameters.is_empty());
+    let has_parameters = manifest
+        .scenes
+        .iter()
+        .any(|scene| !scene.parameters.is_empty());
     DatasetManifest {
         schema: DATASET_SCHEMA.to_owned(),
         generator: env!("CARGO_PKG_VERSION").to_owned(),
@@ -240,7 +246,12 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn scene(&mut self, scene: &ImportScene, body: u32, pose: u32) -> Result<SceneRecord, DataError> {
+    fn scene(
+        &mut self,
+        scene: &ImportScene,
+        body: u32,
+        pose: u32,
+    ) -> Result<SceneRecord, DataError> {
         let num_body = self.package.body.rest().num_vertices();
         let num_garment = self.package.mesh.num_vertices();
         Ok(SceneRecord {
@@ -265,7 +276,10 @@ impl Reader<'_> {
         }
         for (vertex, point) in points.iter_mut().enumerate() {
             if !point.coords.iter().all(|value| value.is_finite()) {
-                return Err(DataError::foreign(&path, format!("vertex {vertex} is not finite")));
+                return Err(DataError::foreign(
+                    &path,
+                    format!("vertex {vertex} is not finite"),
+                ));
             }
             *point *= self.metres;
         }
@@ -282,7 +296,9 @@ fn read_points(path: &Path) -> Result<Vec<Point3>, DataError> {
     file.require(&["vertices"])?;
     let array = file.array("vertices")?;
     let array = array.ok_or_else(|| DataError::foreign(path, "it has no array `vertices`"))?;
-    let values = array.floats().map_err(|problem| file.wrong("vertices", problem))?;
+    let values = array
+        .floats()
+        .map_err(|problem| file.wrong("vertices", problem))?;
     if values.len() % 3 != 0 {
         let what = format!("`vertices` has {} values, not three a vertex", values.len());
         return Err(DataError::foreign(path, what));

@@ -69,7 +69,10 @@ impl DatasetManifest {
         if manifest.schema == DATASET_SCHEMA {
             return Ok(manifest);
         }
-        let what = format!("its schema is `{}`, not `{DATASET_SCHEMA}`", manifest.schema);
+        let what = format!(
+            "its schema is `{}`, not `{DATASET_SCHEMA}`",
+            manifest.schema
+        );
         Err(DataError::foreign(path, what))
     }
 
@@ -82,7 +85,9 @@ impl DatasetManifest {
         let mut text =
             serde_json::to_string_pretty(self).map_err(|source| DataError::json(path, &source))?;
         text.push('\n');
-        Ok(write_atomically(path, |writer| writer.write_all(text.as_bytes()))?)
+        Ok(write_atomically(path, |writer| {
+            writer.write_all(text.as_bytes())
+        })?)
     }
 
     /// Refuses to go on with a data set that was asked for in another way.

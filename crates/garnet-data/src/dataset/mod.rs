@@ -49,7 +49,10 @@ impl Dataset {
         let mut paths = Vec::new();
         for entry in std::fs::read_dir(&shards).map_err(failed)? {
             let path = entry.map_err(failed)?.path();
-            if path.extension().is_some_and(|extension| extension == "safetensors") {
+            if path
+                .extension()
+                .is_some_and(|extension| extension == "safetensors")
+            {
                 paths.push(path);
             }
         }
@@ -81,7 +84,9 @@ impl Dataset {
     pub fn num_bytes(&self) -> Result<u64, DataError> {
         let size = |path: &PathBuf| {
             let metadata = std::fs::metadata(path);
-            Ok(metadata.map_err(|source| DataError::read(path, source))?.len())
+            Ok(metadata
+                .map_err(|source| DataError::read(path, source))?
+                .len())
         };
         self.paths.iter().map(size).sum()
     }

@@ -78,7 +78,8 @@ impl Plan {
             tried += 1;
         }
         let mut rest = taken.into_iter();
-        let bodies = Split::ALL.map(|split| rest.by_ref().take(counts.of(split) as usize).collect());
+        let bodies =
+            Split::ALL.map(|split| rest.by_ref().take(counts.of(split) as usize).collect());
         Ok(Self { bodies, tried })
     }
 
@@ -143,7 +144,10 @@ mod tests {
         for split in Split::ALL {
             let names: Vec<&str> = sequences(split).names().collect();
             for group in ["walk_", "yoga_", "dance_"] {
-                assert!(names.iter().any(|name| name.starts_with(group)), "{split:?}: {names:?}");
+                assert!(
+                    names.iter().any(|name| name.starts_with(group)),
+                    "{split:?}: {names:?}"
+                );
             }
         }
     }

@@ -82,7 +82,9 @@ impl Shard {
     /// once. All stay in order.
     pub fn merge(&mut self, other: Self) {
         for body in other.bodies {
-            let place = self.bodies.binary_search_by_key(&body.number, |body| body.number);
+            let place = self
+                .bodies
+                .binary_search_by_key(&body.number, |body| body.number);
             if let Err(place) = place {
                 self.bodies.insert(place, body);
             }
@@ -90,7 +92,8 @@ impl Shard {
         self.scenes.extend(other.scenes);
         self.scenes.sort_by_key(|scene| (scene.body, scene.pose));
         self.rejections.extend(other.rejections);
-        self.rejections.sort_by_key(|rejection| (rejection.body, rejection.pose));
+        self.rejections
+            .sort_by_key(|rejection| (rejection.body, rejection.pose));
     }
 
     /// Writes the file of a data set.
@@ -140,13 +143,21 @@ impl Shard {
         }
         let meshes: Vec<_> = self.scenes.iter().filter_map(SceneRecord::mesh).collect();
         if let Some(first) = meshes.first() {
-            arrays.push(("body", Array::of_points(meshes.iter().copied(), first.len())));
+            arrays.push((
+                "body",
+                Array::of_points(meshes.iter().copied(), first.len()),
+            ));
         }
-        let worn: Vec<_> = self.bodies.iter().filter_map(|body| body.worn.as_deref()).collect();
+        let worn: Vec<_> = self
+            .bodies
+            .iter()
+            .filter_map(|body| body.worn.as_deref())
+            .collect();
         if let Some(first) = worn.first() {
             arrays.push(("worn", Array::of_points(worn.iter().copied(), first.len())));
         }
-        let arrays: Vec<(&str, &Array)> = arrays.iter().map(|(name, array)| (*name, array)).collect();
+        let arrays: Vec<(&str, &Array)> =
+            arrays.iter().map(|(name, array)| (*name, array)).collect();
         to_bytes(&arrays, text).map_err(|source| DataError::tensors(path, source))
     }
 
@@ -159,9 +170,10 @@ impl Shard {
     pub fn read(path: &Path, dataset: Fingerprint) -> Result<Self, DataError> {
         let bytes = std::fs::read(path).map_err(|source| DataError::read(path, source))?;
         let contents = Contents::of(&bytes).map_err(|source| DataError::tensors(path, source))?;
-        let contents = contents.ok_or_else(|| DataError::foreign(path, "its metadata has no `garnet`"))?;
-        let text: Text =
-            serde_json::from_str(&contents.text).map_err(|source| DataError::json(path, &source))?;
+        let contents =
+            contents.ok_or_else(|| DataError::foreign(path, "its metadata has no `garnet`"))?;
+        let text: Text = serde_json::from_str(&contents.text)
+            .map_err(|source| DataError::json(path, &source))?;
         if text.schema != SCHEMA {
             let what = format!("its schema is `{}`, not `{SCHEMA}`", text.schema);
             return Err(DataError::foreign(path, what));

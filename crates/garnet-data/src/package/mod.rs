@@ -94,6 +94,11 @@ impl GarmentPackage {
         path.join(MANIFEST_FILE).is_file()
     }
 
+    /// Where the template of a package is.
+    pub fn template_at(folder: &Path) -> PathBuf {
+        folder.join(TEMPLATE_FILE)
+    }
+
     /// Reads a package.
     ///
     /// # Errors
@@ -138,13 +143,17 @@ impl GarmentPackage {
     /// another version.
     pub fn read_manifest(folder: &Path) -> Result<Manifest, DataError> {
         let path = folder.join(MANIFEST_FILE);
-        let text = std::fs::read_to_string(&path).map_err(|source| DataError::read(&path, source))?;
+        let text =
+            std::fs::read_to_string(&path).map_err(|source| DataError::read(&path, source))?;
         let manifest: Manifest = toml::from_str(&text).map_err(|source| DataError::Text {
             path: path.clone(),
             reason: source.to_string(),
         })?;
         if manifest.schema != PACKAGE_SCHEMA {
-            let what = format!("its schema is `{}`, not `{PACKAGE_SCHEMA}`", manifest.schema);
+            let what = format!(
+                "its schema is `{}`, not `{PACKAGE_SCHEMA}`",
+                manifest.schema
+            );
             return Err(DataError::foreign(&path, what));
         }
         Ok(manifest)

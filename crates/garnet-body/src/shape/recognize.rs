@@ -1,0 +1,236 @@
+//! The built-in body from its mesh alone.
+//!
+//! Each joint is a fixed combination `Σ w v` of vertices of the rest mesh, with weights that sum to
+//! one: it moves, turns and grows with the mesh, whatever its unit and up axis. The weights were
+//! fitted by ridge regression over bodies of the population (`examples/make_joints.rs`), which also
+//! tells how far they are off on other bodies.
+
+use std::sync::OnceLock;
+
+use garnet_mesh::{Point3, TriMesh, Vector3};
+use garnet_skin::{Body, Joint, Skeleton};
+
+use super::body::shared;
+use super::skeleton::{JOINT_NAMES, JOINT_PARENTS, NUM_JOINTS, mirrored};
+use super::template::Template;
+
+/// Little-endian: for the joints of the middle and the left side, in order, `u16` count, then for
+/// each of them `u16` vertex of the half and `f32` weight.
+static STORED: &[u8] = include_bytes!("joints.bin");
+
+/// At rest a body is its own mirror image up to this, in its extents.
+const MAX_ASYMMETRY: f32 = 1e-3;
+
+/// And the upper arms and thighs are so far from the direction of the trunk, in degrees, give or
+/// take.
+const REST_ARM: f32 = 45.0;
+const REST_THIGH: f32 = 8.3;
+const REST_KNEE: f32 = 5.0;
+const REST_TOLERANCE: f32 = 7.0;
+
+/// What a mesh is to the built-in body.
+#[derive(Debug, Clone)]
+pub enum Recognized {
+    /// Another mesh.
+    Stranger,
+    /// The built-in body in a pose: its skeleton at rest cannot be told.
+    Posed,
+    /// The built-in body at rest, with skeleton and weights, in the unit and axes of the mesh.
+    Rest(Box<Body>),
+}
+
+type Combination = Vec<(usize, f32)>;
+
+fn combinations() -> &'static [Combination] {
+    static COMBINATIONS: OnceLock<Vec<Combination>> = OnceLock::new();
+    COMBINATIONS.get_or_init(|| {
+        let mut bytes = STORED;
+        let mut all = Vec::new();
+        while let Some((count, rest)) = bytes.split_first_chunk() {
+            bytes = rest;
+            let mut combination = Vec::new();
+            for _ in 0..u16::from_le_bytes(*count) {
+                let (vertex, rest) = bytes
+                    .split_first_chunk()
+                    .expect("the stored joints are whole");
+                let (weight, rest) = rest
+                    .split_first_chunk()
+                    .expect("the stored joints are whole");
+                bytes = rest;
+                combination.push((
+                    usize::from(u16::from_le_bytes(*vertex)),
+                    f32::from_le_bytes(*weight),
+                ));
+            }
+            all.push(combination);
+        }
+        all
+    })
+}
+
+/// The joints of the middle and the left side, which stand for all.
+fn stored_joints() -> impl Iterator<Item = usize> {
+    (0..NUM_JOINTS).filter(|&joint| mirrored(joint) >= joint)
+}
+
+/// Joints of the built-in body from the positions of its vertices at rest.
+pub(crate) fn joints_of(positions: &[Point3]) -> Vec<Point3> {
+    let template = Template::stored();
+    let num_half = template.half.len();
+    let right = |vertex: usize| {
+        if vertex < template.num_middle {
+            vertex
+        } else {
+            vertex + num_half - template.num_middle
+        }
+    };
+    let sum = |combination: &Combination, place: &dyn Fn(usize) -> usize| {
+        let parts = combination.iter();
+        let total: Vector3 = parts
+            .map(|&(vertex, weight)| weight * positions[place(vertex)].coords)
+            .sum();
+        total
+    };
+    let mut joints = vec![Point3::origin(); NUM_JOINTS];
+    for (joint, combination) in stored_joints().zip(combinations()) {
+        let [left, right] = [sum(combination, &|vertex| vertex), sum(combination, &right)];
+        let other = mirrored(joint);
+        if other == joint {
+            joints[joint] = Point3::from(0.5 * (left + right));
+        } else {
+            joints[joint] = Point3::from(left);
+            joints[other] = Point3::from(right);
+        }
+    }
+    joints
+}
+
+/// Finds the built-in body in a mesh of any unit and up axis.
+///
+/// ```
+/// use garnet_body::shape::{BodyParameters, ParametricBody, Recognized, recognized};
+///
+/// let built = ParametricBody::build(&BodyParameters::new(1.0))?;
+/// let Recognized::Rest(body) = recognized(built.body().rest()) else {
+///     panic!("the built-in body is recognized");
+/// };
+/// assert_eq!(body.skeleton().num_joints(), 22);
+/// # Ok::<(), garnet_body::shape::ShapeError>(())
+/// ```
+///
+/// # Panics
+///
+/// Never: the template has a weight for every vertex.
+pub fn recognized(mesh: &TriMesh) -> Recognized {
+    if mesh.faces() != Template::stored().faces {
+        return Recognized::Stranger;
+    }
+    let joints = joints_of(mesh.positions());
+    if !is_at_rest(mesh.positions(), &joints) {
+        return Recognized::Posed;
+    }
+    let named = JOINT_NAMES.iter().zip(JOINT_PARENTS).zip(joints);
+    let joints = named.map(|((name, parent), rest_position)| Joint {
+        name: (*name).to_owned(),
+        parent,
+        rest_position,
+    });
+    let skeleton = Skeleton::new(joints.collect()).expect("the built-in joints form a tree");
+    let body = Body::new(mesh.clone(), skeleton, shared().weights.clone());
+    Recognized::Rest(Box::new(
+        body.expect("the template has a weight for every vertex"),
+    ))
+}
+
+fn is_at_rest(positions: &[Point3], joints: &[Point3]) -> bool {
+    let at = |name: &str| {
+        let place = JOINT_NAMES.iter().position(|other| *other == name);
+        joints[place.expect("the joint is one of ours")]
+    };
+    let height = (at("head") - at("left_ankle")).norm();
+    let template = Template::stored();
+    let middle: Vector3 = positions[..template.num_middle]
+        .iter()
+        .map(|point| point.coords)
+        .sum::<Vector3>()
+        / template.num_middle as f32;
+    let half = template.half.len();
+    // The middle plane stands across the line between the hips.
+    let across = (at("left_hip") - at("right_hip")).normalize();
+    let is_mirrored =
+        (template.num_middle..half)
+            .zip(half..positions.len())
+            .all(|(left, right)| {
+                let [left, right] = [left, right].map(|vertex| positions[vertex].coords - middle);
+                let mirror = left - 2.0 * across.dot(&left) * across;
+                (mirror - right).norm() < MAX_ASYMMETRY * height
+            });
+    let trunk = at("pelvis") - at("neck");
+    let is_near = |from: &str, to: &str, degrees: f32| {
+        let angle = (at(to) - at(from)).angle(&trunk).to_degrees();
+        (angle - degrees).abs() < REST_TOLERANCE
+    };
+    height > 0.0
+        && is_mirrored
+        && is_near("left_shoulder", "left_elbow", REST_ARM)
+        && is_near("left_elbow", "left_wrist", REST_ARM)
+        && is_near("left_hip", "left_knee", REST_THIGH)
+        && is_near("left_knee", "left_ankle", REST_KNEE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::{ParametricBody, Population};
+
+    /// Joints found in the mesh alone are this close, in metres.
+    const MAX_JOINT_ERROR: f32 = 0.02;
+
+    #[test]
+    fn bodies_are_recognized_at_rest_and_joints_are_where_they_were() {
+        let population = Population::new(77);
+        for index in 0..6 {
+            let built = ParametricBody::build(&population.sample(index)).unwrap();
+            let body = built.body();
+            let scaled: Vec<Point3> = body
+                .rest()
+                .positions()
+                .iter()
+                .map(|p| Point3::new(100.0 * p.x, -100.0 * p.z, 100.0 * p.y))
+                .collect();
+            let Recognized::Rest(found) = recognized(&body.rest().with_positions(scaled).unwrap())
+            else {
+                panic!("body {index} is not recognized");
+            };
+            let pairs = found
+                .skeleton()
+                .joints()
+                .iter()
+                .zip(body.skeleton().joints());
+            for (found, joint) in pairs {
+                let p = 0.01 * found.rest_position;
+                let distance = (Point3::new(p.x, p.z, -p.y) - joint.rest_position).norm();
+                assert!(
+                    distance < MAX_JOINT_ERROR,
+                    "{} of {index}: {distance}",
+                    joint.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_posed_body_and_another_mesh_are_told_apart() {
+        let built = ParametricBody::build(&Population::new(77).sample(1)).unwrap();
+        let body = built.body();
+        let mut pose = garnet_skin::Pose::rest(NUM_JOINTS);
+        pose.rotations[4] = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.8);
+        let posed = body
+            .posed_positions(&pose, garnet_skin::Method::DualQuaternion)
+            .unwrap();
+        let posed = body.rest().with_positions(posed).unwrap();
+        assert!(matches!(recognized(&posed), Recognized::Posed));
+        let ball = garnet_mesh::primitives::icosphere(2, 1.0);
+        assert!(matches!(recognized(&ball), Recognized::Stranger));
+    }
+}

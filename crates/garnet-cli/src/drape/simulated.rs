@@ -1,0 +1,108 @@
+//! The simulation as a way to drape.
+
+use std::{path::PathBuf, sync::atomic::AtomicBool};
+
+use anyhow::Context;
+use garnet::{
+    PosedBody, Warped,
+    data::{BodyPath, GarmentPackage, Quality, SceneReport, StoredFabric, Teacher, quality_name},
+    sim::{Event, Fabric, RestShape},
+};
+
+use super::{
+    Bound,
+    args::{Simulation, Source},
+    report::SimulationReport,
+};
+use crate::{console::Console, output};
+
+/// A garment that is simulated.
+pub(super) struct Teaching {
+    teacher: Teacher,
+    quality: Quality,
+    fabric: StoredFabric,
+    frames: Option<PathBuf>,
+}
+
+impl Teaching {
+    pub(super) fn new(
+        bound: &Bound,
+        simulation: &Simulation,
+        source: &Source,
+    ) -> anyhow::Result<Self> {
+        let package = match source {
+            Source::Files(files) => files.package.as_deref(),
+            Source::Scene(_) => None,
+        };
+        let package = package.map(GarmentPackage::read).transpose()?;
+        let (rest, fabric) = match package {
+            Some(package) => (package.rest, package.manifest.fabric),
+            None => {
+                let worn = bound.garment.mesh().positions().to_vec();
+                let cotton = StoredFabric::new("cotton", &Fabric::cotton());
+                (RestShape::Worn(worn), cotton)
+            }
+        };
+        let fabric = simulation.fabric.clone().unwrap_or(fabric);
+        let cloth = bound.garment.cloth().clone();
+        let teacher = Teacher::of_garment(cloth, &bound.body, &rest, &fabric.fabric());
+        let teacher = teacher.with_context(|| {
+            format!("cannot simulate `{}`", bound.garment_file.path().display())
+        })?;
+        if let Some(folder) = &simulation.frames {
+            output::make_folder(folder)?;
+        }
+        Ok(Self {
+            teacher,
+            quality: simulation.quality,
+            fabric,
+            frames: simulation.frames.clone(),
+        })
+    }
+
+    pub(super) fn report(&self) -> SimulationReport {
+        SimulationReport {
+            quality: quality_name(self.quality),
+            fabric: self.fabric.clone(),
+            vertices: self.teacher.num_simulated(),
+        }
+    }
+
+    /// Moves the body from rest to its target, with the garment on it.
+    pub(super) fn drape(
+        &self,
+        bound: &Bound,
+        posed: &PosedBody,
+        console: &Console,
+    ) -> anyhow::Result<(Warped, Option<SceneReport>)> {
+        let path = BodyPath::to_posed(&bound.body, posed);
+        let stop = AtomicBool::new(false);
+        let mut written: anyhow::Result<()> = Ok(());
+        let bar = console.progress(1000);
+        let mut watch = |event: Event<'_>| {
+            if let Event::Frame {
+                num_done,
+                progress,
+                positions,
+                ..
+            } = event
+            {
+                bar.set_position((1000.0 * progress) as u64);
+                if let Some(folder) = self.frames.as_ref().filter(|_| written.is_ok()) {
+                    let name = folder.join(format!("frame_{num_done:04}.obj"));
+                    let vertices = bound
+                        .garment_frame
+                        .to_file(self.teacher.vertices(positions));
+                    let frame = bound.garment_file.write_with_positions(&name, &vertices);
+                    written = frame.map_err(anyhow::Error::from);
+                }
+            }
+        };
+        let drape = self.teacher.drape(&path, self.quality, &stop, &mut watch);
+        bar.finish_and_clear();
+        written?;
+        let drape = drape?;
+        let report = SceneReport::from(&drape.report);
+        Ok((Warped::at(&bound.garment, &drape.positions), Some(report)))
+    }
+}

@@ -1,0 +1,243 @@
+//! Data sets: made, stopped, gone on with, imported.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod common;
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::Path,
+    sync::atomic::{AtomicBool, AtomicUsize, Ordering},
+};
+
+use garnet_data::{
+    Counts, DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest,
+    Limits, Quality, Sizing, Split, generate, import,
+};
+use garnet_mesh::write_obj;
+
+fn options(threads: usize) -> DatasetOptions {
+    DatasetOptions {
+        seed: 4,
+        bodies: Counts {
+            train: 2,
+            valid: 0,
+            test: 1,
+        },
+        poses: 2,
+        quality: Quality::Fast,
+        sizing: Sizing::OneSize,
+        // Coarse cloth in few steps: here the files are tested, not the drapes.
+        limits: Limits {
+            inside: 50,
+            strain_p99: 1.0,
+            moving: 1.0,
+            self_intersections: 10_000,
+        },
+        part: (0, 1),
+        threads,
+    }
+}
+
+fn make(package: &GarmentPackage, folder: &Path, options: &DatasetOptions) {
+    generate(package, folder, options, &|_| {}, &AtomicBool::new(false)).unwrap();
+}
+
+/// The bytes of every file below a folder.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(files(&path));
+        } else {
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            found.insert(name, fs::read(&path).unwrap());
+        }
+    }
+    found
+}
+
+#[test]
+fn threads_and_interruptions_do_not_show() {
+    let package = common::tshirt();
+    let [one, two, stopped, parts] = [(); 4].map(|()| tempfile::tempdir().unwrap());
+    make(&package, one.path(), &options(1));
+    let expected = files(one.path());
+    assert_eq!(
+        expected.len(),
+        3,
+        "a manifest and a shard a split: {:?}",
+        expected.keys()
+    );
+
+    make(&package, two.path(), &options(3));
+    assert!(files(two.path()) == expected, "threads show");
+
+    let stop = AtomicBool::new(false);
+    let count = AtomicUsize::new(0);
+    let stopping = |event: DatasetEvent| {
+        let is_scene = !matches!(event, DatasetEvent::Planned { .. });
+        if is_scene && count.fetch_add(1, Ordering::Relaxed) == 2 {
+            stop.store(true, Ordering::Relaxed);
+        }
+    };
+    let result = generate(&package, stopped.path(), &options(1), &stopping, &stop);
+    assert!(matches!(result, Err(DataError::Stopped)));
+    let done = AtomicUsize::new(0);
+    let planned = |event: DatasetEvent| {
+        if let DatasetEvent::Planned { done: before, .. } = event {
+            done.store(before, Ordering::Relaxed);
+        }
+    };
+    generate(
+        &package,
+        stopped.path(),
+        &options(1),
+        &planned,
+        &AtomicBool::new(false),
+    )
+    .unwrap();
+    assert!(files(stopped.path()) == expected, "an interruption shows");
+
+    for part in 0..2 {
+        let options = DatasetOptions {
+            part: (part, 2),
+            ..options(1)
+        };
+        make(&package, parts.path(), &options);
+    }
+    assert!(files(parts.path()) == expected, "parts show");
+}
+
+#[test]
+fn scenes_have_a_body_a_pose_and_a_garment() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    let options = DatasetOptions {
+        sizing: Sizing::MadeToMeasure,
+        ..options(2)
+    };
+    make(&package, folder.path(), &options);
+    let dataset = Dataset::open(folder.path()).unwrap();
+    let mut scenes = 0;
+    for shard in dataset.shards() {
+        let shard = shard.unwrap();
+        scenes += shard.scenes.len() + shard.rejections.len();
+        for body in &shard.bodies {
+            assert!(body.parameters.as_ref().unwrap().parameters().is_ok());
+            assert_eq!(
+                body.worn.as_ref().unwrap().len(),
+                package.mesh.num_vertices()
+            );
+            assert!(body.garment.contains_key("sleeve"));
+        }
+        for scene in &shard.scenes {
+            assert_eq!(scene.garment.len(), package.mesh.num_vertices());
+            assert_eq!(scene.pose().unwrap().rotations.len(), 22);
+            assert!(!scene.sequence.is_empty());
+        }
+    }
+    assert_eq!(scenes, 6);
+}
+
+#[test]
+fn another_data_set_is_not_overwritten() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    let options = DatasetOptions {
+        bodies: Counts {
+            train: 0,
+            valid: 0,
+            test: 1,
+        },
+        poses: 1,
+        ..options(1)
+    };
+    make(&package, folder.path(), &options);
+    let before = files(folder.path());
+    let other = DatasetOptions { seed: 5, ..options };
+    let error = generate(
+        &package,
+        folder.path(),
+        &other,
+        &|_| {},
+        &AtomicBool::new(false),
+    );
+    let error = error.unwrap_err().to_string();
+    assert!(error.contains("seed 4, asked for is 5"), "{error}");
+    assert!(files(folder.path()) == before);
+}
+
+#[test]
+fn damaged_shards_are_named() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    let options = DatasetOptions {
+        bodies: Counts {
+            train: 1,
+            valid: 0,
+            test: 0,
+        },
+        poses: 1,
+        ..options(1)
+    };
+    make(&package, folder.path(), &options);
+    let path = folder.path().join("shards/train_0000.safetensors");
+    let whole = fs::read(&path).unwrap();
+    for bytes in [&whole[..whole.len() - 4], &whole[..20], &[]] {
+        fs::write(&path, bytes).unwrap();
+        let dataset = Dataset::open(folder.path()).unwrap();
+        let error = dataset.shards().next().unwrap().unwrap_err().to_string();
+        assert!(error.contains("train_0000.safetensors"), "{error}");
+    }
+}
+
+#[test]
+fn drapes_made_elsewhere_are_imported() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    write_obj(path("body.obj"), package.body.rest()).unwrap();
+    write_obj(path("garment.obj"), &package.mesh).unwrap();
+    let manifest = r#"{"schema": "garnet.import/1", "units": "m", "scenes": [
+        {"split": "train", "body": "a", "sequence": "stand", "body_mesh": "body.obj", "garment_mesh": "garment.obj"},
+        {"split": "test", "body": "b", "body_mesh": "body.obj", "garment_mesh": "garment.obj"}]}"#;
+    fs::write(path("import.json"), manifest).unwrap();
+    let scenes = ImportManifest::read(&path("import.json")).unwrap();
+    fs::create_dir(path("out")).unwrap();
+    import(&package, &scenes, folder.path(), &path("out"), &mut |_| {}).unwrap();
+    let dataset = Dataset::open(&path("out")).unwrap();
+    assert_eq!(dataset.manifest.bodies.train, 1);
+    let train: Vec<_> = dataset.split(Split::Train).collect();
+    let scene = &train[0].as_ref().unwrap().scenes[0];
+    assert_eq!(scene.garment, package.mesh.positions());
+    assert_eq!(scene.mesh().unwrap(), package.body.rest().positions());
+
+    let swapped = manifest.replace("\"garment.obj\"", "\"body.obj\"");
+    fs::write(path("import.json"), swapped).unwrap();
+    let scenes = ImportManifest::read(&path("import.json")).unwrap();
+    let error = import(&package, &scenes, folder.path(), &path("out"), &mut |_| {});
+    let error = error.unwrap_err().to_string();
+    assert!(
+        error.contains("body.obj") && error.contains("the template of the package has"),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_shirts_of_wang_2018_are_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["AAA", "BBB", "P3ORMPBNJJAJ"] {
+        let sample = folder.path().join(name);
+        fs::create_dir(&sample).unwrap();
+        fs::write(sample.join("shirt_mesh_r_tmp.obj"), "").unwrap();
+        fs::write(sample.join("shirt_info.txt"), "0\n0\n0.5 0.25 1\n").unwrap();
+    }
+    let manifest = ImportManifest::wang_2018(folder.path(), "body.obj", garnet_mesh::Unit::Metre);
+    let manifest = manifest.unwrap();
+    assert_eq!(manifest.scenes.len(), 2);
+    assert_eq!(manifest.scenes[1].body_mesh, Path::new("BBB/body.obj"));
+    assert_eq!(manifest.scenes[0].parameters["p1"], 0.25);
+}

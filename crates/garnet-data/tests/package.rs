@@ -1,0 +1,93 @@
+//! Garment packages.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod common;
+
+use std::{fs, path::Path};
+
+use garnet_data::{DataError, GarmentPackage, MANIFEST_FILE};
+use garnet_knn::Surface;
+
+fn refused(folder: &Path) -> String {
+    let error = GarmentPackage::read(folder).unwrap_err();
+    let mut text = error.to_string();
+    let mut source = std::error::Error::source(&error);
+    while let Some(cause) = source {
+        text = format!("{text}: {cause}");
+        source = cause.source();
+    }
+    text
+}
+
+#[test]
+fn a_package_comes_back_as_it_was_written() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    package.write(folder.path()).unwrap();
+    assert!(GarmentPackage::is_at(folder.path()));
+    let read = GarmentPackage::read(folder.path()).unwrap();
+    assert_eq!(read.manifest, package.manifest);
+    assert_eq!(read.template.source(), package.template.source());
+    assert_eq!(read.rest, package.rest);
+    assert_eq!(read.body.rest(), package.body.rest());
+}
+
+#[test]
+fn a_worn_garment_is_outside_its_body_and_keeps_its_lengths() {
+    let package = common::tshirt();
+    let skin = package.body.skin();
+    let inside = skin.contains_all(package.mesh.positions());
+    assert_eq!(inside.iter().filter(|&&inside| inside).count(), 0);
+    assert!(Surface::new(&package.mesh).self_intersections().is_empty());
+    let neck = package
+        .mesh
+        .positions()
+        .iter()
+        .map(|p| p.y)
+        .fold(0.0, f32::max);
+    let hem = package
+        .mesh
+        .positions()
+        .iter()
+        .map(|p| p.y)
+        .fold(3.0, f32::min);
+    assert!(
+        (1.40..1.52).contains(&neck) && (0.70..0.90).contains(&hem),
+        "{hem} to {neck}"
+    );
+}
+
+#[test]
+fn what_is_damaged_or_foreign_is_refused_by_name() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let write = || package.write(folder.path()).unwrap();
+
+    assert!(refused(folder.path()).contains(MANIFEST_FILE));
+    write();
+    let manifest = fs::read_to_string(path(MANIFEST_FILE)).unwrap();
+    fs::write(
+        path(MANIFEST_FILE),
+        manifest.replace("garnet.garment/1", "garnet.garment/9"),
+    )
+    .unwrap();
+    assert!(refused(folder.path()).contains("garnet.garment/9"));
+    fs::write(path(MANIFEST_FILE), "name = 3").unwrap();
+    assert!(refused(folder.path()).contains("line 1"));
+
+    write();
+    let mut rest = fs::read(path("template.rest.safetensors")).unwrap();
+    rest.truncate(rest.len() / 2);
+    fs::write(path("template.rest.safetensors"), rest).unwrap();
+    assert!(refused(folder.path()).contains("template.rest.safetensors"));
+
+    write();
+    let template = fs::read_to_string(path("template.obj")).unwrap();
+    fs::write(path("template.obj"), template.replacen("v ", "v 1", 1)).unwrap();
+    assert!(matches!(
+        GarmentPackage::read(folder.path()),
+        Err(DataError::Foreign { .. } | DataError::Obj(_))
+    ));
+}

@@ -1,0 +1,146 @@
+//! The pictures of bodies in the README: each body from the front, the side and the back.
+//!
+//! ```text
+//! cargo run --release -p garnet-tests --example body_sheet -- bodies models/demo/bodies.png
+//! cargo run --release -p garnet-tests --example body_sheet -- poses models/demo/poses.png
+//! ```
+
+use std::{env, error::Error, path::Path};
+
+use garnet::{
+    motion::{Ground, put_on_ground},
+    poses::{Poser, SelfContact, SeparationOptions, key_pose},
+    shape::{BodyParameters, Measure, ParametricBody},
+};
+use garnet_mesh::TriMesh;
+use garnet_skin::{Body, Method};
+use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
+
+/// Sex, stature in metres and body mass index of the bodies at rest.
+const BODIES: [(f64, f64, f64); 12] = [
+    (1.0, 1.72, 18.0),
+    (1.0, 1.63, 21.0),
+    (1.0, 1.68, 24.0),
+    (1.0, 1.55, 28.0),
+    (1.0, 1.66, 32.0),
+    (1.0, 1.60, 36.0),
+    (0.0, 1.83, 18.5),
+    (0.0, 1.76, 22.0),
+    (0.0, 1.90, 25.0),
+    (0.0, 1.66, 27.0),
+    (0.0, 1.75, 31.0),
+    (0.0, 1.80, 36.0),
+];
+
+/// The bodies that are posed, in turn.
+const POSED: [(f64, f64, f64); 4] = [
+    (1.0, 1.70, 21.0),
+    (0.0, 1.78, 24.0),
+    (1.0, 1.64, 28.0),
+    (0.0, 1.74, 30.0),
+];
+
+const POSES: [&str; 24] = [
+    "stand",
+    "a_pose",
+    "tree",
+    "warrior_two",
+    "chair",
+    "dancer",
+    "triangle",
+    "forward_fold",
+    "downward_dog",
+    "boat",
+    "garland",
+    "kneel",
+    "sit",
+    "squat",
+    "high_lunge",
+    "throw",
+    "reach_front",
+    "upward_salute",
+    "phone_at_ear",
+    "hands_on_hips",
+    "arms_crossed",
+    "ballroom_frame",
+    "first_arabesque",
+    "grand_jete",
+];
+
+const COLUMNS: usize = 12;
+const CELL: [usize; 2] = [140, 230];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let words: Vec<String> = env::args().skip(1).collect();
+    let [kind, path] = words.as_slice() else {
+        return Err("usage: body_sheet bodies|poses FILE.png".into());
+    };
+    let mut meshes = Vec::new();
+    let mut captions = Vec::new();
+    if kind == "bodies" {
+        for (sex, stature, bmi) in BODIES {
+            meshes.push(body(sex, stature, bmi)?.rest().clone());
+            captions.push(format!("{:.0} cm, {bmi:.0}", 100.0 * stature));
+        }
+    } else {
+        let bodies: Vec<Body> = POSED
+            .into_iter()
+            .map(|(sex, stature, bmi)| body(sex, stature, bmi))
+            .collect::<Result<_, _>>()?;
+        for (index, name) in POSES.into_iter().enumerate() {
+            meshes.push(posed(&bodies[index % bodies.len()], name)?);
+            captions.push(name.replace('_', " "));
+        }
+    }
+    let mut views = Vec::new();
+    let cameras = [Camera::new(0.0, 0.06), Camera::left(), Camera::back()];
+    for row in 0..meshes.len().div_ceil(COLUMNS) {
+        for (side, camera) in cameras.into_iter().enumerate() {
+            for index in row * COLUMNS..(row + 1) * COLUMNS {
+                let shown = vec![index];
+                views.push(View {
+                    caption: if side == 0 {
+                        captions[index].clone()
+                    } else {
+                        String::new()
+                    },
+                    shown: Some(shown.clone()),
+                    framed: Some(shown),
+                    ..View::new(camera)
+                });
+            }
+        }
+    }
+    let rows = views.len() / COLUMNS;
+    let layers = meshes.iter().map(|mesh| Layer {
+        paint: Paint::Plain(palette::SKIN),
+        ..Layer::new(mesh)
+    });
+    let image = render(&Picture {
+        layers: layers.collect(),
+        views,
+        columns: Some(COLUMNS as u32),
+        supersampling: 2,
+        ..Picture::new((CELL[0] * COLUMNS) as u32, (CELL[1] * rows) as u32)
+    })?;
+    image.write_png(Path::new(path))?;
+    Ok(())
+}
+
+fn body(sex: f64, stature: f64, bmi: f64) -> Result<Body, Box<dyn Error>> {
+    let parameters = BodyParameters::new(sex)
+        .with(Measure::Stature, stature)
+        .with_bmi(bmi);
+    Ok(ParametricBody::build(&parameters)?.into_body())
+}
+
+/// A body in a pose of the library, its parts apart, on the ground.
+fn posed(body: &Body, name: &str) -> Result<TriMesh, Box<dyn Error>> {
+    let key = key_pose(name).ok_or_else(|| format!("there is no pose `{name}`"))?;
+    let pose = Poser::new(body.skeleton())?.pose(&key.angles);
+    let separated = SelfContact::new(body)?.separated(&pose, &SeparationOptions::default())?;
+    let mut poses = [separated.map_or(pose, |separated| separated.pose)];
+    put_on_ground(body, &mut poses, Ground::EachPose)?;
+    let positions = body.posed_positions(&poses[0], Method::DualQuaternion)?;
+    Ok(body.rest().with_positions(positions)?)
+}
