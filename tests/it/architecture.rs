@@ -47,7 +47,7 @@ const OWNERS: [(&str, &[&str]); 8] = [
     ("clap", &["garnet-cli"]),
     ("anyhow", &["garnet-cli"]),
     ("indicatif", &["garnet-cli"]),
-    ("faer", &["garnet-skin"]),
+    ("faer", &["garnet-skin", "garnet-sim"]),
     ("image", &["garnet-view"]),
 ];
 

@@ -19,7 +19,9 @@ impl Activation {
     pub(crate) fn apply(self, values: &mut [f32]) {
         if self == Self::LeakyRelu {
             // The slope is below one, so the larger of both is the right one.
-            values.iter_mut().for_each(|value| *value = value.max(LEAKY_SLOPE * *value));
+            values
+                .iter_mut()
+                .for_each(|value| *value = value.max(LEAKY_SLOPE * *value));
         }
     }
 

@@ -34,8 +34,15 @@ impl Adjacency {
     pub fn from_faces(num_vertices: usize, faces: &[[u32; 3]]) -> Result<Self, KernelError> {
         let mut lists = vec![Vec::new(); num_vertices];
         for (face, corners) in faces.iter().enumerate() {
-            if let Some(&vertex) = corners.iter().find(|&&corner| corner as usize >= num_vertices) {
-                return Err(KernelError::FaceIndexOutOfRange { face, vertex, num_vertices });
+            if let Some(&vertex) = corners
+                .iter()
+                .find(|&&corner| corner as usize >= num_vertices)
+            {
+                return Err(KernelError::FaceIndexOutOfRange {
+                    face,
+                    vertex,
+                    num_vertices,
+                });
             }
             for corner in 0..3 {
                 let vertex = corners[corner] as usize;
@@ -87,7 +94,12 @@ impl Adjacency {
 
         let tiles = Tiles::new(&offsets, &neighbors);
         let slots = SlotsOfVertices::new(num_vertices, &tiles);
-        Ok(Self { offsets, neighbors, tiles, slots })
+        Ok(Self {
+            offsets,
+            neighbors,
+            tiles,
+            slots,
+        })
     }
 
     /// Number of vertices.
@@ -149,11 +161,19 @@ mod tests {
     fn what_is_out_of_range_is_named() {
         assert_eq!(
             Adjacency::from_faces(3, &[[0, 1, 2], [0, 1, 7]]).map(|_| ()),
-            Err(KernelError::FaceIndexOutOfRange { face: 1, vertex: 7, num_vertices: 3 })
+            Err(KernelError::FaceIndexOutOfRange {
+                face: 1,
+                vertex: 7,
+                num_vertices: 3
+            })
         );
         assert_eq!(
             Adjacency::from_lists(&[vec![0], vec![2]]).map(|_| ()),
-            Err(KernelError::NeighborOutOfRange { row: 1, neighbor: 2, num_sources: 2 })
+            Err(KernelError::NeighborOutOfRange {
+                row: 1,
+                neighbor: 2,
+                num_sources: 2
+            })
         );
     }
 

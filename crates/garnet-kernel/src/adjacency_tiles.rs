@@ -46,7 +46,12 @@ impl Tiles {
             }
             slot_offsets.push(vertex_of_slot.len());
         }
-        Self { num_rows, slot_of_edge, slot_offsets, vertex_of_slot }
+        Self {
+            num_rows,
+            slot_of_edge,
+            slot_offsets,
+            vertex_of_slot,
+        }
     }
 
     /// Number of tiles.

@@ -66,15 +66,29 @@ impl FeastInput<'_> {
     #[track_caller]
     pub(crate) fn check(&self, layer: &FeastLayer<'_>) {
         let (num_vertices, in_channels) = (self.adjacency.num_vertices(), self.in_channels());
-        assert!(layer.num_heads > 0, "a FeaStNet layer needs one head at least");
-        assert!(layer.out_channels > 0, "a FeaStNet layer needs one output channel at least");
-        assert!(in_channels > 0, "a FeaStNet layer needs one input channel at least");
+        assert!(
+            layer.num_heads > 0,
+            "a FeaStNet layer needs one head at least"
+        );
+        assert!(
+            layer.out_channels > 0,
+            "a FeaStNet layer needs one output channel at least"
+        );
+        assert!(
+            in_channels > 0,
+            "a FeaStNet layer needs one input channel at least"
+        );
         for part in self.features {
             part.check("features", num_vertices);
         }
         check::shape("u", layer.u, in_channels, layer.num_heads);
         check::shape("c", layer.c, 1, layer.num_heads);
-        check::shape("w", layer.w, layer.num_heads * in_channels, layer.out_channels);
+        check::shape(
+            "w",
+            layer.w,
+            layer.num_heads * in_channels,
+            layer.out_channels,
+        );
         check::shape("b", layer.b, 1, layer.out_channels);
         if let Some(residual) = self.residual {
             check::shape("residual", residual, num_vertices, layer.out_channels);
@@ -101,31 +115,36 @@ pub fn feast_forward(
     let depth = layer.num_heads * in_channels;
     let w = MatrixRef::new(layer.w, depth, out_channels);
 
-    y.par_chunks_mut(TILE_ROWS * out_channels).enumerate().for_each(|(tile, y)| {
-        let rows = adjacency.tiles().rows(tile);
-        let mut z = workspace.scratch(rows.len() * depth);
-        let mut weights = workspace.scratch(logits.len_of_weights(adjacency, rows.clone()));
-        workspace.instructions().run(AggregateTile {
-            attention: logits.attention(),
-            input,
-            first_row: rows.start,
-            weights: &mut weights,
-            z: &mut z,
-        });
+    y.par_chunks_mut(TILE_ROWS * out_channels)
+        .enumerate()
+        .for_each(|(tile, y)| {
+            let rows = adjacency.tiles().rows(tile);
+            let mut z = workspace.scratch(rows.len() * depth);
+            let mut weights = workspace.scratch(logits.len_of_weights(adjacency, rows.clone()));
+            workspace.instructions().run(AggregateTile {
+                attention: logits.attention(),
+                input,
+                first_row: rows.start,
+                weights: &mut weights,
+                z: &mut z,
+            });
 
-        for (row, y) in rows.clone().zip(y.chunks_exact_mut(out_channels)) {
-            match input.residual {
-                None => y.copy_from_slice(layer.b),
-                Some(residual) => {
-                    let residual = &residual[row * out_channels..][..out_channels];
-                    y.iter_mut().zip(layer.b).zip(residual).for_each(|((y, b), r)| *y = b + r);
+            for (row, y) in rows.clone().zip(y.chunks_exact_mut(out_channels)) {
+                match input.residual {
+                    None => y.copy_from_slice(layer.b),
+                    Some(residual) => {
+                        let residual = &residual[row * out_channels..][..out_channels];
+                        y.iter_mut()
+                            .zip(layer.b)
+                            .zip(residual)
+                            .for_each(|((y, b), r)| *y = b + r);
+                    }
                 }
             }
-        }
-        MatrixMut::new(y, rows.len(), out_channels)
-            .add_product(MatrixRef::new(&z, rows.len(), depth), w);
-        layer.activation.apply(y);
-    });
+            MatrixMut::new(y, rows.len(), out_channels)
+                .add_product(MatrixRef::new(&z, rows.len(), depth), w);
+            layer.activation.apply(y);
+        });
 }
 
 /// Weights of all edges and aggregates of all vertices of a tile.
@@ -142,11 +161,20 @@ pub(crate) struct AggregateTile<'a> {
 impl Kernel for AggregateTile<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let Self { attention, input, first_row, weights, z } = self;
+        let Self {
+            attention,
+            input,
+            first_row,
+            weights,
+            z,
+        } = self;
         let in_channels = input.in_channels();
         let stride = attention.stride;
         let mut edge = 0;
-        for (row, z) in z.chunks_exact_mut(attention.num_heads * in_channels).enumerate() {
+        for (row, z) in z
+            .chunks_exact_mut(attention.num_heads * in_channels)
+            .enumerate()
+        {
             let vertex = first_row + row;
             let neighbors = input.adjacency.neighbors(vertex);
             let weights = &mut weights[edge * stride..][..neighbors.len() * stride];
@@ -154,7 +182,13 @@ impl Kernel for AggregateTile<'_> {
             let mut column = 0;
             for part in input.features {
                 let columns = column..column + part.channels;
-                aggregate::<V>(*part, neighbors, attention.view(weights), &mut z[column..], in_channels);
+                aggregate::<V>(
+                    *part,
+                    neighbors,
+                    attention.view(weights),
+                    &mut z[column..],
+                    in_channels,
+                );
                 column = columns.end;
             }
             edge += neighbors.len();

@@ -38,30 +38,58 @@ pub(crate) struct Attention<'a> {
 
 impl<'a> Logits<'a> {
     /// Multiplies the features of all vertices by `U`.
-    pub(crate) fn new(layer: &FeastLayer<'_>, features: &[Features<'_>], workspace: &'a Workspace) -> Self {
+    pub(crate) fn new(
+        layer: &FeastLayer<'_>,
+        features: &[Features<'_>],
+        workspace: &'a Workspace,
+    ) -> Self {
         let num_heads = layer.num_heads;
         let stride = num_heads.next_multiple_of(workspace.instructions().lanes());
-        let num_vertices = features.first().map_or(0, |part| part.values.len() / part.channels.max(1));
+        let num_vertices = features
+            .first()
+            .map_or(0, |part| part.values.len() / part.channels.max(1));
 
         let mut offsets = workspace.scratch(stride);
         offsets.fill(NEVER);
         offsets[..num_heads].copy_from_slice(layer.c);
         let mut u = workspace.zeros(layer.u.len() / num_heads * stride);
-        for (padded, u) in u.chunks_exact_mut(stride).zip(layer.u.chunks_exact(num_heads)) {
+        for (padded, u) in u
+            .chunks_exact_mut(stride)
+            .zip(layer.u.chunks_exact(num_heads))
+        {
             padded[..num_heads].copy_from_slice(u);
         }
         let mut products = workspace.scratch(num_vertices * stride);
-        products.par_chunks_mut(TILE_ROWS * stride).enumerate().for_each(|(tile, products)| {
-            let first_row = tile * TILE_ROWS;
-            workspace.instructions().run(Project { features, first_row, u: &u, stride, products });
-        });
-        Self { num_heads, stride, products, offsets }
+        products
+            .par_chunks_mut(TILE_ROWS * stride)
+            .enumerate()
+            .for_each(|(tile, products)| {
+                let first_row = tile * TILE_ROWS;
+                workspace.instructions().run(Project {
+                    features,
+                    first_row,
+                    u: &u,
+                    stride,
+                    products,
+                });
+            });
+        Self {
+            num_heads,
+            stride,
+            products,
+            offsets,
+        }
     }
 
     /// What kernels need of this.
     pub(crate) fn attention(&self) -> Attention<'_> {
         let (products, offsets) = (&*self.products, &*self.offsets);
-        Attention { num_heads: self.num_heads, stride: self.stride, products, offsets }
+        Attention {
+            num_heads: self.num_heads,
+            stride: self.stride,
+            products,
+            offsets,
+        }
     }
 
     /// Number of values that the weights of the edges of some vertices need.
@@ -83,7 +111,13 @@ impl Kernel for Project<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
         const ROWS: usize = 8;
-        let Self { features, first_row, u, stride, products } = self;
+        let Self {
+            features,
+            first_row,
+            u,
+            stride,
+            products,
+        } = self;
         let num_rows = products.len() / stride;
         let whole = num_rows - num_rows % ROWS;
         for row in (0..whole).step_by(ROWS) {
@@ -132,7 +166,11 @@ impl<'a> Attention<'a> {
     /// Rows of heads of some edges.
     #[inline(always)]
     pub(crate) fn view<'b>(&self, weights: &'b [f32]) -> HeadRows<'b> {
-        HeadRows { values: weights, stride: self.stride, num_heads: self.num_heads }
+        HeadRows {
+            values: weights,
+            stride: self.stride,
+            num_heads: self.num_heads,
+        }
     }
 
     /// Writes `q_ij / |N_i|` for each neighbor `j` of the vertex `i`.
@@ -164,7 +202,9 @@ impl<'a> Attention<'a> {
             }
             let share = V::splat(share / sum.sum());
             for head in (0..self.stride).step_by(V::LANES) {
-                V::load(&weights[head..]).mul(share).store(&mut weights[head..]);
+                V::load(&weights[head..])
+                    .mul(share)
+                    .store(&mut weights[head..]);
             }
         }
     }
@@ -175,7 +215,9 @@ impl<'a> Attention<'a> {
     #[inline(always)]
     pub(crate) fn weigh_backward<V: Lanes>(&self, weights: &[f32], gradients: &mut [f32]) {
         let degree = (weights.len() / self.stride) as f32;
-        let rows = weights.chunks_exact(self.stride).zip(gradients.chunks_exact_mut(self.stride));
+        let rows = weights
+            .chunks_exact(self.stride)
+            .zip(gradients.chunks_exact_mut(self.stride));
         for (weights, gradients) in rows {
             let mut sum = V::splat(0.0);
             for head in (0..self.stride).step_by(V::LANES) {
@@ -184,7 +226,9 @@ impl<'a> Attention<'a> {
             let mean = V::splat(degree * sum.sum());
             for head in (0..self.stride).step_by(V::LANES) {
                 let gradient = V::load(&gradients[head..]).sub(mean);
-                V::load(&weights[head..]).mul(gradient).store(&mut gradients[head..]);
+                V::load(&weights[head..])
+                    .mul(gradient)
+                    .store(&mut gradients[head..]);
             }
         }
     }

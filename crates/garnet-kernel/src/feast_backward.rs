@@ -8,13 +8,14 @@ use rayon::prelude::*;
 
 use crate::adjacency_tiles::TILE_ROWS;
 use crate::feast::AggregateTile;
-use crate::feast_aggregate::{HeadRows, SlotRows, aggregate, aggregate_backward};
+use crate::feast_aggregate::{SlotRows, aggregate_backward};
 use crate::feast_attention::{Attention, Logits};
+use crate::feast_collect::collect;
 use crate::instructions::Kernel;
-use crate::lanes::{Lanes, whole};
+use crate::lanes::Lanes;
 use crate::matmul::{MatrixMut, MatrixRef};
 use crate::reduce::{split_into_tiles, sum_rows};
-use crate::{Adjacency, FeastInput, FeastLayer, Features, Workspace, check};
+use crate::{Activation, FeastInput, FeastLayer, Workspace, check};
 
 /// Blocks of tiles at most: each needs memory for the gradient of `w`.
 const MAX_BLOCKS: usize = 16;
@@ -79,7 +80,13 @@ pub fn feast_backward(
         let (sums, others) = sums_left.split_at_mut(tiles.len() * shape.sum_stride);
         sums_left = others;
         let d_residual = residuals.next().and_then(|mut outputs| outputs.remove(0));
-        blocks.push(Block { tiles, slots, sums, dw, d_residual });
+        blocks.push(Block {
+            tiles,
+            slots,
+            sums,
+            dw,
+            d_residual,
+        });
     }
     blocks.into_par_iter().for_each(|block| {
         block.run(layer, input, (y, dy), &logits, workspace);
@@ -95,22 +102,24 @@ pub fn feast_backward(
 }
 
 /// Sizes of the tables of the backward pass.
-struct Shape {
-    in_channels: usize,
-    head_stride: usize,
+pub(crate) struct Shape {
+    pub(crate) in_channels: usize,
+    pub(crate) head_stride: usize,
     /// Columns of a slot: gradients of the features, padded, then of the logits.
-    slot_stride: usize,
+    pub(crate) slot_stride: usize,
     /// Columns of the sums of a tile: offsets, then bias.
-    sum_stride: usize,
-    num_tiles: usize,
-    tiles_per_block: usize,
-    num_blocks: usize,
+    pub(crate) sum_stride: usize,
+    pub(crate) num_tiles: usize,
+    pub(crate) tiles_per_block: usize,
+    pub(crate) num_blocks: usize,
 }
 
 impl Shape {
     fn new(layer: &FeastLayer<'_>, input: &FeastInput<'_>, workspace: &Workspace) -> Self {
         let in_channels = input.in_channels();
-        let head_stride = layer.num_heads.next_multiple_of(workspace.instructions().lanes());
+        let head_stride = layer
+            .num_heads
+            .next_multiple_of(workspace.instructions().lanes());
         let num_tiles = input.adjacency.tiles().len();
         let tiles_per_block = num_tiles.div_ceil(MAX_BLOCKS).max(1);
         Self {
@@ -172,7 +181,9 @@ impl Block<'_> {
             }
             let (dc, db) = sums.split_at_mut(attention.stride);
             for d_sum in d_sum.chunks_exact(out_channels) {
-                db.iter_mut().zip(d_sum).for_each(|(db, d_sum)| *db += d_sum);
+                db.iter_mut()
+                    .zip(d_sum)
+                    .for_each(|(db, d_sum)| *db += d_sum);
             }
 
             let len_of_weights = logits.len_of_weights(input.adjacency, rows.clone());
@@ -193,7 +204,8 @@ impl Block<'_> {
             MatrixMut::new(z, rows.len(), depth).set_product(d_sums, w.transposed());
 
             let tile_slots;
-            (tile_slots, slots) = slots.split_at_mut(tiles.num_slots_of(tile..tile + 1) * slot_stride);
+            (tile_slots, slots) =
+                slots.split_at_mut(tiles.num_slots_of(tile..tile + 1) * slot_stride);
             workspace.instructions().run(ScatterTile {
                 attention,
                 input,
@@ -225,12 +237,25 @@ struct ScatterTile<'a> {
 impl Kernel for ScatterTile<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let Self { attention, input, first_row, weights, d_weights, dz, slots, slot_stride, dc } = self;
+        let Self {
+            attention,
+            input,
+            first_row,
+            weights,
+            d_weights,
+            dz,
+            slots,
+            slot_stride,
+            dc,
+        } = self;
         let in_channels = input.in_channels();
         let stride = attention.stride;
         let first_logit = slot_stride - stride;
         let mut first_edge = 0;
-        for (row, dz) in dz.chunks_exact(attention.num_heads * in_channels).enumerate() {
+        for (row, dz) in dz
+            .chunks_exact(attention.num_heads * in_channels)
+            .enumerate()
+        {
             let edges = input.adjacency.edges(first_row + row);
             let slot_of_edge = input.adjacency.tiles().slots_of_edges(edges);
             let neighbors = input.adjacency.neighbors(first_row + row);
@@ -238,7 +263,12 @@ impl Kernel for ScatterTile<'_> {
             let (weights, d_weights) = (&weights[heads.clone()], &mut d_weights[heads]);
             let mut column = 0;
             for part in input.features {
-                let mut slots = SlotRows { values: slots, stride: slot_stride, column, slot_of_edge };
+                let mut slots = SlotRows {
+                    values: slots,
+                    stride: slot_stride,
+                    column,
+                    slot_of_edge,
+                };
                 aggregate_backward::<V>(
                     *part,
                     neighbors,
@@ -270,128 +300,6 @@ impl Kernel for ScatterTile<'_> {
     }
 }
 
-/// Lets each vertex collect its slots, and sums the gradient of `u` over vertices.
-fn collect(
-    layer: &FeastLayer<'_>,
-    input: &FeastInput<'_>,
-    shape: &Shape,
-    slots: &[f32],
-    gradients: &mut FeastGradients<'_>,
-    workspace: &Workspace,
-) {
-    let (in_channels, num_heads) = (shape.in_channels, layer.num_heads);
-    let mut transposed_u = workspace.scratch(layer.u.len());
-    for (channel, u) in layer.u.chunks_exact(num_heads).enumerate() {
-        u.iter().enumerate().for_each(|(head, u)| transposed_u[head * in_channels + channel] = *u);
-    }
-    // A row of products for each vertex, and for each tile the sums of `dp_m x`.
-    let num_vertices = input.adjacency.num_vertices();
-    let mut d_products = workspace.scratch(num_vertices * shape.head_stride);
-    let mut du_of_tiles = workspace.scratch(shape.num_tiles * layer.u.len());
-    let channels: Vec<usize> = input.features.iter().map(|part| part.channels).collect();
-    let dx = split_into_tiles(gradients.features, &channels, TILE_ROWS, shape.num_tiles);
-
-    d_products
-        .par_chunks_mut(TILE_ROWS * shape.head_stride)
-        .zip(du_of_tiles.par_chunks_exact_mut(layer.u.len()))
-        .zip(dx)
-        .enumerate()
-        .for_each(|(tile, ((d_products, du), mut dx))| {
-            workspace.instructions().run(CollectTile {
-                adjacency: input.adjacency,
-                features: input.features,
-                first_row: tile * TILE_ROWS,
-                slots,
-                slot_stride: shape.slot_stride,
-                transposed_u: &transposed_u,
-                num_heads,
-                head_stride: shape.head_stride,
-                d_products,
-                du,
-                dx: &mut dx,
-            });
-        });
-
-    let mut du = workspace.scratch(layer.u.len());
-    sum_rows(&du_of_tiles, &mut du);
-    for (channel, row) in gradients.u.chunks_exact_mut(num_heads).enumerate() {
-        row.iter_mut().enumerate().for_each(|(head, out)| *out = du[head * in_channels + channel]);
-    }
-}
-
-/// What the vertices of a tile collect.
-struct CollectTile<'a, 'b> {
-    adjacency: &'a Adjacency,
-    features: &'a [Features<'a>],
-    first_row: usize,
-    slots: &'a [f32],
-    slot_stride: usize,
-    /// `[num_heads, in_channels]`.
-    transposed_u: &'a [f32],
-    num_heads: usize,
-    head_stride: usize,
-    d_products: &'a mut [f32],
-    /// `[num_heads, in_channels]`.
-    du: &'a mut [f32],
-    dx: &'a mut [Option<&'b mut [f32]>],
-}
-
-impl Kernel for CollectTile<'_, '_> {
-    #[inline(always)]
-    fn run<V: Lanes>(self) {
-        let Self { features, first_row, slots, slot_stride, num_heads, head_stride, .. } = self;
-        let first_logit = slot_stride - head_stride;
-        let in_channels = self.transposed_u.len() / num_heads;
-        let num_rows = self.d_products.len() / head_stride;
-        for row in 0..num_rows {
-            let own_slots = self.adjacency.slots().of(first_row + row);
-            let d_products = &mut self.d_products[row * head_stride..][..head_stride];
-            for head in (0..head_stride).step_by(V::LANES) {
-                let mut sum = V::splat(0.0);
-                for &slot in own_slots {
-                    sum = sum.add(V::load(&slots[slot as usize * slot_stride + first_logit + head..]));
-                }
-                sum.store(&mut d_products[head..]);
-            }
-
-            let mut column = 0;
-            for (part, dx) in features.iter().zip(self.dx.iter_mut()) {
-                if let Some(dx) = dx {
-                    let dx = &mut dx[row * part.channels..][..part.channels];
-                    let whole = whole::<V>(part.channels);
-                    let collected = |channel: usize, load: fn(&[f32]) -> V| {
-                        let end = column + part.channels;
-                        let mut sum = V::splat(0.0);
-                        for &slot in own_slots {
-                            let slot = &slots[slot as usize * slot_stride..][..end];
-                            sum = sum.add(load(&slot[column + channel..]));
-                        }
-                        for (u, dp) in self.transposed_u.chunks_exact(in_channels).zip(&*d_products) {
-                            sum = V::splat(*dp).mul_add(load(&u[column + channel..end]), sum);
-                        }
-                        sum
-                    };
-                    for channel in (0..whole).step_by(V::LANES) {
-                        collected(channel, V::load).store(&mut dx[channel..]);
-                    }
-                    if whole < part.channels {
-                        collected(whole, V::load_part).store_part(&mut dx[whole..]);
-                    }
-                }
-                column += part.channels;
-            }
-        }
-
-        let rows: [u32; TILE_ROWS] = std::array::from_fn(|row| (first_row + row) as u32);
-        let weights = HeadRows { values: self.d_products, stride: head_stride, num_heads };
-        let mut column = 0;
-        for part in features {
-            aggregate::<V>(*part, &rows[..num_rows], weights, &mut self.du[column..], in_channels);
-            column += part.channels;
-        }
-    }
-}
-
 #[track_caller]
 fn check_gradients(
     layer: &FeastLayer<'_>,
@@ -401,7 +309,7 @@ fn check_gradients(
 ) {
     input.check(layer);
     let num_vertices = input.adjacency.num_vertices();
-    if layer.activation != crate::Activation::None || !y.is_empty() {
+    if layer.activation != Activation::None || !y.is_empty() {
         check::shape("y", y, num_vertices, layer.out_channels);
     }
     check::shape("dy", dy, num_vertices, layer.out_channels);
@@ -413,14 +321,34 @@ fn check_gradients(
     );
     for (part, gradient) in input.features.iter().zip(gradients.features.iter()) {
         if let Some(gradient) = gradient {
-            check::shape("gradient of features", gradient, num_vertices, part.channels);
+            check::shape(
+                "gradient of features",
+                gradient,
+                num_vertices,
+                part.channels,
+            );
         }
     }
     if let Some(residual) = &gradients.residual {
-        check::shape("gradient of residual", residual, num_vertices, layer.out_channels);
+        check::shape(
+            "gradient of residual",
+            residual,
+            num_vertices,
+            layer.out_channels,
+        );
     }
-    check::shape("gradient of u", gradients.u, input.in_channels(), layer.num_heads);
+    check::shape(
+        "gradient of u",
+        gradients.u,
+        input.in_channels(),
+        layer.num_heads,
+    );
     check::shape("gradient of c", gradients.c, 1, layer.num_heads);
-    check::shape("gradient of w", gradients.w, layer.num_heads * input.in_channels(), layer.out_channels);
+    check::shape(
+        "gradient of w",
+        gradients.w,
+        layer.num_heads * input.in_channels(),
+        layer.out_channels,
+    );
     check::shape("gradient of b", gradients.b, 1, layer.out_channels);
 }

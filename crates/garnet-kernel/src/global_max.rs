@@ -68,7 +68,12 @@ struct MaxOfRows<'a> {
 impl Kernel for MaxOfRows<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let Self { features, first_row, y, largest } = self;
+        let Self {
+            features,
+            first_row,
+            y,
+            largest,
+        } = self;
         let channels = features.channels;
         for channel in (0..channels).step_by(V::LANES) {
             let end = channels.min(channel + V::LANES);

@@ -1,6 +1,9 @@
 //! Which instructions kernels use, found out when the program runs.
 
-#![allow(unsafe_code, reason = "functions compiled for instructions that were detected")]
+#![allow(
+    unsafe_code,
+    reason = "functions compiled for instructions that were detected"
+)]
 
 use std::sync::OnceLock;
 

@@ -41,7 +41,12 @@ pub(crate) trait Lanes: Copy {
     /// The same row number in all lanes.
     fn splat_index(index: u32) -> Self::Indices;
     /// Takes `candidate` and its index in the lanes where it is larger than `self`.
-    fn larger(self, index: Self::Indices, candidate: Self, candidate_index: Self::Indices) -> (Self, Self::Indices);
+    fn larger(
+        self,
+        index: Self::Indices,
+        candidate: Self,
+        candidate_index: Self::Indices,
+    ) -> (Self, Self::Indices);
     /// Writes at most `LANES` row numbers of a slice.
     fn store_indices(indices: Self::Indices, values: &mut [u32]);
 
@@ -57,10 +62,17 @@ pub(crate) trait Lanes: Copy {
         let x = power.mul_add(Self::splat(-0.693_359_375), x);
         let x = power.mul_add(Self::splat(2.121_944_4e-4), x);
         let mut sum = Self::splat(1.987_569_1e-4);
-        for coefficient in [1.398_2e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 0.5] {
+        for coefficient in [
+            1.398_2e-3,
+            8.333_452e-3,
+            4.166_579_6e-2,
+            1.666_666_5e-1,
+            0.5,
+        ] {
             sum = sum.mul_add(x, Self::splat(coefficient));
         }
-        sum.mul_add(x.mul(x), x.add(Self::splat(1.0))).scaled_by_power(shifted)
+        sum.mul_add(x.mul(x), x.add(Self::splat(1.0)))
+            .scaled_by_power(shifted)
     }
 
     /// The numbers, at most `bound`.

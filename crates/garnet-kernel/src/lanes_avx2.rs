@@ -36,7 +36,12 @@ fn first_lanes(len: usize) -> __m256i {
 #[inline(always)]
 fn halves(value: __m256) -> (__m128, __m128) {
     // SAFETY: the instructions exist (head of this file).
-    unsafe { (_mm256_castps256_ps128(value), _mm256_extractf128_ps::<1>(value)) }
+    unsafe {
+        (
+            _mm256_castps256_ps128(value),
+            _mm256_extractf128_ps::<1>(value),
+        )
+    }
 }
 
 // SAFETY of all blocks below: the instructions exist (head of this file); loads and stores of whole
@@ -134,7 +139,10 @@ impl Lanes for Avx2 {
         // SAFETY: see above.
         unsafe {
             let exponent = _mm256_slli_epi32::<23>(_mm256_castps_si256(shifted.0));
-            Self(_mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(self.0), exponent)))
+            Self(_mm256_castsi256_ps(_mm256_add_epi32(
+                _mm256_castps_si256(self.0),
+                exponent,
+            )))
         }
     }
 
@@ -154,7 +162,10 @@ impl Lanes for Avx2 {
                 _mm256_castsi256_ps(candidate_index),
                 is_larger,
             );
-            (Self(_mm256_blendv_ps(self.0, candidate.0, is_larger)), _mm256_castps_si256(indices))
+            (
+                Self(_mm256_blendv_ps(self.0, candidate.0, is_larger)),
+                _mm256_castps_si256(indices),
+            )
         }
     }
 
@@ -162,7 +173,11 @@ impl Lanes for Avx2 {
     fn store_indices(indices: __m256i, values: &mut [u32]) {
         // SAFETY: see above.
         unsafe {
-            _mm256_maskstore_epi32(values.as_mut_ptr().cast(), first_lanes(values.len()), indices);
+            _mm256_maskstore_epi32(
+                values.as_mut_ptr().cast(),
+                first_lanes(values.len()),
+                indices,
+            );
         }
     }
 }

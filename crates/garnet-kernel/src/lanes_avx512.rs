@@ -113,7 +113,10 @@ impl Lanes for Avx512 {
         // SAFETY: see above.
         unsafe {
             let exponent = _mm512_slli_epi32::<23>(_mm512_castps_si512(shifted.0));
-            Self(_mm512_castsi512_ps(_mm512_add_epi32(_mm512_castps_si512(self.0), exponent)))
+            Self(_mm512_castsi512_ps(_mm512_add_epi32(
+                _mm512_castps_si512(self.0),
+                exponent,
+            )))
         }
     }
 
@@ -139,7 +142,11 @@ impl Lanes for Avx512 {
     fn store_indices(indices: __m512i, values: &mut [u32]) {
         // SAFETY: see above.
         unsafe {
-            _mm512_mask_storeu_epi32(values.as_mut_ptr().cast(), first_lanes(values.len()), indices);
+            _mm512_mask_storeu_epi32(
+                values.as_mut_ptr().cast(),
+                first_lanes(values.len()),
+                indices,
+            );
         }
     }
 }

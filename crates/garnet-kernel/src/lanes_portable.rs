@@ -38,7 +38,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn load_part(values: &[f32]) -> Self {
         let mut lanes = [0.0; N];
-        lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = *value);
+        lanes
+            .iter_mut()
+            .zip(values)
+            .for_each(|(lane, value)| *lane = *value);
         Self(lanes)
     }
 
@@ -49,7 +52,10 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn store_part(self, values: &mut [f32]) {
-        values.iter_mut().zip(self.0).for_each(|(value, lane)| *value = lane);
+        values
+            .iter_mut()
+            .zip(self.0)
+            .for_each(|(value, lane)| *value = lane);
     }
 
     #[inline(always)]
@@ -71,7 +77,9 @@ impl Lanes for Portable {
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         // `f32::mul_add` is a call of the C library where the baseline has no such instruction.
         if cfg!(target_arch = "aarch64") {
-            Self(std::array::from_fn(|i| self.0[i].mul_add(factor.0[i], addend.0[i])))
+            Self(std::array::from_fn(|i| {
+                self.0[i].mul_add(factor.0[i], addend.0[i])
+            }))
         } else {
             self.mul(factor).add(addend)
         }
@@ -94,7 +102,9 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn scaled_by_power(self, shifted: Self) -> Self {
-        self.zip(shifted, |a, s| f32::from_bits(a.to_bits().wrapping_add(s.to_bits() << 23)))
+        self.zip(shifted, |a, s| {
+            f32::from_bits(a.to_bits().wrapping_add(s.to_bits() << 23))
+        })
     }
 
     #[inline(always)]
@@ -103,16 +113,36 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn larger(self, index: [u32; N], candidate: Self, candidate_index: [u32; N]) -> (Self, [u32; N]) {
+    fn larger(
+        self,
+        index: [u32; N],
+        candidate: Self,
+        candidate_index: [u32; N],
+    ) -> (Self, [u32; N]) {
         let is_larger: [bool; N] = std::array::from_fn(|i| candidate.0[i] > self.0[i]);
         (
-            Self(std::array::from_fn(|i| if is_larger[i] { candidate.0[i] } else { self.0[i] })),
-            std::array::from_fn(|i| if is_larger[i] { candidate_index[i] } else { index[i] }),
+            Self(std::array::from_fn(|i| {
+                if is_larger[i] {
+                    candidate.0[i]
+                } else {
+                    self.0[i]
+                }
+            })),
+            std::array::from_fn(|i| {
+                if is_larger[i] {
+                    candidate_index[i]
+                } else {
+                    index[i]
+                }
+            }),
         )
     }
 
     #[inline(always)]
     fn store_indices(indices: [u32; N], values: &mut [u32]) {
-        values.iter_mut().zip(indices).for_each(|(value, index)| *value = index);
+        values
+            .iter_mut()
+            .zip(indices)
+            .for_each(|(value, index)| *value = index);
     }
 }

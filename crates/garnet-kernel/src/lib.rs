@@ -43,6 +43,7 @@ mod feast;
 mod feast_aggregate;
 mod feast_attention;
 mod feast_backward;
+mod feast_collect;
 mod features;
 mod global_max;
 mod instructions;

@@ -47,7 +47,10 @@ impl LinearLayer<'_> {
     /// Asserts that layer, parts and number of rows fit.
     #[track_caller]
     pub(crate) fn check(&self, parts: &[LinearInput<'_>], rows: usize) {
-        assert!(self.out_channels > 0, "a linear layer needs one output channel at least");
+        assert!(
+            self.out_channels > 0,
+            "a linear layer needs one output channel at least"
+        );
         let in_channels = parts.iter().map(LinearInput::channels).sum();
         check::shape("w", self.w, in_channels, self.out_channels);
         if let Some(b) = self.b {
@@ -68,7 +71,11 @@ impl LinearLayer<'_> {
         let mut first = 0;
         parts.iter().map(move |part| {
             let len = part.channels() * self.out_channels;
-            let w = MatrixRef::new(&self.w[first..first + len], part.channels(), self.out_channels);
+            let w = MatrixRef::new(
+                &self.w[first..first + len],
+                part.channels(),
+                self.out_channels,
+            );
             first += len;
             (part, w)
         })
@@ -87,7 +94,10 @@ pub fn linear_forward(
     workspace: &Workspace,
 ) {
     let out_channels = layer.out_channels;
-    assert!(out_channels > 0, "a linear layer needs one output channel at least");
+    assert!(
+        out_channels > 0,
+        "a linear layer needs one output channel at least"
+    );
     let rows = y.len() / out_channels;
     check::shape("y", y, rows, out_channels);
     layer.check(parts, rows);
@@ -103,16 +113,20 @@ pub fn linear_forward(
         }
     }
 
-    y.par_chunks_mut(TILE_ROWS * out_channels).enumerate().for_each(|(tile, y)| {
-        let rows = y.len() / out_channels;
-        y.chunks_exact_mut(out_channels).for_each(|row| row.copy_from_slice(&bias));
-        for (part, w) in layer.parts(parts) {
-            if let LinearInput::PerRow(part) = part {
-                let x = &part.values[tile * TILE_ROWS * part.channels..][..rows * part.channels];
-                MatrixMut::new(y, rows, out_channels)
-                    .add_product(MatrixRef::new(x, rows, part.channels), w);
+    y.par_chunks_mut(TILE_ROWS * out_channels)
+        .enumerate()
+        .for_each(|(tile, y)| {
+            let rows = y.len() / out_channels;
+            y.chunks_exact_mut(out_channels)
+                .for_each(|row| row.copy_from_slice(&bias));
+            for (part, w) in layer.parts(parts) {
+                if let LinearInput::PerRow(part) = part {
+                    let x =
+                        &part.values[tile * TILE_ROWS * part.channels..][..rows * part.channels];
+                    MatrixMut::new(y, rows, out_channels)
+                        .add_product(MatrixRef::new(x, rows, part.channels), w);
+                }
             }
-        }
-        layer.activation.apply(y);
-    });
+            layer.activation.apply(y);
+        });
 }

@@ -45,7 +45,11 @@ pub fn linear_backward(
     let num_tiles = rows.div_ceil(TILE_ROWS);
 
     // Gradients of the sums before the activation: `dy` itself where there is none.
-    let mut own_d_sum = workspace.scratch(if layer.activation == Activation::None { 0 } else { dy.len() });
+    let mut own_d_sum = workspace.scratch(if layer.activation == Activation::None {
+        0
+    } else {
+        dy.len()
+    });
     let mut db_of_tiles = workspace.zeros(num_tiles * out_channels);
     let channels: Vec<usize> = parts.iter().map(LinearInput::channels).collect();
     let mut per_row: Vec<Option<&mut [f32]>> = (parts.iter().zip(gradients.parts.iter_mut()))
@@ -56,38 +60,56 @@ pub fn linear_backward(
         .collect();
     let dx_of_tiles = split_into_tiles(&mut per_row, &channels, TILE_ROWS, num_tiles);
     let mut d_sum_of_tiles = own_d_sum.chunks_mut(TILE_ROWS * out_channels);
-    let tiles: Vec<_> = (dx_of_tiles.into_iter().zip(db_of_tiles.chunks_exact_mut(out_channels)))
-        .map(|(dx, db)| (dx, db, d_sum_of_tiles.next()))
-        .collect();
-    tiles.into_par_iter().enumerate().for_each(|(tile, (dx, db, own_d_sum))| {
-        let outputs = tile * TILE_ROWS * out_channels..dy.len().min((tile + 1) * TILE_ROWS * out_channels);
-        let dy = &dy[outputs.clone()];
-        let d_sum = match own_d_sum {
-            None => dy,
-            Some(d_sum) => {
-                layer.activation.gradient(&y[outputs], dy, d_sum);
-                d_sum
+    let tiles: Vec<_> = (dx_of_tiles
+        .into_iter()
+        .zip(db_of_tiles.chunks_exact_mut(out_channels)))
+    .map(|(dx, db)| (dx, db, d_sum_of_tiles.next()))
+    .collect();
+    tiles
+        .into_par_iter()
+        .enumerate()
+        .for_each(|(tile, (dx, db, own_d_sum))| {
+            let outputs = tile * TILE_ROWS * out_channels
+                ..dy.len().min((tile + 1) * TILE_ROWS * out_channels);
+            let dy = &dy[outputs.clone()];
+            let d_sum = match own_d_sum {
+                None => dy,
+                Some(d_sum) => {
+                    layer.activation.gradient(&y[outputs], dy, d_sum);
+                    d_sum
+                }
+            };
+            for d_sum in d_sum.chunks_exact(out_channels) {
+                db.iter_mut()
+                    .zip(d_sum)
+                    .for_each(|(db, d_sum)| *db += d_sum);
             }
-        };
-        for d_sum in d_sum.chunks_exact(out_channels) {
-            db.iter_mut().zip(d_sum).for_each(|(db, d_sum)| *db += d_sum);
-        }
-        let d_sum = MatrixRef::new(d_sum, dy.len() / out_channels, out_channels);
-        for ((part, w), dx) in layer.parts(parts).zip(dx) {
-            if let Some(dx) = dx {
-                MatrixMut::new(dx, dy.len() / out_channels, part.channels())
-                    .set_product(d_sum, w.transposed());
+            let d_sum = MatrixRef::new(d_sum, dy.len() / out_channels, out_channels);
+            for ((part, w), dx) in layer.parts(parts).zip(dx) {
+                if let Some(dx) = dx {
+                    MatrixMut::new(dx, dy.len() / out_channels, part.channels())
+                        .set_product(d_sum, w.transposed());
+                }
             }
-        }
-    });
+        });
 
     let mut db = workspace.scratch(out_channels);
     sum_rows(&db_of_tiles, &mut db);
-    let d_sum = if layer.activation == Activation::None { dy } else { &own_d_sum };
-    gradients_of_weights(parts, MatrixRef::new(d_sum, rows, out_channels), &db, gradients.w);
+    let d_sum = if layer.activation == Activation::None {
+        dy
+    } else {
+        &own_d_sum
+    };
+    gradients_of_weights(
+        parts,
+        MatrixRef::new(d_sum, rows, out_channels),
+        &db,
+        gradients.w,
+    );
     for ((part, w), gradient) in layer.parts(parts).zip(gradients.parts.iter_mut()) {
         if let (LinearInput::Broadcast(_), Some(gradient)) = (part, gradient) {
-            MatrixMut::new(gradient, part.channels(), 1).set_product(w, MatrixRef::new(&db, out_channels, 1));
+            MatrixMut::new(gradient, part.channels(), 1)
+                .set_product(w, MatrixRef::new(&db, out_channels, 1));
         }
     }
     if let Some(b) = &mut gradients.b {
@@ -102,7 +124,12 @@ struct Panel<'a> {
     dw: &'a mut [f32],
 }
 
-fn gradients_of_weights(parts: &[LinearInput<'_>], d_sum: MatrixRef<'_>, db: &[f32], dw: &mut [f32]) {
+fn gradients_of_weights(
+    parts: &[LinearInput<'_>],
+    d_sum: MatrixRef<'_>,
+    db: &[f32],
+    dw: &mut [f32],
+) {
     let (rows, out_channels) = d_sum.shape();
     let mut panels = Vec::new();
     let mut left = dw;
@@ -125,15 +152,22 @@ fn gradients_of_weights(parts: &[LinearInput<'_>], d_sum: MatrixRef<'_>, db: &[f
             }
         }
     }
-    panels.into_par_iter().for_each(|Panel { part, first_channel, dw }| {
-        let channels = dw.len() / out_channels;
-        if rows == 0 {
-            dw.fill(0.0);
-            return;
-        }
-        let x = MatrixRef::strided(&part.values[first_channel..], rows, channels, part.channels);
-        MatrixMut::new(dw, channels, out_channels).set_product(x.transposed(), d_sum);
-    });
+    panels.into_par_iter().for_each(
+        |Panel {
+             part,
+             first_channel,
+             dw,
+         }| {
+            let channels = dw.len() / out_channels;
+            if rows == 0 {
+                dw.fill(0.0);
+                return;
+            }
+            let x =
+                MatrixRef::strided(&part.values[first_channel..], rows, channels, part.channels);
+            MatrixMut::new(dw, channels, out_channels).set_product(x.transposed(), d_sum);
+        },
+    );
 }
 
 #[track_caller]
@@ -149,7 +183,12 @@ fn check_gradients(
     if layer.activation != Activation::None || !y.is_empty() {
         check::shape("y", y, rows, layer.out_channels);
     }
-    check::shape("gradient of w", gradients.w, layer.w.len() / layer.out_channels, layer.out_channels);
+    check::shape(
+        "gradient of w",
+        gradients.w,
+        layer.w.len() / layer.out_channels,
+        layer.out_channels,
+    );
     if let Some(b) = &gradients.b {
         check::shape("gradient of b", b, 1, layer.out_channels);
     }
@@ -160,7 +199,11 @@ fn check_gradients(
         parts.len()
     );
     for (part, gradient) in parts.iter().zip(gradients.parts.iter()) {
-        let rows = if matches!(part, LinearInput::PerRow(_)) { rows } else { 1 };
+        let rows = if matches!(part, LinearInput::PerRow(_)) {
+            rows
+        } else {
+            1
+        };
         if let Some(gradient) = gradient {
             check::shape("gradient of a part", gradient, rows, part.channels());
         }

@@ -23,9 +23,20 @@ impl<'a> MatrixRef<'a> {
     }
 
     /// A row-major matrix whose rows start `row_stride` apart.
-    pub(crate) fn strided(values: &'a [f32], rows: usize, columns: usize, row_stride: usize) -> Self {
+    pub(crate) fn strided(
+        values: &'a [f32],
+        rows: usize,
+        columns: usize,
+        row_stride: usize,
+    ) -> Self {
         assert_fits(values.len(), rows, columns, row_stride);
-        Self { values, rows, columns, row_stride, column_stride: 1 }
+        Self {
+            values,
+            rows,
+            columns,
+            row_stride,
+            column_stride: 1,
+        }
     }
 
     /// Numbers of rows and columns.
@@ -58,7 +69,12 @@ impl<'a> MatrixMut<'a> {
     /// A row-major matrix without gaps.
     pub(crate) fn new(values: &'a mut [f32], rows: usize, columns: usize) -> Self {
         assert_fits(values.len(), rows, columns, columns);
-        Self { values, rows, columns, row_stride: columns }
+        Self {
+            values,
+            rows,
+            columns,
+            row_stride: columns,
+        }
     }
 
     /// Sets this matrix to the product `a b`.
@@ -75,7 +91,12 @@ impl<'a> MatrixMut<'a> {
         assert!(
             a.columns == b.rows && a.rows == self.rows && b.columns == self.columns,
             "matrices of {} x {} and {} x {} do not give {} x {}",
-            a.rows, a.columns, b.rows, b.columns, self.rows, self.columns
+            a.rows,
+            a.columns,
+            b.rows,
+            b.columns,
+            self.rows,
+            self.columns
         );
         if self.rows == 0 || self.columns == 0 {
             return;
@@ -109,7 +130,11 @@ impl<'a> MatrixMut<'a> {
 }
 
 fn assert_fits(len: usize, rows: usize, columns: usize, row_stride: usize) {
-    let needed = if rows == 0 || columns == 0 { 0 } else { (rows - 1) * row_stride + columns };
+    let needed = if rows == 0 || columns == 0 {
+        0
+    } else {
+        (rows - 1) * row_stride + columns
+    };
     assert!(
         columns <= row_stride && needed <= len,
         "{rows} rows of {columns} values, {row_stride} apart, do not fit in {len}"

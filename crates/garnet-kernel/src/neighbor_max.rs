@@ -35,14 +35,28 @@ pub fn neighbor_max_forward(
     if largest.is_empty() {
         tiles.for_each(|(tile, y)| {
             let first_row = tile * TILE_ROWS;
-            workspace.instructions().run(MaxTile { table, features, first_row, y, largest: &mut [] });
+            workspace.instructions().run(MaxTile {
+                table,
+                features,
+                first_row,
+                y,
+                largest: &mut [],
+            });
         });
     } else {
         check::indices("largest", largest, table.num_rows(), channels);
-        tiles.zip(largest.par_chunks_mut(TILE_ROWS * channels)).for_each(|((tile, y), largest)| {
-            let first_row = tile * TILE_ROWS;
-            workspace.instructions().run(MaxTile { table, features, first_row, y, largest });
-        });
+        tiles
+            .zip(largest.par_chunks_mut(TILE_ROWS * channels))
+            .for_each(|((tile, y), largest)| {
+                let first_row = tile * TILE_ROWS;
+                workspace.instructions().run(MaxTile {
+                    table,
+                    features,
+                    first_row,
+                    y,
+                    largest,
+                });
+            });
     }
 }
 
@@ -58,7 +72,13 @@ struct MaxTile<'a> {
 impl Kernel for MaxTile<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let Self { table, features, first_row, y, largest } = self;
+        let Self {
+            table,
+            features,
+            first_row,
+            y,
+            largest,
+        } = self;
         let channels = features.channels;
         let whole = whole::<V>(channels);
         for (row, y) in y.chunks_exact_mut(channels).enumerate() {
@@ -135,10 +155,18 @@ pub fn neighbor_max_backward(
     if channels == 0 {
         return;
     }
-    dx.par_chunks_mut(channels).enumerate().for_each(|(source, dx)| {
-        let rows = table.rows_of_sources().of(source);
-        workspace.instructions().run(CollectMax { source: source as u32, rows, largest, dy, dx });
-    });
+    dx.par_chunks_mut(channels)
+        .enumerate()
+        .for_each(|(source, dx)| {
+            let rows = table.rows_of_sources().of(source);
+            workspace.instructions().run(CollectMax {
+                source: source as u32,
+                rows,
+                largest,
+                dy,
+                dx,
+            });
+        });
 }
 
 struct CollectMax<'a> {
@@ -152,7 +180,13 @@ struct CollectMax<'a> {
 impl Kernel for CollectMax<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let Self { source, rows, largest, dy, dx } = self;
+        let Self {
+            source,
+            rows,
+            largest,
+            dy,
+            dx,
+        } = self;
         dx.fill(0.0);
         let mut last = None;
         for &row in rows {

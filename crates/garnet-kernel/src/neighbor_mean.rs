@@ -24,7 +24,13 @@ pub fn neighbor_mean_forward(
 ) {
     features.check("features", table.num_sources());
     check::shape("y", y, table.num_rows(), features.channels);
-    each_row(y, features, workspace, |row| table.neighbors(row), share(table));
+    each_row(
+        y,
+        features,
+        workspace,
+        |row| table.neighbors(row),
+        share(table),
+    );
 }
 
 /// Writes to `dx`, `[num_sources, channels]`, the gradient of the features from that of the output.
@@ -41,7 +47,13 @@ pub fn neighbor_mean_backward(
     dy.check("dy", table.num_rows());
     check::shape("dx", dx, table.num_sources(), dy.channels);
     let transposed = table.rows_of_sources();
-    each_row(dx, dy, workspace, |source| transposed.of(source), share(table));
+    each_row(
+        dx,
+        dy,
+        workspace,
+        |source| transposed.of(source),
+        share(table),
+    );
 }
 
 fn share(table: &NeighborTable) -> f32 {
@@ -60,12 +72,19 @@ fn each_row<'a>(
     if channels == 0 {
         return;
     }
-    sums.par_chunks_mut(TILE_ROWS * channels).enumerate().for_each(|(tile, sums)| {
-        for (row, sum) in sums.chunks_exact_mut(channels).enumerate() {
-            let terms = terms(tile * TILE_ROWS + row);
-            workspace.instructions().run(ScaledSum { features, terms, scale, sum });
-        }
-    });
+    sums.par_chunks_mut(TILE_ROWS * channels)
+        .enumerate()
+        .for_each(|(tile, sums)| {
+            for (row, sum) in sums.chunks_exact_mut(channels).enumerate() {
+                let terms = terms(tile * TILE_ROWS + row);
+                workspace.instructions().run(ScaledSum {
+                    features,
+                    terms,
+                    scale,
+                    sum,
+                });
+            }
+        });
 }
 
 struct ScaledSum<'a> {
@@ -78,7 +97,12 @@ struct ScaledSum<'a> {
 impl Kernel for ScaledSum<'_> {
     #[inline(always)]
     fn run<V: Lanes>(self) {
-        let Self { features, terms, scale, sum } = self;
+        let Self {
+            features,
+            terms,
+            scale,
+            sum,
+        } = self;
         let whole = whole::<V>(sum.len());
         let scaled_sum = |channel: usize, load: fn(&[f32]) -> V| {
             let mut sum = V::splat(0.0);

@@ -34,17 +34,32 @@ impl NeighborTable {
     ) -> Result<Self, KernelError> {
         let len = neighbors.len();
         if neighbors_per_row == 0 || !len.is_multiple_of(neighbors_per_row) {
-            return Err(KernelError::UnevenTable { len, neighbors_per_row });
+            return Err(KernelError::UnevenTable {
+                len,
+                neighbors_per_row,
+            });
         }
         let count = len.max(num_sources);
         if u32::try_from(count).is_err() {
             return Err(KernelError::TooLarge { count });
         }
-        if let Some(entry) = neighbors.iter().position(|&neighbor| neighbor as usize >= num_sources) {
+        if let Some(entry) = neighbors
+            .iter()
+            .position(|&neighbor| neighbor as usize >= num_sources)
+        {
             let (row, neighbor) = (entry / neighbors_per_row, neighbors[entry]);
-            return Err(KernelError::NeighborOutOfRange { row, neighbor, num_sources });
+            return Err(KernelError::NeighborOutOfRange {
+                row,
+                neighbor,
+                num_sources,
+            });
         }
-        Ok(Self { num_sources, neighbors_per_row, neighbors, rows_of_sources: OnceLock::new() })
+        Ok(Self {
+            num_sources,
+            neighbors_per_row,
+            neighbors,
+            rows_of_sources: OnceLock::new(),
+        })
     }
 
     /// Number of rows.
@@ -74,7 +89,8 @@ impl NeighborTable {
 
     /// The transposed table, made when a backward pass first asks for it.
     pub(crate) fn rows_of_sources(&self) -> &RowsOfSources {
-        self.rows_of_sources.get_or_init(|| RowsOfSources::new(self))
+        self.rows_of_sources
+            .get_or_init(|| RowsOfSources::new(self))
     }
 }
 
@@ -112,7 +128,10 @@ mod tests {
     fn the_transposed_table_names_every_entry_once() {
         let table = NeighborTable::new(4, 2, vec![3, 1, 1, 1, 0, 3]).expect("valid");
         let rows = table.rows_of_sources();
-        assert_eq!([rows.of(0), rows.of(1), rows.of(2), rows.of(3)], [&[2][..], &[0, 1, 1], &[], &[0, 2]]);
+        assert_eq!(
+            [rows.of(0), rows.of(1), rows.of(2), rows.of(3)],
+            [&[2][..], &[0, 1, 1], &[], &[0, 2]]
+        );
     }
 
     #[test]
@@ -120,12 +139,25 @@ mod tests {
         let error = |sources, k, list: &[u32]| NeighborTable::new(sources, k, list.to_vec()).err();
         assert_eq!(
             error(3, 2, &[0, 1, 2]),
-            Some(KernelError::UnevenTable { len: 3, neighbors_per_row: 2 })
+            Some(KernelError::UnevenTable {
+                len: 3,
+                neighbors_per_row: 2
+            })
         );
-        assert_eq!(error(3, 0, &[]), Some(KernelError::UnevenTable { len: 0, neighbors_per_row: 0 }));
+        assert_eq!(
+            error(3, 0, &[]),
+            Some(KernelError::UnevenTable {
+                len: 0,
+                neighbors_per_row: 0
+            })
+        );
         assert_eq!(
             error(3, 2, &[0, 1, 2, 3]),
-            Some(KernelError::NeighborOutOfRange { row: 1, neighbor: 3, num_sources: 3 })
+            Some(KernelError::NeighborOutOfRange {
+                row: 1,
+                neighbor: 3,
+                num_sources: 3
+            })
         );
     }
 }

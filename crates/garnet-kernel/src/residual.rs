@@ -17,7 +17,10 @@ pub fn add_forward(a: &[f32], b: &[f32], activation: Activation, y: &mut [f32]) 
     check::shape("b", b, 1, y.len());
     let inputs = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK));
     y.par_chunks_mut(CHUNK).zip(inputs).for_each(|(y, (a, b))| {
-        y.iter_mut().zip(a).zip(b).for_each(|((y, a), b)| *y = a + b);
+        y.iter_mut()
+            .zip(a)
+            .zip(b)
+            .for_each(|((y, a), b)| *y = a + b);
         activation.apply(y);
     });
 }
@@ -33,7 +36,10 @@ pub fn add_backward(y: &[f32], dy: &[f32], activation: Activation, d_sum: &mut [
     check::shape("y", y, 1, d_sum.len());
     check::shape("dy", dy, 1, d_sum.len());
     let inputs = y.par_chunks(CHUNK).zip(dy.par_chunks(CHUNK));
-    d_sum.par_chunks_mut(CHUNK).zip(inputs).for_each(|(d_sum, (y, dy))| {
-        activation.gradient(y, dy, d_sum);
-    });
+    d_sum
+        .par_chunks_mut(CHUNK)
+        .zip(inputs)
+        .for_each(|(d_sum, (y, dy))| {
+            activation.gradient(y, dy, d_sum);
+        });
 }

@@ -43,7 +43,10 @@ impl Workspace {
 
     /// An empty workspace that uses the given instructions, or the best below them that this machine has.
     pub fn with_instructions(instructions: InstructionSet) -> Self {
-        Self { instructions: instructions.min(InstructionSet::detected()), free: Mutex::default() }
+        Self {
+            instructions: instructions.min(InstructionSet::detected()),
+            free: Mutex::default(),
+        }
     }
 
     /// The instructions that kernels use with this workspace.
@@ -54,7 +57,9 @@ impl Workspace {
     /// Memory kept at the moment, in bytes.
     pub fn num_bytes(&self) -> usize {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
-        free.iter().map(|blocks| blocks.capacity() * size_of::<Block>()).sum()
+        free.iter()
+            .map(|blocks| blocks.capacity() * size_of::<Block>())
+            .sum()
     }
 
     /// A buffer of `len` numbers with arbitrary finite or infinite content.
@@ -74,7 +79,11 @@ impl Workspace {
             }
             blocks.resize(num_blocks, Block([0.0; BLOCK]));
         }
-        Scratch { blocks, len, owner: self }
+        Scratch {
+            blocks,
+            len,
+            owner: self,
+        }
     }
 
     /// A buffer of zeros.
@@ -88,7 +97,11 @@ impl Workspace {
 impl Drop for Scratch<'_> {
     fn drop(&mut self) {
         let blocks = std::mem::take(&mut self.blocks);
-        self.owner.free.lock().unwrap_or_else(PoisonError::into_inner).push(blocks);
+        self.owner
+            .free
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push(blocks);
     }
 }
 

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use garnet_kernel::NeighborTable;
 use garnet_knn::VertexTree;
 use garnet_mesh::Point3;
 
-use crate::table::RowTable;
 use crate::{NetError, PoolingConfig};
 
 /// The used points of a body, those kept for local pooling, and the points averaged into each.
@@ -17,7 +17,7 @@ use crate::{NetError, PoolingConfig};
 pub struct BodySampling {
     used: Vec<u32>,
     kept: Vec<u32>,
-    averaged: Arc<RowTable>,
+    averaged: Arc<NeighborTable>,
     num_points: usize,
 }
 
@@ -54,10 +54,8 @@ impl BodySampling {
         let kept = farthest_points(&points, points.len().div_ceil(pooling.downscale.max(1)));
         let centers: Vec<Point3> = kept.iter().map(|&index| points[index as usize]).collect();
         let neighbors = tree.k_nearest_all(&centers, pooling.averaged);
-        let averaged = RowTable {
-            num_columns: neighbors.num_neighbors(),
-            indices: neighbors.into_indices(),
-        };
+        let num_neighbors = neighbors.num_neighbors();
+        let averaged = NeighborTable::new(points.len(), num_neighbors, neighbors.into_indices())?;
         Ok(Self {
             used,
             kept,
@@ -77,7 +75,7 @@ impl BodySampling {
     }
 
     /// For each kept point the used ones whose features are averaged.
-    pub fn averaged(&self) -> &Arc<RowTable> {
+    pub(crate) fn averaged(&self) -> &Arc<NeighborTable> {
         &self.averaged
     }
 
@@ -131,9 +129,9 @@ mod tests {
         let sphere = icosphere(3, 1.0);
         let sampling = BodySampling::new(sphere.positions(), None, &POOLING).unwrap();
         assert_eq!(sampling.kept().len(), 65);
-        assert_eq!(sampling.averaged().indices.len(), 65 * 16);
+        assert_eq!(sampling.averaged().num_rows(), 65);
         for (row, &kept) in sampling.kept().iter().enumerate() {
-            assert_eq!(sampling.averaged().indices[row * 16], kept);
+            assert_eq!(sampling.averaged().neighbors(row)[0], kept);
             for &other in &sampling.kept()[..row] {
                 let points = [kept, other].map(|index| sphere.positions()[index as usize]);
                 assert!((points[0] - points[1]).norm() > 0.2);
@@ -146,7 +144,7 @@ mod tests {
         let body = [0.0, 1.0, 2.0].map(|x| Point3::new(x, 0.0, 0.0));
         let sampling = BodySampling::new(&body, Some(&[2, 0]), &POOLING).unwrap();
         assert_eq!(sampling.kept().len(), 1);
-        assert_eq!(sampling.averaged().num_columns, 2);
+        assert_eq!(sampling.averaged().neighbors_per_row(), 2);
     }
 
     #[test]

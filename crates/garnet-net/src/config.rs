@@ -138,10 +138,8 @@ pub struct GarNetConfig {
     pub garment: GarmentStreamConfig,
     /// Local pooling.
     pub pooling: PoolingConfig,
-    /// Hidden widths of the fusion; a layer of 3 without activation follows.
+    /// Hidden widths of the fusion, one at least; a layer of 3 without activation follows.
     pub fusion: Vec<usize>,
-    /// Slope of the leaky ReLU for negative values.
-    pub slope: f32,
     /// Sewing parameters, fed to each vertex.
     pub num_sewing_parameters: usize,
     /// Parameters of shape and pose; [`Variant::GlobalParams`] only.
@@ -170,7 +168,7 @@ impl GarNetConfig {
             })
         };
         let widths = |field, widths: &[usize], min_layers: usize| {
-            count(field, widths.len(), min_layers, 16)?;
+            count(field, widths.len(), min_layers, 8)?;
             widths
                 .iter()
                 .try_for_each(|&width| count(field, width, 1, 4096))
@@ -193,23 +191,20 @@ impl GarNetConfig {
         count("pooling.neighbors", self.pooling.neighbors, 1, 256)?;
         count("pooling.averaged", self.pooling.averaged, 1, 256)?;
         count("pooling.downscale", self.pooling.downscale, 1, 1000)?;
-        widths("fusion", &self.fusion, 0)?;
+        widths("fusion", &self.fusion, 1)?;
         count("num_sewing_parameters", self.num_sewing_parameters, 0, 1024)?;
         let least = usize::from(self.variant == Variant::GlobalParams);
         count("num_body_parameters", self.num_body_parameters, least, 4096)?;
-        let number = |field, value: f32, min: f32, max: f32| {
-            if (min..=max).contains(&value) {
-                return Ok(());
-            }
-            Err(NetError::Config {
-                field,
-                value: f64::from(value),
-                min: f64::from(min),
-                max: f64::from(max),
-            })
-        };
-        number("slope", self.slope, 0.0, 1.0)?;
-        number("mean_edge_length", self.mean_edge_length, 1e-6, 10.0)
+        let edge = self.mean_edge_length;
+        if (1e-6..=10.0).contains(&edge) {
+            return Ok(());
+        }
+        Err(NetError::Config {
+            field: "mean_edge_length",
+            value: f64::from(edge),
+            min: 1e-6,
+            max: 10.0,
+        })
     }
 
     /// Whether the garment stream has mesh convolutions.

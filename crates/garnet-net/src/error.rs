@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use garnet_kernel::KernelError;
 use garnet_knn::KnnError;
 use garnet_mesh::{Fingerprint, MeshError, WriteError};
 
@@ -82,6 +83,9 @@ pub enum NetError {
     /// A mesh is unusable.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// A graph or table of neighbors is unusable.
+    #[error(transparent)]
+    Kernel(#[from] KernelError),
     /// Neighbors cannot be searched.
     #[error(transparent)]
     Knn(#[from] KnnError),

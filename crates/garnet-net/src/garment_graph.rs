@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use garnet_kernel::{Adjacency, KernelError};
 use garnet_mesh::{Fingerprint, Point3, Topology, TriMesh};
 
-use crate::table::RowLists;
 use crate::{GarNetConfig, NetError, UNIT};
 
 /// A garment at bind time: its one-rings, its template, its sewing parameters.
@@ -16,7 +16,7 @@ use crate::{GarNetConfig, NetError, UNIT};
 #[derive(Debug, Clone)]
 pub struct GarmentGraph {
     fingerprint: Fingerprint,
-    rings: Arc<RowLists>,
+    rings: Arc<Adjacency>,
     template: Vec<f32>,
     sewing_parameters: Vec<f32>,
     mean_edge_length: f32,
@@ -27,7 +27,8 @@ impl GarmentGraph {
     ///
     /// # Errors
     ///
-    /// [`NetError::NotFinite`] for a sewing parameter that is no number.
+    /// [`NetError::NotFinite`] for a sewing parameter that is no number, [`NetError::Kernel`] for
+    /// more edges than can be numbered.
     pub fn new(template: &TriMesh, sewing_parameters: &[f32]) -> Result<Self, NetError> {
         if let Some(index) = sewing_parameters.iter().position(|value| !value.is_finite()) {
             return Err(NetError::NotFinite {
@@ -38,7 +39,7 @@ impl GarmentGraph {
         let topology = Topology::new(template.num_vertices(), template.faces());
         Ok(Self {
             fingerprint: Fingerprint::of_topology(template),
-            rings: Arc::new(rings(template.positions(), &topology)),
+            rings: Arc::new(rings(template.positions(), &topology)?),
             template: (template.positions().iter())
                 .flat_map(|point| (point.coords / UNIT).data.0[0])
                 .collect(),
@@ -54,11 +55,11 @@ impl GarmentGraph {
 
     /// How many vertices it has.
     pub fn num_vertices(&self) -> usize {
-        self.rings.num_rows()
+        self.rings.num_vertices()
     }
 
     /// Each vertex's one-ring, itself first.
-    pub fn rings(&self) -> &Arc<RowLists> {
+    pub(crate) fn rings(&self) -> &Arc<Adjacency> {
         &self.rings
     }
 
@@ -86,8 +87,8 @@ impl GarmentGraph {
     }
 }
 
-/// One-rings across seams: each vertex's own representative, then its neighbors', ascending.
-fn rings(positions: &[Point3], topology: &Topology) -> RowLists {
+/// One-rings across seams: each vertex itself, then the first vertices at its neighbors' places.
+fn rings(positions: &[Point3], topology: &Topology) -> Result<Adjacency, KernelError> {
     let representatives = representatives(positions);
     let mut joined: Vec<Vec<u32>> = vec![Vec::new(); positions.len()];
     for (vertex, &own) in representatives.iter().enumerate() {
@@ -99,11 +100,8 @@ fn rings(positions: &[Point3], topology: &Topology) -> RowLists {
         ring.sort_unstable();
         ring.dedup();
     }
-    let lists = representatives.iter().map(|&own| {
-        let others = joined[own as usize].iter().copied();
-        std::iter::once(own).chain(others)
-    });
-    RowLists::from_lists(lists)
+    let lists = representatives.iter().map(|&own| &joined[own as usize]);
+    Adjacency::from_lists(&lists.collect::<Vec<_>>())
 }
 
 /// For each vertex the first one at its place.
@@ -132,8 +130,8 @@ mod tests {
     #[test]
     fn rings_begin_with_the_vertex_itself() {
         let graph = GarmentGraph::new(&grid(2, 2, [0.2, 0.2]), &[]).unwrap();
-        assert_eq!(graph.rings().row(0)[0], 0);
-        assert_eq!(graph.rings().row(4).len(), 7);
+        assert_eq!(graph.rings().neighbors(0)[0], 0);
+        assert_eq!(graph.rings().neighbors(4).len(), 7);
         assert!(graph.mean_edge_length() > 0.1 && graph.mean_edge_length() < 0.15);
     }
 
@@ -143,7 +141,7 @@ mod tests {
         positions.push(Point3::new(5.0, 5.0, 5.0));
         let mesh = TriMesh::new(positions, vec![[0, 1, 2], [1, 3, 2]]).unwrap();
         let graph = GarmentGraph::new(&mesh, &[]).unwrap();
-        assert_eq!(graph.rings().row(4), [4]);
+        assert_eq!(graph.rings().neighbors(4), [4]);
     }
 
     #[test]
@@ -152,7 +150,7 @@ mod tests {
             .map(|[x, y]| Point3::new(x, y, 0.0));
         let mesh = TriMesh::new(vec![a, b, c, b, d, c], vec![[0, 1, 2], [3, 4, 5]]).unwrap();
         let graph = GarmentGraph::new(&mesh, &[]).unwrap();
-        assert_eq!(graph.rings().row(1), [1, 0, 2, 4]);
-        assert_eq!(graph.rings().row(3), graph.rings().row(1));
+        assert_eq!(graph.rings().neighbors(1), [1, 0, 2, 4]);
+        assert_eq!(graph.rings().neighbors(3), [3, 0, 2, 4]);
     }
 }

@@ -188,7 +188,6 @@ impl GarNetConfig {
                 downscale: 10,
             },
             fusion: widths.fusion.to_vec(),
-            slope: 0.1,
             num_sewing_parameters: 0,
             num_body_parameters: 0,
             mean_edge_length: 0.01,

@@ -1,10 +1,12 @@
 //! One garment over one body, as the network sees it.
 
+use std::sync::Arc;
+
+use garnet_kernel::NeighborTable;
 use garnet_knn::VertexTree;
 use garnet_mesh::{Point3, Vector3};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion};
 
-use crate::table::RowTable;
 use crate::{BodySampling, Frame, GarNetConfig, GarmentGraph, NetError, UNIT, VertexInput};
 
 /// Beyond this no coordinate belongs to a garment, metres.
@@ -37,10 +39,12 @@ pub struct Scene {
     pub(crate) vertices: Vec<f32>,
     /// What vertices bring along `[vertex][feature]`.
     pub(crate) features: Vec<f32>,
-    /// Used body points `[point][3 or 6]`.
-    pub(crate) body: Vec<f32>,
-    /// The kept body points nearest to each vertex.
-    pub(crate) nearest: RowTable,
+    /// Used body points `[point][3]`; none without a body stream.
+    pub(crate) body_points: Vec<f32>,
+    /// Their normals `[point][3]`; none where the configuration does not ask for them.
+    pub(crate) body_normals: Vec<f32>,
+    /// The kept body points nearest to each vertex; local pooling only.
+    pub(crate) nearest: Option<Arc<NeighborTable>>,
     /// Parameters of shape and pose.
     pub(crate) parameters: Vec<f32>,
     /// From the frame of prediction to the world: one for all vertices, or one each.
@@ -99,29 +103,31 @@ impl Scene {
         }
         self.parameters.clear();
         self.parameters.extend_from_slice(input.parameters);
-        self.body.clear();
+        self.body_points.clear();
+        self.body_normals.clear();
         let used: Vec<Point3> = (sampling.used().iter())
             .map(|&index| input.body[index as usize])
             .collect();
         if config.has_body_stream() {
             for (&index, point) in sampling.used().iter().zip(&used) {
                 let place = (root_from_world * point).coords / UNIT;
-                self.body.extend_from_slice(place.as_slice());
+                self.body_points.extend_from_slice(place.as_slice());
                 if config.body.normals {
                     let normal = root_from_world * input.body_normals[index as usize];
-                    self.body.extend_from_slice(normal.as_slice());
+                    self.body_normals.extend_from_slice(normal.as_slice());
                 }
             }
         }
-        self.nearest = RowTable::default();
+        self.nearest = None;
         if config.has_local_pooling() {
             let kept: Vec<Point3> = (sampling.kept().iter())
                 .map(|&index| used[index as usize])
                 .collect();
             let neighbors = VertexTree::new(&kept)?;
             let neighbors = neighbors.k_nearest_all(input.warped, config.pooling.neighbors);
-            self.nearest.num_columns = neighbors.num_neighbors();
-            self.nearest.indices = neighbors.into_indices();
+            let num_neighbors = neighbors.num_neighbors();
+            let table = NeighborTable::new(kept.len(), num_neighbors, neighbors.into_indices())?;
+            self.nearest = Some(Arc::new(table));
         }
         self.fill_features(config, garment, sampling, input, &used)
     }
@@ -170,6 +176,32 @@ impl Scene {
             self.features.extend_from_slice(garment.sewing_parameters());
         }
         Ok(())
+    }
+
+    /// A scene of zeros that has the right extents, for counting.
+    pub(crate) fn of_extent(
+        config: &GarNetConfig,
+        garment: &GarmentGraph,
+        sampling: &BodySampling,
+    ) -> Result<Self, NetError> {
+        let num_vertices = garment.num_vertices();
+        let has_points = usize::from(config.has_body_stream());
+        let num_coordinates = 3 * sampling.used().len() * has_points;
+        let mut scene = Self {
+            vertices: vec![0.0; 3 * num_vertices],
+            features: vec![0.0; config.num_vertex_features() * num_vertices],
+            body_points: vec![0.0; num_coordinates],
+            body_normals: vec![0.0; num_coordinates * usize::from(config.body.normals)],
+            parameters: vec![0.0; config.num_body_parameters],
+            ..Self::default()
+        };
+        if config.has_local_pooling() {
+            let num_kept = sampling.kept().len();
+            let columns = config.pooling.neighbors.min(num_kept);
+            let table = vec![0; columns * num_vertices];
+            scene.nearest = Some(Arc::new(NeighborTable::new(num_kept, columns, table)?));
+        }
+        Ok(scene)
     }
 
     /// How many vertices the garment has.

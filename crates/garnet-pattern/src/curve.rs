@@ -7,10 +7,7 @@ pub(crate) type Point2 = [f64; 2];
 pub(crate) type Polyline = Vec<Point2>;
 
 pub(crate) fn lerp(a: Point2, b: Point2, share: f64) -> Point2 {
-    [
-        a[0] + share * (b[0] - a[0]),
-        a[1] + share * (b[1] - a[1]),
-    ]
+    [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
 }
 
 pub(crate) fn distance(a: Point2, b: Point2) -> f64 {
@@ -78,6 +75,20 @@ pub(crate) fn length(curve: &[Point2]) -> f64 {
         .sum()
 }
 
+/// The point at a share of the length of a polyline.
+pub(crate) fn along(curve: &[Point2], share: f64) -> Point2 {
+    let wanted = share * length(curve);
+    let mut before = 0.0;
+    for pair in curve.windows(2) {
+        let size = distance(pair[0], pair[1]);
+        if before + size >= wanted && size > 0.0 {
+            return lerp(pair[0], pair[1], ((wanted - before) / size).clamp(0.0, 1.0));
+        }
+        before += size;
+    }
+    curve[curve.len() - 1]
+}
+
 /// `pieces + 1` points of a polyline at equal distances along it.
 pub(crate) fn resampled(curve: &[Point2], pieces: usize) -> Polyline {
     let total = length(curve);
@@ -99,6 +110,50 @@ pub(crate) fn resampled(curve: &[Point2], pieces: usize) -> Polyline {
     }
     points.push(curve[curve.len() - 1]);
     points
+}
+
+/// The points at shares of the length of a polyline.
+pub(crate) fn at_shares(curve: &[Point2], shares: &[f64]) -> Polyline {
+    shares.iter().map(|&share| along(curve, share)).collect()
+}
+
+/// Where shares of the length of a polyline lie, in numbers of its points.
+pub(crate) fn places(curve: &[Point2], shares: &[f64]) -> Vec<f64> {
+    let total = length(curve);
+    let place = |&share: &f64| {
+        let mut before = 0.0;
+        for (number, pair) in curve.windows(2).enumerate() {
+            let size = distance(pair[0], pair[1]);
+            if before + size >= share * total && size > 0.0 {
+                return number as f64 + ((share * total - before) / size).clamp(0.0, 1.0);
+            }
+            before += size;
+        }
+        (curve.len() - 1) as f64
+    };
+    shares.iter().map(place).collect()
+}
+
+/// Which shares of the length lie at places in numbers of points.
+pub(crate) fn shares_at(curve: &[Point2], places: &[f64]) -> Vec<f64> {
+    let total = length(curve);
+    let share = |&place: &f64| {
+        let number = (place as usize).min(curve.len() - 2);
+        let rest = (place - number as f64) * distance(curve[number], curve[number + 1]);
+        (length(&curve[..=number]) + rest) / total
+    };
+    places.iter().map(share).collect()
+}
+
+/// `pieces + 1` points of a polyline at equal steps of its points' numbers.
+pub(crate) fn stepped(curve: &[Point2], pieces: usize) -> Polyline {
+    let last = curve.len() - 1;
+    let at = |piece: usize| {
+        let place = (piece * last) as f64 / pieces as f64;
+        let before = (place as usize).min(last - 1);
+        lerp(curve[before], curve[before + 1], place - before as f64)
+    };
+    (0..=pieces).map(at).collect()
 }
 
 /// The same curve from its end.

@@ -34,10 +34,14 @@ pub(crate) struct Arc {
     pub(crate) is_reversed: bool,
     /// In the flat pattern, in the patch's own direction, in metres.
     pub(crate) flat: Polyline,
-    /// The same line in the chart of the start shape.
+    /// The same line in the chart of the start shape: equal lengths of the flat line lie between
+    /// its points.
     pub(crate) chart: Polyline,
     /// Whether front and back close here in the start shape.
     pub(crate) closes: bool,
+    /// Whether points of this line keep their places on its bends while parameters change; arcs
+    /// of the same name follow it.
+    pub(crate) guides: bool,
 }
 
 impl Arc {
@@ -55,12 +59,19 @@ impl Arc {
             flat,
             chart,
             closes: false,
+            guides: false,
         }
     }
 
     /// The same arc, where front and back close in the start shape.
     pub(crate) fn closing(mut self) -> Self {
         self.closes = true;
+        self
+    }
+
+    /// The same arc, a bent one that keeps its points on its bends.
+    pub(crate) fn guiding(mut self) -> Self {
+        self.guides = true;
         self
     }
 }

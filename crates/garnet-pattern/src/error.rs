@@ -36,7 +36,9 @@ pub enum PatternError {
         value: f64,
     },
     /// Each parameter is possible, but not all of them on this wearer.
-    #[error("{what} of {found_cm:.1} cm is not possible: it must be at least {least_cm:.1} cm; hint: {hint}")]
+    #[error(
+        "{what} of {found_cm:.1} cm is not possible: it must be at least {least_cm:.1} cm; hint: {hint}"
+    )]
     Impossible {
         /// The length that is wrong.
         what: &'static str,
@@ -48,7 +50,9 @@ pub enum PatternError {
         hint: &'static str,
     },
     /// A measure or landmark of the wearer is missing or makes no sense.
-    #[error("{what} of the wearer is `{value}`, which no body has; hint: measures and joints are in metres, Y up, feet on y = 0")]
+    #[error(
+        "{what} of the wearer is `{value}`, which no body has; hint: measures and joints are in metres, Y up, feet on y = 0"
+    )]
     BadWearer {
         /// The measure or landmark.
         what: &'static str,
@@ -74,7 +78,9 @@ pub enum PatternError {
         asked: usize,
     },
     /// The parameters belong to another garment.
-    #[error("parameters of a {given} do not fit the template of a {expected}; hint: make the template from the same garment")]
+    #[error(
+        "parameters of a {given} do not fit the template of a {expected}; hint: make the template from the same garment"
+    )]
     WrongGarment {
         /// The garment of the parameters.
         given: GarmentKind,
@@ -82,7 +88,9 @@ pub enum PatternError {
         expected: GarmentKind,
     },
     /// The triangulation failed, which is a fault of this library.
-    #[error("the panel `{panel}` cannot be triangulated: {reason}; hint: this is a fault of the program, report it with the parameters")]
+    #[error(
+        "the panel `{panel}` cannot be triangulated: {reason}; hint: this is a fault of the program, report it with the parameters"
+    )]
     Triangulation {
         /// The panel.
         panel: &'static str,

@@ -19,24 +19,34 @@
 //! # Ok::<(), garnet_pattern::PatternError>(())
 //! ```
 
+mod assembly;
+mod bodice;
 mod curve;
 mod draft;
+mod dress;
+mod edge_length;
 mod error;
+mod fit;
 mod garments;
 mod harmonic;
+mod jeans;
+mod leg_start;
+mod numbering;
 mod parameters;
 mod reference;
 mod sewn;
+mod shirt;
 mod size;
+mod sleeve;
 mod start;
 mod template;
 mod top_start;
-mod tops;
 mod triangulate;
 mod union;
 mod wearer;
 
 pub use error::PatternError;
+pub use fit::{Ease, Fit};
 pub use garments::GarmentKind;
 pub use garnet_mesh::Point3;
 pub use parameters::{Parameter, ParameterSpec, ParameterUnit, Parameters};

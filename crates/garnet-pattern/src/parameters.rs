@@ -166,7 +166,11 @@ impl Parameters {
     ///
     /// If it has not, which is a fault of the draft.
     pub(crate) fn at(&self, name: &str) -> f64 {
-        let found = self.garment.specs().iter().position(|spec| spec.name == name);
+        let found = self
+            .garment
+            .specs()
+            .iter()
+            .position(|spec| spec.name == name);
         self.values[found.expect("a draft asks for parameters of its garment")]
     }
 }

@@ -104,7 +104,9 @@ impl SewnGarment {
             lines.push([0, 1, 2].map(|corner| {
                 let (vertex, uv) = (face[corner], flat[corner]);
                 let next = numbers.len() + 1;
-                let number = *numbers.entry((vertex, uv.map(f32::to_bits))).or_insert(next);
+                let number = *numbers
+                    .entry((vertex, uv.map(f32::to_bits)))
+                    .or_insert(next);
                 if number == next {
                     put(format_args!("vt {} {}\n", uv[0], uv[1]));
                 }
@@ -132,7 +134,11 @@ impl SewnGarment {
     /// # Panics
     ///
     /// If there are more or fewer positions than vertices.
-    pub fn write_obj(&self, path: impl AsRef<Path>, positions: &[Point3]) -> Result<(), WriteError> {
+    pub fn write_obj(
+        &self,
+        path: impl AsRef<Path>,
+        positions: &[Point3],
+    ) -> Result<(), WriteError> {
         let text = self.obj(positions);
         write_atomically(path, |writer| writer.write_all(text.as_bytes()))
     }

@@ -1,8 +1,8 @@
 //! Standard sizes.
 
+use crate::PatternError;
 use crate::reference::REFERENCE;
 use crate::wearer::Measures;
-use crate::PatternError;
 
 /// A size of ready-made garments, by the chest girth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]

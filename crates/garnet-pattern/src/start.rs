@@ -2,6 +2,7 @@
 
 use crate::curve::Point2;
 use crate::draft::{Draft, Layer};
+use crate::leg_start::LegStart;
 use crate::top_start::TopStart;
 use crate::wearer::{Landmark, Measures};
 use crate::{GarmentKind, Parameters, PatternError, Wearer};
@@ -10,12 +11,14 @@ use crate::{GarmentKind, Parameters, PatternError, Wearer};
 #[derive(Debug, Clone)]
 pub(crate) enum StartShape {
     Top(TopStart),
+    Legs(LegStart),
 }
 
 impl StartShape {
     pub(crate) fn at(&self, layer: Layer, chart: Point2, closes: bool) -> Landmark {
         match self {
             Self::Top(top) => top.at(layer, chart, closes),
+            Self::Legs(legs) => legs.at(layer, chart),
         }
     }
 }
@@ -26,9 +29,13 @@ pub(crate) fn draft(
     cut: &Measures,
     wearer: &Wearer,
 ) -> Result<(Draft, StartShape), PatternError> {
-    let (draft, start) = match parameters.garment() {
-        GarmentKind::Tshirt | GarmentKind::Sweater => crate::tops::shirt(parameters, cut, wearer)?,
-        GarmentKind::Dress | GarmentKind::Jeans => unimplemented!("in work"),
-    };
-    Ok((draft, StartShape::Top(start)))
+    let top = |(draft, start)| (draft, StartShape::Top(start));
+    match parameters.garment() {
+        GarmentKind::Tshirt | GarmentKind::Sweater => {
+            crate::shirt::shirt(parameters, cut, wearer).map(top)
+        }
+        GarmentKind::Dress => crate::dress::dress(parameters, cut, wearer).map(top),
+        GarmentKind::Jeans => crate::jeans::jeans(parameters, cut, wearer)
+            .map(|(draft, start)| (draft, StartShape::Legs(start))),
+    }
 }

@@ -5,22 +5,31 @@
 //! other to the back, far enough to clear it. Two layers over one figure cannot cross each other.
 
 use crate::Wearer;
-use crate::curve::{Point2, Polyline, bezier, distance, interpolated, lerp, line, smoothstep};
+use crate::curve::{
+    Point2, Polyline, along, bezier, distance, interpolated, lerp, line, resampled, smoothstep,
+};
 use crate::draft::Layer;
 use crate::wearer::Landmark;
 
 /// Clearance of trunk and arms, in metres.
 const CLEARANCE: f64 = 0.028;
+/// And more of it over the shoulder joint.
+const SHOULDER_CLEARANCE: f64 = 0.012;
 /// How far the shoulders are lifted, in metres.
-const LIFT: f64 = 0.045;
+const LIFT: f64 = 0.055;
 /// The half width of a trunk is below this share of its girth.
-const HALF_BREADTH: f64 = 0.20;
+const HALF_BREADTH: f64 = 0.207;
 /// Its half depth is below this share of its girth.
 const HALF_DEPTH: f64 = 0.158;
 /// The layers close over the shoulders within this distance, in metres.
 const SHOULDER_CLOSING: f64 = 0.13;
 /// Thickness of the arm over that of the convex girth.
 const ARM_FACTOR: f64 = 1.12;
+
+/// Across the trunk a layer bulges by 1 - u^p, u from the middle (0) to the side (1).
+const TRUNK_POWER: f64 = 3.0;
+/// A layer bulges at least by this share of its half width.
+const LEAST_DEPTH: f64 = 0.5;
 
 /// Lengths of the flat pattern that the start shape follows, in metres.
 #[derive(Debug, Clone)]
@@ -35,8 +44,10 @@ pub(crate) struct Sizes {
     pub(crate) rows: Vec<(f64, f64)>,
     /// Lengths of the top and of the underarm seam of the sleeve.
     pub(crate) sleeve: Option<(f64, f64)>,
-    /// Height of the rib at the hem and the cuffs.
-    pub(crate) rib: f64,
+    /// Height of the rib or skirt below the bodice.
+    pub(crate) below: f64,
+    /// Height of the rib at the cuffs.
+    pub(crate) cuff_rib: f64,
     /// Height of the rib at the neck.
     pub(crate) neck_rib: f64,
 }
@@ -64,7 +75,7 @@ pub(crate) struct TopStart {
     neck_low: [f64; 2],
     collar_low: [f64; 2],
     hem: f64,
-    rib: f64,
+    below: f64,
     /// Along the arm: where sleeve and rib end.
     cuff: [f64; 2],
 }
@@ -86,14 +97,23 @@ impl TopStart {
             (to_elbow + 0.4 * (arm - to_elbow), radius(measures.forearm)),
             (arm, radius(measures.wrist).max(0.032)),
         ];
-        let arm_rows: Vec<_> = arm_radii.iter().map(|&(t, r)| (t, r + CLEARANCE)).collect();
-        let arm_bulge = arm_radii.iter().map(|&(t, r)| (t, r + 1.3 * CLEARANCE)).collect();
+        let mut arm_rows: Vec<_> = arm_radii.iter().map(|&(t, r)| (t, r + CLEARANCE)).collect();
+        arm_rows[0].1 += SHOULDER_CLEARANCE;
+        let mut arm_bulge: Vec<_> = arm_radii
+            .iter()
+            .map(|&(t, r)| (t, r + 1.3 * CLEARANCE))
+            .collect();
+        arm_bulge[0].1 += SHOULDER_CLEARANCE;
 
         let (width_rows, bulge_rows) = trunk_rows(wearer);
         let mut start = Self {
             shoulder: s,
             neck_joint: marks.neck,
-            arm_middle: vec![(0.0, s[2]), (to_elbow, marks.elbow[2]), (arm, marks.wrist[2])],
+            arm_middle: vec![
+                (0.0, s[2]),
+                (to_elbow, marks.elbow[2]),
+                (arm, marks.wrist[2]),
+            ],
             trunk_middle: trunk_middle(wearer),
             along,
             across,
@@ -108,7 +128,7 @@ impl TopStart {
             neck_low: [0.0; 2],
             collar_low: [0.0; 2],
             hem: 0.0,
-            rib: sizes.rib,
+            below: sizes.below,
             cuff: [0.0; 2],
         };
         start.place_neck(wearer, sizes);
@@ -127,7 +147,10 @@ impl TopStart {
             let width = interpolated(&self.arm_rows, 0.0);
             let x = self.shoulder[0] + offset;
             let t = (offset - width * self.across[0]) / self.along[0].max(0.2);
-            [x, self.shoulder[1] + t * self.along[1] + width * self.across[1]]
+            [
+                x,
+                self.shoulder[1] + t * self.along[1] + width * self.across[1],
+            ]
         };
         self.tip = tip_along(0.012);
         let share = (sizes.neck_rib.max(1e-3) / distance(self.collar, self.tip)).min(0.45);
@@ -152,29 +175,30 @@ impl TopStart {
         let wanted = (top_from + top).max(t + (0.6 * under).max(0.05));
         // A sleeve that is longer than the arm is pushed together above the hand.
         let end = wanted.min(arm - 0.005).max(t + 0.04);
-        let rib = if sizes.rib > 0.0 {
-            sizes.rib.min(0.3 * (end - t))
-        } else {
-            0.0
-        };
-        self.cuff = [end - rib, end];
+        self.cuff = [end - sizes.cuff_rib.min(0.3 * (end - t)), end];
     }
 
     /// A garment that is much wider than its wearer starts wider.
     fn widen(&mut self, sizes: &Sizes) {
-        let bottom = self.hem - sizes.rib;
+        let bottom = self.hem - sizes.below;
         let top = self.underarm[1];
         let mut rows = Vec::new();
+        let mut bulges = Vec::new();
         for step in 0..=40 {
             let y = bottom - 0.05 + (top - bottom + 0.05) * f64::from(step) / 40.0;
             let body = interpolated(&self.width_rows, y);
             let cloth = 0.80 * interpolated(&sizes.rows, (top - y).max(0.0));
             // Nothing is widened at the underarm.
             let share = smoothstep(0.0, 0.12, top - y);
-            rows.push((y, body + share * (cloth - body).max(0.0)));
+            let width = body + share * (cloth - body).max(0.0);
+            rows.push((y, width));
+            let bulge = interpolated(&self.bulge_rows, y);
+            bulges.push((y, bulge.max(LEAST_DEPTH * width)));
         }
         rows.extend(self.width_rows.iter().filter(|row| row.0 > top).copied());
+        bulges.extend(self.bulge_rows.iter().filter(|row| row.0 > top).copied());
         self.width_rows = rows;
+        self.bulge_rows = bulges;
     }
 
     /// The point at a distance along the arm, on its axis (0) or on the border (1 and -1).
@@ -202,20 +226,31 @@ impl TopStart {
         [interpolated(&self.width_rows, self.hem), self.hem]
     }
 
-    pub(crate) fn rib_bottom(&self) -> Point2 {
-        let low = self.hem - self.rib;
+    /// The lower corner of what hangs below the bodice.
+    pub(crate) fn lowest(&self) -> Point2 {
+        let low = self.hem - self.below;
         [interpolated(&self.width_rows, low), low]
     }
 
     /// From the bottom to the underarm.
     pub(crate) fn side(&self) -> Polyline {
-        let at = |step: i32| {
-            let y = self.hem + (self.underarm[1] - self.hem) * f64::from(step) / 48.0;
-            [interpolated(&self.width_rows, y), y]
-        };
-        let mut side: Polyline = (0..48).map(at).collect();
+        let mut side = self.border(self.hem, self.underarm[1]);
+        side.pop();
         side.push(self.underarm);
         side
+    }
+
+    /// From the lower corner to the bottom of the bodice.
+    pub(crate) fn side_below(&self) -> Polyline {
+        self.border(self.hem - self.below, self.hem)
+    }
+
+    fn border(&self, low: f64, high: f64) -> Polyline {
+        let at = |step: i32| {
+            let y = low + (high - low) * f64::from(step) / 48.0;
+            [interpolated(&self.width_rows, y), y]
+        };
+        (0..=48).map(at).collect()
     }
 
     pub(crate) fn tip(&self) -> Point2 {
@@ -276,12 +311,36 @@ impl TopStart {
 
     /// Where a point of the figure lies in space; points of the border close both layers.
     pub(crate) fn at(&self, layer: Layer, [x, y]: Point2, closes: bool) -> Landmark {
+        let x = x + self.trunk_only(y) * (self.spread([x, y]) - x);
         let middle = self.middle([x, y]);
         let bulge = if closes { 0.0 } else { self.bulge([x, y]) };
         match layer {
             Layer::Front => [x, y, middle + bulge],
             Layer::Back => [x, y, middle - bulge],
         }
+    }
+
+    /// 1 below the sleeves, 0 beside them.
+    fn trunk_only(&self, y: f64) -> f64 {
+        1.0 - smoothstep(self.underarm[1] - 0.10, self.underarm[1], y)
+    }
+
+    /// Moves a point sideways, so that shares of the figure's width become shares of the length
+    /// across the bulging layer: cloth is spread evenly, not stretched at the sides.
+    fn spread(&self, [x, y]: Point2) -> f64 {
+        const STEPS: usize = 48;
+        let width = interpolated(&self.width_rows, y);
+        let bulge = interpolated(&self.bulge_rows, y);
+        let at = |step: usize| {
+            let u = step as f64 / STEPS as f64;
+            [u * width, bulge * trunk_lens(u)]
+        };
+        let curve: Polyline = (0..=STEPS).map(at).collect();
+        if x >= width {
+            return x;
+        }
+        let share = (x / width).max(0.0);
+        along(&curve, share)[0]
     }
 
     fn middle(&self, point: Point2) -> f64 {
@@ -306,7 +365,9 @@ impl TopStart {
         let roof = ((point[0] - self.neck[0]) * dy - (point[1] - self.neck[1]) * dx) / size;
         let arm_width = interpolated(&self.arm_rows, t);
         let below = roof.min(arm_width - c);
-        let trunk = interpolated(&self.bulge_rows, point[1]) * lens(point[0] / width) * closing(below);
+        let trunk = interpolated(&self.bulge_rows, point[1])
+            * trunk_lens(point[0] / width)
+            * closing(below);
         let fade = smoothstep(0.0, 0.06, roof);
         let arm = if t > -0.1 {
             interpolated(&self.arm_bulge, t) * lens(c / arm_width) * fade
@@ -317,36 +378,53 @@ impl TopStart {
     }
 }
 
+fn trunk_lens(share: f64) -> f64 {
+    (1.0 - share.abs().powf(TRUNK_POWER)).max(0.0)
+}
+
 /// From the neck's side to the middle.
 fn hole(side: Point2, low: f64) -> Polyline {
     let drop = side[1] - low;
-    bezier(
+    let curve = bezier(
         side,
         [side[0] * 0.98, side[1] - 0.62 * drop],
         [side[0] * 0.62, low],
         [0.0, low],
-    )
+    );
+    resampled(&curve, 96)
 }
 
 /// Half width and bulge of the trunk by height, from the feet up.
-fn trunk_rows(wearer: &Wearer) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
+pub(crate) fn trunk_rows(wearer: &Wearer) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
     let (measures, marks) = (&wearer.measures, &wearer.landmarks);
-    let leg = |joint: Landmark, girth: f64| joint[0] + 1.15 * girth / std::f64::consts::TAU;
+    let leg = |joint: Landmark, girth: f64| joint[0] + 1.4 * girth / std::f64::consts::TAU;
+    // A low bust is as wide and deep as the chest.
+    let bust = (measures.chest_height - 0.075 * measures.stature)
+        .max(0.6 * measures.waist_height + 0.4 * measures.chest_height);
     let widths = [
         (marks.ankle[1], leg(marks.ankle, measures.calf)),
         (marks.knee[1], leg(marks.knee, measures.knee)),
-        (measures.inseam, (HALF_BREADTH * measures.hip).max(leg(marks.hip, measures.thigh))),
+        (
+            measures.inseam - 0.08,
+            (HALF_BREADTH * measures.hip).max(0.012 + leg(marks.hip, measures.thigh)),
+        ),
         (measures.hip_height, HALF_BREADTH * measures.hip),
         (measures.waist_height, HALF_BREADTH * measures.waist),
-        (measures.chest_height, HALF_BREADTH * measures.chest),
-        (marks.shoulder[1], HALF_BREADTH * measures.chest),
+        (bust, HALF_BREADTH * measures.chest),
+        (
+            marks.shoulder[1],
+            (HALF_BREADTH * measures.chest).max(marks.shoulder[0] + 0.04),
+        ),
     ];
     let deepest = measures.hip.max(measures.waist);
     let depths = [
         (marks.knee[1], HALF_DEPTH * measures.hip),
-        (measures.hip_height, HALF_DEPTH * (0.7 * measures.hip + 0.3 * deepest)),
+        (
+            measures.hip_height,
+            HALF_DEPTH * (0.7 * measures.hip + 0.3 * deepest),
+        ),
         (measures.waist_height, HALF_DEPTH * measures.waist),
-        (measures.chest_height, HALF_DEPTH * measures.chest),
+        (bust, 1.05 * HALF_DEPTH * measures.chest),
         (marks.shoulder[1], HALF_DEPTH * measures.chest),
     ];
     let widths = widths.map(|(y, half)| (y, half + CLEARANCE)).to_vec();
@@ -355,7 +433,7 @@ fn trunk_rows(wearer: &Wearer) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
 }
 
 /// The depth of the middle of the trunk by height.
-fn trunk_middle(wearer: &Wearer) -> Vec<(f64, f64)> {
+pub(crate) fn trunk_middle(wearer: &Wearer) -> Vec<(f64, f64)> {
     let (measures, marks) = (&wearer.measures, &wearer.landmarks);
     let scale = measures.stature / 1.75;
     vec![

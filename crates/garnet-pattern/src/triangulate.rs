@@ -5,13 +5,13 @@ use std::collections::VecDeque;
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2 as SpadePoint, Triangulation as _};
 
-use crate::curve::{Point2, distance};
+use crate::curve::{Point2, distance, lerp};
 
 /// Rounds of smoothing, each followed by a new triangulation.
 const ROUNDS: usize = 12;
 
 /// Interior points keep this distance from the outline, in edge lengths.
-const MARGIN: f64 = 0.6;
+const MARGIN: f64 = 0.55;
 
 /// Points of a panel, those of the outline first, and counter-clockwise triangles.
 #[derive(Debug, Clone)]
@@ -23,8 +23,13 @@ pub(crate) struct Triangles {
 /// Triangulates the inside of a counter-clockwise outline with edges of about `edge` metres.
 ///
 /// Interior points start as a hexagonal lattice and move to the area-weighted mean of the
-/// centroids of their triangles (Chen 2004), with a new Delaunay triangulation in every round.
-pub(crate) fn triangulated(outline: &[Point2], edge: f64, smooth: bool) -> Result<Triangles, String> {
+/// circumcenters of their triangles, with a new Delaunay triangulation in every round: optimal
+/// Delaunay triangulations (Chen 2004).
+pub(crate) fn triangulated(
+    outline: &[Point2],
+    edge: f64,
+    smooth: bool,
+) -> Result<Triangles, String> {
     let mut points = outline.to_vec();
     points.extend(lattice(outline, edge));
     let mut faces = delaunay(&points, outline.len())?;
@@ -141,14 +146,30 @@ fn delaunay(points: &[Point2], outline: usize) -> Result<Vec<[u32; 3]>, String> 
 }
 
 fn relax(points: &mut [Point2], outline: usize, faces: &[[u32; 3]]) {
+    moved_to_means(points, outline, faces, circumcenter);
+}
+
+/// Moves interior points to the area-weighted mean of the centroids of their triangles: large
+/// triangles give to small ones.
+pub(crate) fn settle(points: &mut [Point2], outline: usize, faces: &[[u32; 3]]) {
+    moved_to_means(points, outline, faces, centroid);
+}
+
+fn moved_to_means(
+    points: &mut [Point2],
+    outline: usize,
+    faces: &[[u32; 3]],
+    center: impl Fn(Point2, Point2, Point2) -> Point2,
+) {
     let mut sums = vec![[0.0; 3]; points.len()];
     for face in faces {
         let [a, b, c] = face.map(|vertex| points[vertex as usize]);
         let area = doubled_area(a, b, c).max(0.0);
+        let center = center(a, b, c);
         for vertex in face {
             let sum = &mut sums[*vertex as usize];
-            sum[0] += area * (a[0] + b[0] + c[0]) / 3.0;
-            sum[1] += area * (a[1] + b[1] + c[1]) / 3.0;
+            sum[0] += area * center[0];
+            sum[1] += area * center[1];
             sum[2] += area;
         }
     }
@@ -157,6 +178,28 @@ fn relax(points: &mut [Point2], outline: usize, faces: &[[u32; 3]]) {
             *point = [x / area, y / area];
         }
     }
+}
+
+fn centroid(a: Point2, b: Point2, c: Point2) -> Point2 {
+    [(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0]
+}
+
+/// The circumcenter of a triangle, drawn back to its centroid where that lies far off.
+fn circumcenter(a: Point2, b: Point2, c: Point2) -> Point2 {
+    let centroid = centroid(a, b, c);
+    let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+    let cross = 2.0 * (u[0] * v[1] - u[1] * v[0]);
+    let (uu, vv) = (u[0] * u[0] + u[1] * u[1], v[0] * v[0] + v[1] * v[1]);
+    if cross <= 1e-15 {
+        return centroid;
+    }
+    let found = [
+        a[0] + (v[1] * uu - u[1] * vv) / cross,
+        a[1] + (u[0] * vv - v[0] * uu) / cross,
+    ];
+    let away = distance(found, centroid);
+    let most = 0.25 * uu.max(vv).sqrt();
+    lerp(centroid, found, (most / away.max(1e-15)).min(1.0))
 }
 
 /// Twice the area of a triangle, positive if it is counter-clockwise.

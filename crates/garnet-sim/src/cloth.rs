@@ -35,6 +35,7 @@ pub struct Cloth {
     masses: Vec<f32>,
     is_pinned: Vec<bool>,
     springs: Vec<Spring>,
+    is_shrunk: Vec<bool>,
     hinges: Vec<BendingHinge>,
 }
 
@@ -62,10 +63,11 @@ pub struct BendingHinge {
 
 /// The factor c in the stiffness b = c B / (A₀ + A₁) of a hinge.
 ///
-/// Bergou et al. 2006 have 3, which counts a curvature once along each of three directions of edges
-/// and is 2.3 times too stiff on triangle meshes. With 1.3 a heavy cantilever hangs as the elastica
-/// does, within 2 % on regular meshes for gravito-bending numbers from 1 to 100.
-pub const BENDING_FACTOR: f32 = 1.3;
+/// Bergou et al. 2006 have 3, which counts a curvature once along each of three directions of edges.
+/// On equilateral faces, which sewn garments mostly have, theory gives 1 for cylinders and 9/8 for
+/// narrow strips; with 1.05 a heavy cantilever hangs as the elastica does, within 1.1 % for
+/// gravito-bending numbers from 1 to 100 (`tests/physics/cantilever.rs`).
+pub const BENDING_FACTOR: f32 = 1.05;
 
 /// Cotangents of needles are cut here, so that no hinge becomes infinitely stiff.
 const MAX_COTANGENT: f32 = 20.0;
@@ -100,6 +102,7 @@ impl Cloth {
         }
         Ok(Self {
             springs: springs(&topology, &rest_faces, fabric),
+            is_shrunk: are_shrunk(&topology, &rest_faces),
             hinges: hinges(&topology, &rest_faces, fabric),
             is_pinned: masses.iter().map(|&mass| mass == 0.0).collect(),
             masses,
@@ -171,6 +174,11 @@ impl Cloth {
     /// The springs, one an edge, in the order of [`Topology::edges`].
     pub fn springs(&self) -> &[Spring] {
         &self.springs
+    }
+
+    /// Whether a face at an edge was shrunk `[edge]`: ribs and waistbands, which are worn stretched.
+    pub fn is_shrunk(&self) -> &[bool] {
+        &self.is_shrunk
     }
 
     /// The hinges, one an edge with two faces, in the order of [`Topology::hinges`].
@@ -260,6 +268,14 @@ fn springs(topology: &Topology, rest: &[RestFace], fabric: &Fabric) -> Vec<Sprin
                 stiffness: fabric.membrane * area / (rest_length * rest_length),
             }
         })
+        .collect()
+}
+
+fn are_shrunk(topology: &Topology, rest: &[RestFace]) -> Vec<bool> {
+    let is_shrunk = |&face: &u32| rest[face as usize].is_shrunk;
+    let edges = 0..topology.edges().len();
+    edges
+        .map(|edge| topology.edge_faces(edge).iter().any(is_shrunk))
         .collect()
 }
 

@@ -42,6 +42,9 @@ const SPEED_SECONDS: f32 = 0.1;
 /// The farthest that the body may move in a frame, in metres.
 const MAX_BODY_TRAVEL: f32 = 0.25;
 
+/// While the body moves, folds of its skin are looked for in every so many frames.
+const FRAMES_OF_FOLDS: u32 = 3;
+
 /// Simulates a scene.
 ///
 /// One scene runs on one thread; the same scene and schedule give the same bytes. The motion of the
@@ -113,11 +116,10 @@ pub fn drape(
     );
     for (stage, (frames, rate, damping)) in std::iter::once(motion).chain(stages).enumerate() {
         let num_substeps = schedule.substeps(rate);
-        let step = schedule.frame_seconds / (num_substeps * schedule.refreshes_per_frame) as f32;
-        solver.begin_stage(step, damping);
+        solver.begin_stage(rate, damping);
         for frame in 0..frames {
             if let (0, Some(skin)) = (stage, &mut skin) {
-                skin.begin_frame(frame + 1)?;
+                skin.begin_frame(frame)?;
             }
             for refresh in 0..schedule.refreshes_per_frame {
                 if let (0, Some(skin)) = (stage, &mut skin) {
@@ -165,6 +167,7 @@ fn finish(
     }
     let report = DrapeReport {
         strain,
+        rib_strain: Strain::of_ribs(scene.cloth, &positions),
         speeds: clock.speeds(&positions),
         penetration: body.map_or_else(Penetration::default, |body| {
             Penetration::of(&positions, body.skin.surface())
@@ -210,9 +213,12 @@ impl<'a> BodyOnWay<'a> {
         })
     }
 
-    /// Asks the motion where the body is at the end of a frame, which are counted from 1.
+    /// Asks the motion where the body is at the end of a frame.
     fn begin_frame(&mut self, frame: u32) -> Result<(), SimError> {
-        self.time = eased(frame as f32 / self.motion_frames as f32);
+        if frame % FRAMES_OF_FOLDS == 0 {
+            self.skin.find_folds();
+        }
+        self.time = eased((frame + 1) as f32 / self.motion_frames as f32);
         std::mem::swap(&mut self.from, &mut self.to);
         self.to = (self.body.motion)(self.time);
         if self.to.len() != self.from.len() {
@@ -250,6 +256,7 @@ impl<'a> BodyOnWay<'a> {
         self.move_skin(&last)?;
         self.to = last;
         self.skin.stand();
+        self.skin.find_folds();
         Ok(())
     }
 

@@ -8,8 +8,10 @@ use garnet_mesh::TriMesh;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DrapeReport {
-    /// Length over rest length − 1 of all edges.
+    /// Length over rest length − 1 of the edges, without those of ribs and waistbands.
     pub strain: Strain,
+    /// That of ribs and waistbands, if there are any.
+    pub rib_strain: Option<Strain>,
     /// Speeds over the last tenth of a second.
     pub speeds: Speeds,
     /// Where the garment is in the skin.
@@ -106,22 +108,39 @@ impl Energy {
 }
 
 impl Strain {
-    /// The strain of `cloth` at `positions` `[vertex]`.
+    /// The strain of `cloth` at `positions` `[vertex]`, without ribs and waistbands; of these alone
+    /// if there is nothing else.
     pub fn of(cloth: &Cloth, positions: &[Point3]) -> Self {
+        let strain = Self::where_shrunk(cloth, positions, false);
+        strain
+            .or_else(|| Self::of_ribs(cloth, positions))
+            .expect("cloth has an edge")
+    }
+
+    /// The strain of ribs and waistbands at `positions` `[vertex]`, if there are any.
+    pub fn of_ribs(cloth: &Cloth, positions: &[Point3]) -> Option<Self> {
+        Self::where_shrunk(cloth, positions, true)
+    }
+
+    fn where_shrunk(cloth: &Cloth, positions: &[Point3], is_shrunk: bool) -> Option<Self> {
         let springs = cloth.springs().iter().enumerate();
+        let springs = springs.filter(|&(edge, _)| cloth.is_shrunk()[edge] == is_shrunk);
         let strain = springs.map(|(edge, spring)| {
             let [a, b] = spring.vertices.map(|vertex| positions[vertex as usize]);
             ((a - b).norm() / spring.rest_length - 1.0, edge)
         });
         let mut sorted: Vec<(f32, usize)> = strain.collect();
         sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        if sorted.is_empty() {
+            return None;
+        }
         let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
-        Self {
+        Some(Self {
             p50: at(0.5).0,
             p99: at(0.99).0,
             max: at(1.0).0,
             max_edge: at(1.0).1,
-        }
+        })
     }
 }
 

@@ -44,6 +44,7 @@ pub(crate) struct RestFace {
     pub(crate) area: f32,
     /// Area before shrinking, m²: what the mass comes from.
     pub(crate) cut_area: f32,
+    pub(crate) is_shrunk: bool,
 }
 
 impl RestFace {
@@ -119,6 +120,7 @@ fn collect(
             sides: sides.map(|side| factor * side),
             area: factor * factor * area,
             cut_area: area,
+            is_shrunk: factor != 1.0,
         });
     }
     Ok(rest)

@@ -110,22 +110,20 @@ impl Schedule {
             rate: rate(speed),
             damping: Damping::Kinetic,
         };
+        let (motion_frames, motion_speed) = match quality {
+            Quality::Fast => (30, 17.0),
+            Quality::Teacher => (60, 34.0),
+            Quality::Reference => (90, 68.0),
+        };
         let stages = match quality {
-            Quality::Fast => vec![stage(30, 11.5), stage(15, 23.0)],
-            Quality::Teacher => vec![stage(30, 11.5), stage(20, 34.0), stage(20, 68.0)],
-            Quality::Reference => {
-                vec![
-                    stage(40, 11.5),
-                    stage(30, 34.0),
-                    stage(30, 68.0),
-                    stage(30, 136.0),
-                ]
-            }
+            Quality::Fast => vec![stage(30, 17.0), stage(15, 34.0)],
+            Quality::Teacher => vec![stage(36, 34.0), stage(36, 68.0)],
+            Quality::Reference => vec![stage(60, 68.0), stage(60, 136.0)],
         };
         Self {
             frame_seconds: 1.0 / 60.0,
-            motion_frames: if quality == Quality::Fast { 30 } else { 45 },
-            motion_rate: rate(11.5),
+            motion_frames,
+            motion_rate: rate(motion_speed),
             stages,
             refreshes_per_frame: 1,
             bending_interval: 2,

@@ -1,6 +1,6 @@
 //! The production solver: XPBD in small steps on a moving skin.
 
-use crate::contact::{self, ContactLaw, Contacts, Reach, Skin};
+use crate::contact::{self, Contacts, Interval, Skin};
 use crate::xpbd::bending::Bending;
 use crate::xpbd::pairs::{PairLaw, Pairs};
 use crate::xpbd::particles::{Particles, Push};
@@ -21,13 +21,23 @@ pub(crate) struct Solver<'a> {
     /// Lengths of the springs at the start, m; empty if they do not matter.
     start_lengths: Vec<f32>,
     center: Vector3,
+    /// Length of a substep, in seconds, and how many there are from one refresh to the next.
     step: f32,
+    num_substeps: u32,
     damping: Damping,
+    /// Kinetic energy summed over a window, and over the one before.
+    kinetic: f32,
     last_kinetic: f32,
+    /// Substeps of a window.
+    window: u32,
     /// Substeps since the stage began, and since the contacts were refreshed.
     substep: u32,
     substep_of_refresh: u32,
 }
+
+/// Peaks of the kinetic energy are looked for over windows this long, in seconds: contacts make
+/// the energy of single substeps rough.
+const DAMPING_WINDOW: f32 = 1.0 / 240.0;
 
 /// Garments this far from where they started are lost, in metres.
 const LOST: f32 = 100.0;
@@ -56,7 +66,7 @@ impl<'a> Solver<'a> {
             particles: Particles::new(cloth, scene.start),
             springs,
             bending: Bending::new(cloth),
-            contacts: Contacts::new(scene.masks(), Reach::of(cloth.fabric().thickness)),
+            contacts: Contacts::new(scene.masks(), cloth.fabric().thickness),
             pairs: match schedule.self_contact {
                 SelfContact::Off => None,
                 SelfContact::Repulsion(factor) => Some(Pairs::new(cloth, scene.start, factor)),
@@ -64,8 +74,11 @@ impl<'a> Solver<'a> {
             start_lengths,
             center: (sum / scene.start.len().max(1) as f64).cast(),
             step: 0.0,
+            num_substeps: 1,
             damping: Damping::Drag,
+            kinetic: 0.0,
             last_kinetic: 0.0,
+            window: 1,
             substep: 0,
             substep_of_refresh: 0,
         }
@@ -75,13 +88,18 @@ impl<'a> Solver<'a> {
         self.particles.positions()
     }
 
-    /// Sets the length of the substeps, in seconds, and how energy is taken out.
-    pub(crate) fn begin_stage(&mut self, step: f32, damping: Damping) {
+    /// Begins a stage of so many substeps a second.
+    pub(crate) fn begin_stage(&mut self, rate: f32, damping: Damping) {
+        let refreshes = self.schedule.refreshes_per_frame;
+        self.num_substeps = self.schedule.substeps(rate);
+        let step = self.schedule.frame_seconds / (self.num_substeps * refreshes) as f32;
         if self.step > 0.0 {
             self.particles.rescale(step / self.step);
         }
         self.step = step;
         self.damping = damping;
+        self.window = ((DAMPING_WINDOW / step) as u32).max(1);
+        self.kinetic = 0.0;
         self.last_kinetic = 0.0;
         self.substep = 0;
         self.springs
@@ -98,10 +116,16 @@ impl<'a> Solver<'a> {
         self.bending.rebase(&self.particles.bases);
         self.contract(frame);
         if let Some(skin) = skin {
-            self.contacts.refresh(skin, &self.particles, self.step);
+            let faces = self.cloth.faces();
+            let interval = Interval {
+                step: self.step,
+                num_substeps: self.num_substeps,
+            };
+            self.contacts
+                .refresh(skin, faces, &self.particles, interval);
         }
         if let Some(pairs) = &mut self.pairs {
-            pairs.refresh(&self.particles);
+            pairs.refresh(&self.particles, &self.contacts.is_squeezed);
         }
         self.substep_of_refresh = 0;
     }
@@ -127,13 +151,10 @@ impl<'a> Solver<'a> {
         };
         let max_push = schedule.max_push_speed * step;
         let friction = self.cloth.fabric().friction;
-        let kinetic = self.particles.fly(push);
-        self.last_kinetic = if self.damping == Damping::Kinetic && kinetic < self.last_kinetic {
-            self.particles.stop(push);
-            0.0
-        } else {
-            kinetic
-        };
+        self.kinetic += self.particles.fly(push);
+        if self.damping == Damping::Kinetic && self.substep % self.window == 0 {
+            self.damp(push);
+        }
         self.springs.project(&mut self.particles.offsets);
         if self.substep % schedule.bending_interval == 0 {
             self.bending.project(&mut self.particles.offsets);
@@ -144,9 +165,24 @@ impl<'a> Solver<'a> {
         }
         self.substep += 1;
         self.substep_of_refresh += 1;
-        let law = ContactLaw { friction, max_push };
         let substep = self.substep_of_refresh as f32;
-        contact::project(&self.contacts.planes, &mut self.particles, law, substep);
+        contact::project(
+            &self.contacts.planes,
+            &mut self.particles,
+            friction,
+            substep,
+        );
+    }
+
+    /// Stops the cloth if it had less kinetic energy in this window than in the one before.
+    fn damp(&mut self, push: Push) {
+        if self.kinetic < self.last_kinetic {
+            self.particles.stop(push);
+            self.last_kinetic = 0.0;
+        } else {
+            self.last_kinetic = self.kinetic;
+        }
+        self.kinetic = 0.0;
     }
 
     /// Refuses to go on with a garment that is nowhere.

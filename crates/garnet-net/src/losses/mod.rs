@@ -3,7 +3,7 @@
 //! All terms are functions of predicted places alone, so each computes its derivative by them by
 //! hand, in double precision, on plain slices: no tensor is made, and finite differences can check
 //! every term exactly. [`LossReport::gradient`] then enters the network by
-//! [`GarNet::backward`](crate::GarNet::backward). Lengths count in units of 0.1 m.
+//! [`surrogate`](crate::surrogate). Lengths count in units of 0.1 m.
 
 mod bending;
 mod gradient;

@@ -46,8 +46,8 @@ impl LossTarget {
 pub struct LossBody {
     tree: VertexTree,
     points: Vec<Point3>,
-    normals: Vec<Vector3>,
-    mean_edge_length: f32,
+    pub(super) normals: Vec<Vector3>,
+    pub(super) mean_edge_length: f32,
 }
 
 impl LossBody {

@@ -1,10 +1,11 @@
 //! Cloth on skin: which place of the skin each vertex is held out of, and how.
 
+mod contacts;
 mod plane;
+mod seeker;
 mod skin;
-mod tracker;
 mod triangle;
 
-pub(crate) use plane::{ContactLaw, project};
+pub(crate) use contacts::{Contacts, Interval};
+pub(crate) use plane::project;
 pub(crate) use skin::Skin;
-pub(crate) use tracker::{Contacts, Reach};

@@ -1,45 +1,59 @@
 //! Contacts as planes that move with the skin.
 
+use crate::Vector3;
 use crate::xpbd::particles::Particles;
 use crate::xpbd::quad::Quad;
-use crate::{Point3, Vector3};
 
 /// A vertex that has to stay in front of a plane.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plane {
-    pub(crate) vertex: u32,
+    vertex: u32,
+    /// Share of its travel along the skin that the vertex loses a substep even where nothing
+    /// presses it.
+    drag: f32,
     /// Unit normal away from the skin; the fourth number is the least normal component that the
     /// vertex's offset may have, m.
     normal: Quad,
-    /// Displacement of the skin a substep, m; the fourth number is its normal component.
+    /// Displacement of the skin a substep, m; the fourth number is what the least component grows
+    /// by.
     drift: Quad,
 }
 
-/// What all contacts of a stage share.
+/// What makes a plane.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ContactLaw {
-    /// Coulomb's coefficient.
-    pub(crate) friction: f32,
-    /// No vertex gains velocity from being pushed out farther than this a substep, m.
-    pub(crate) max_push: f32,
+pub(crate) struct PlaneOptions {
+    pub(crate) vertex: u32,
+    /// Unit normal away from the skin.
+    pub(crate) normal: Vector3,
+    /// How far the vertex is from the skin, negative behind it, m.
+    pub(crate) distance: f32,
+    /// How far it has to be, m.
+    pub(crate) clearance: f32,
+    /// Displacement of the skin a substep, m.
+    pub(crate) drift: Vector3,
+    /// The plane comes out of the skin by no more than this a substep, m.
+    pub(crate) max_rise: f32,
+    /// Share of its travel along the skin that the vertex loses a substep.
+    pub(crate) drag: f32,
 }
 
 impl Plane {
-    /// A plane at `clearance` metres over a point of the skin, which moves by `drift` metres a
-    /// substep.
-    pub(crate) fn new(
-        vertex: u32,
-        base: Point3,
-        point: Point3,
-        normal: Vector3,
-        clearance: f32,
-        drift: Vector3,
-    ) -> Self {
-        let least = normal.dot(&(point - base)) + clearance;
+    /// A plane for a vertex with an offset of zero.
+    ///
+    /// Where the vertex is too near or behind the skin, the plane starts at it and rises to the
+    /// clearance, so that no vertex is thrown.
+    pub(crate) fn new(options: &PlaneOptions) -> Self {
+        let missing = options.clearance - options.distance;
+        let (least, rise) = if missing > 0.0 {
+            (0.0, options.max_rise)
+        } else {
+            (missing, 0.0)
+        };
         Self {
-            vertex,
-            normal: Quad::new(normal, least),
-            drift: Quad::new(drift, normal.dot(&drift)),
+            vertex: options.vertex,
+            drag: options.drag,
+            normal: Quad::new(options.normal, least),
+            drift: Quad::new(options.drift, options.normal.dot(&options.drift) + rise),
         }
     }
 }
@@ -48,30 +62,27 @@ impl Plane {
 ///
 /// `substep` counts from the refresh that made the planes. Friction: a vertex that was pushed by p
 /// keeps no tangential displacement against the skin up to μ p, and loses μ p beyond.
-pub(crate) fn project(planes: &[Plane], particles: &mut Particles, law: ContactLaw, substep: f32) {
+pub(crate) fn project(planes: &[Plane], particles: &mut Particles, friction: f32, substep: f32) {
     for plane in planes {
         let vertex = plane.vertex as usize;
         let offset = particles.offsets[vertex];
         let least = plane.normal.0[3] + substep * plane.drift.0[3];
         let push = least - plane.normal.dot3(offset);
-        if push <= 0.0 {
+        if push <= 0.0 && plane.drag == 0.0 {
             continue;
         }
-        let normal = Quad([plane.normal.0[0], plane.normal.0[1], plane.normal.0[2], 0.0]);
-        let drift = Quad([plane.drift.0[0], plane.drift.0[1], plane.drift.0[2], 0.0]);
-        let excess = (push - law.max_push).max(0.0);
-        let last = particles.last[vertex] + normal * excess;
+        let push = push.max(0.0);
+        let normal = plane.normal.vector();
         let pushed = offset + normal * push;
-        let against_skin = pushed - last - drift;
+        let against_skin = pushed - particles.last[vertex] - plane.drift.vector();
         let sliding = against_skin - normal * normal.dot3(against_skin);
-        let length_squared = sliding.dot3(sliding);
-        let grip = law.friction * (push - excess);
-        let share = if length_squared <= grip * grip {
+        let squared = sliding.dot3(sliding);
+        let grip = friction * push;
+        let share = if squared <= grip * grip {
             1.0
         } else {
-            grip / length_squared.sqrt()
+            (grip / squared.sqrt()).max(plane.drag)
         };
         particles.offsets[vertex] = pushed - sliding * share;
-        particles.last[vertex] = last;
     }
 }

@@ -16,6 +16,10 @@ pub(crate) struct Skin {
     parts: Option<Vec<u8>>,
     face_normals: Vec<Vector3>,
     vertex_normals: Vec<Vector3>,
+    /// Whether a face is turned over in a fold of the skin.
+    is_turned: Vec<bool>,
+    /// Whether a vertex is inside another part of the body; empty if no part can be.
+    is_buried: Vec<bool>,
     /// Velocity of each vertex, m/s; empty while all stand still.
     velocities: Vec<Vector3>,
     /// Sum of the farthest moves of any vertex since the start, m.
@@ -33,6 +37,12 @@ pub(crate) struct Foot {
     pub(crate) offset: Vector3,
     pub(crate) distance_squared: f32,
 }
+
+/// A vertex of the skin is buried if the point so far before it is inside the body, m.
+const BURIED_PROBE: f32 = 1e-3;
+
+/// How often the normals are averaged that tell which faces are turned over.
+const NORMAL_SMOOTHING: usize = 4;
 
 /// A walk over the skin ends after so many steps.
 const MAX_STEPS: usize = 24;
@@ -65,10 +75,13 @@ impl Skin {
             parts: collider.part_of_face().map(<[u8]>::to_vec),
             face_normals: Vec::new(),
             vertex_normals: Vec::new(),
+            is_turned: vec![false; collider.faces().len()],
+            is_buried: Vec::new(),
             velocities: Vec::new(),
             travel: 0.0,
         };
         skin.measure_normals();
+        skin.find_folds();
         Ok(skin)
     }
 
@@ -108,13 +121,57 @@ impl Skin {
         self.velocities.clear();
     }
 
-    /// Whether a face may be touched by cloth that the parts of a bit mask may touch.
+    /// Whether a face may be touched by cloth that the parts of a bit mask may touch. Faces that
+    /// are turned over touch nothing.
     #[inline]
     pub(crate) fn is_allowed(&self, face: u32, mask: u32) -> bool {
+        if self.is_turned[face as usize] {
+            return false;
+        }
         match &self.parts {
             Some(parts) => mask >> parts[face as usize] & 1 == 1,
             None => true,
         }
+    }
+
+    /// Whether a face is inside another part of the body, so that nothing can lie on it.
+    #[inline]
+    pub(crate) fn is_buried(&self, face: u32) -> bool {
+        let corners = self.surface.faces()[face as usize];
+        let is_buried = |vertex: u32| self.is_buried.get(vertex as usize) == Some(&true);
+        corners
+            .into_iter()
+            .filter(|&vertex| is_buried(vertex))
+            .count()
+            >= 2
+    }
+
+    /// Finds the faces that are turned over in folds, and the vertices that are inside another part
+    /// of the body. Open skins have no inside.
+    pub(crate) fn find_folds(&mut self) {
+        let mut smooth = self.vertex_normals.clone();
+        for _ in 0..NORMAL_SMOOTHING {
+            let sum = |vertex: usize| -> Vector3 {
+                let neighbors = self.topology.neighbors(vertex).iter();
+                neighbors.map(|&neighbor| smooth[neighbor as usize]).sum()
+            };
+            smooth = (0..smooth.len())
+                .map(|vertex| unit(smooth[vertex] + sum(vertex)))
+                .collect();
+        }
+        let faces = self.surface.faces().iter().zip(&self.face_normals);
+        self.is_turned.clear();
+        self.is_turned.extend(faces.map(|(face, normal)| {
+            let around: Vector3 = face.iter().map(|&vertex| smooth[vertex as usize]).sum();
+            normal.dot(&around) < 0.0
+        }));
+        if !self.surface.is_closed() {
+            return;
+        }
+        let probes = self.surface.positions().iter().zip(&self.vertex_normals);
+        self.is_buried = probes
+            .map(|(position, normal)| self.surface.contains(position + BURIED_PROBE * normal))
+            .collect();
     }
 
     /// The place on a face nearest to `point`.

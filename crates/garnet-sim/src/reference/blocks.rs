@@ -1,5 +1,7 @@
 //! The second derivatives of an energy, block by block.
 
+use std::cmp::Ordering;
+
 use nalgebra::Matrix3;
 
 use super::system::Pattern;
@@ -31,15 +33,12 @@ pub(super) struct Blocks<'a> {
 }
 
 impl Blocks<'_> {
-    /// Adds ∂²E/∂x_row ∂x_column; what couples two vertices is added once, either way round.
+    /// Adds the second derivative by the places of `row` and `column`; what couples two vertices is added once, either way round.
     pub(super) fn add(&mut self, row: u32, column: u32, block: &Matrix3<f64>) {
-        let index = match row == column {
-            true => self.pattern.diagonal(row as usize),
-            false => self.pattern.block(row, column),
-        };
-        match row < column {
-            true => self.values[index] += block.transpose(),
-            false => self.values[index] += block,
+        match row.cmp(&column) {
+            Ordering::Less => self.values[self.pattern.block(row, column)] += block.transpose(),
+            Ordering::Equal => self.values[self.pattern.diagonal(row as usize)] += block,
+            Ordering::Greater => self.values[self.pattern.block(row, column)] += block,
         }
     }
 
@@ -48,9 +47,10 @@ impl Blocks<'_> {
         for column in 0..self.pattern.num_vertices() {
             for (row, block) in self.pattern.column(column) {
                 if is_held[row] || is_held[column] {
-                    self.values[block] = match row == column {
-                        true => Matrix3::identity(),
-                        false => Matrix3::zeros(),
+                    self.values[block] = if row == column {
+                        Matrix3::identity()
+                    } else {
+                        Matrix3::zeros()
                     };
                 }
             }

@@ -74,9 +74,10 @@ impl Grip {
 
     /// Energy, and pull over slip.
     fn pull(&self, slip: f64) -> (f64, f64) {
-        match slip <= ELASTIC_SLIP {
-            true => (0.5 * self.stiffness() * slip * slip, self.stiffness()),
-            false => (self.limit * (slip - 0.5 * ELASTIC_SLIP), self.limit / slip),
+        if slip <= ELASTIC_SLIP {
+            (0.5 * self.stiffness() * slip * slip, self.stiffness())
+        } else {
+            (self.limit * (slip - 0.5 * ELASTIC_SLIP), self.limit / slip)
         }
     }
 
@@ -103,9 +104,10 @@ impl<'a> Contact<'a> {
             let is_lost = nearest.is_some_and(|nearest| nearest.distance < -MAX_START_DEPTH);
             Touch {
                 place: *place,
-                clearance: match is_lost || is_held[vertex] {
-                    true => f64::INFINITY,
-                    false => nearest.map_or(REACH, |nearest| nearest.distance),
+                clearance: if is_lost || is_held[vertex] {
+                    f64::INFINITY
+                } else {
+                    nearest.map_or(REACH, |nearest| nearest.distance)
                 },
                 grip: None,
             }
@@ -140,13 +142,11 @@ impl<'a> Contact<'a> {
     pub(super) fn tighten(&mut self, x: &[Vector3<f64>]) -> f64 {
         let mut largest = 0.0_f64;
         for (vertex, place) in x.iter().enumerate() {
-            let nearest = match self.depth(vertex, place) {
-                Some((depth, normal)) => Some(Nearest {
-                    distance: self.thickness - depth,
-                    normal,
-                }),
-                None => None,
-            };
+            let depth = self.depth(vertex, place);
+            let nearest = depth.map(|(depth, normal)| Nearest {
+                distance: self.thickness - depth,
+                normal,
+            });
             let grip = self.grip(vertex, nearest);
             let limit = |grip: Option<Grip>| grip.map_or(0.0, |grip| grip.limit);
             largest = largest.max((limit(grip) - limit(self.touches[vertex].grip)).abs());
@@ -184,9 +184,9 @@ impl<'a> Contact<'a> {
             let depth = self
                 .depth(vertex, &x[vertex])
                 .map_or(0.0, |(depth, _)| depth);
-            let friction = touch.grip.map_or(0.0, |grip| {
-                grip.pull(grip.slip(&x[vertex]).norm()).0
-            });
+            let friction = touch
+                .grip
+                .map_or(0.0, |grip| grip.pull(grip.slip(&x[vertex]).norm()).0);
             0.5 * self.stiffness * depth * depth + friction
         };
         self.touches.iter().enumerate().map(energy).sum()

@@ -10,7 +10,7 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Conj, MatMut, Par, Side, Spec};
 use nalgebra::{Matrix3, Vector3};
 
 use super::system::Pattern;
@@ -22,7 +22,7 @@ pub(super) struct Factor {
     /// The matrix, lower triangle by columns.
     values: Vec<f64>,
     /// The factor.
-    factor: Vec<f64>,
+    entries: Vec<f64>,
     scratch: MemBuffer,
     right_side: Vec<f64>,
 }
@@ -35,11 +35,11 @@ impl Factor {
         let (pointers, indices) = pattern.scalar_columns();
         let structure = SymbolicSparseColMat::new_checked(size, size, pointers, None, indices);
         let symbolic = symbolic_factor(pattern, structure.as_ref())?;
-        let numeric = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let numeric = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
         let solve = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
         Some(Self {
             values: Vec::with_capacity(structure.row_idx().len()),
-            factor: vec![0.0; symbolic.len_val()],
+            entries: vec![0.0; symbolic.len_val()],
             scratch: MemBuffer::try_new(numeric.or(solve)).ok()?,
             right_side: vec![0.0; size],
             structure,
@@ -54,13 +54,13 @@ impl Factor {
         let stack = MemStack::new(&mut self.scratch);
         self.symbolic
             .factorize_numeric_llt(
-                &mut self.factor,
+                &mut self.entries,
                 matrix,
                 Side::Lower,
                 LltRegularization::default(),
                 Par::Seq,
                 stack,
-                Default::default(),
+                Spec::default(),
             )
             .is_ok()
     }
@@ -72,7 +72,7 @@ impl Factor {
         }
         let column =
             MatMut::from_column_major_slice_mut(&mut self.right_side, 3 * vectors.len(), 1);
-        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+        LltRef::new(&self.symbolic, &self.entries).solve_in_place_with_conj(
             Conj::No,
             column,
             Par::Seq,

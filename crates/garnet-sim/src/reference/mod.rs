@@ -20,6 +20,7 @@
 mod bending;
 mod blocks;
 mod contact;
+mod face_bending;
 mod factor;
 mod membrane;
 mod newton;

@@ -92,9 +92,9 @@ impl Newton {
                 .as_ref()
                 .map_or(limits.step, |pairs| limits.step.min(pairs.max_move()));
             let scale = (max_step / largest(&direction)).min(1.0);
-            direction
-                .iter_mut()
-                .for_each(|direction| *direction *= scale);
+            for direction in &mut direction {
+                *direction *= scale;
+            }
             let slope: f64 = gradient.iter().zip(&direction).map(|(g, d)| g.dot(d)).sum();
             match line_search(potential, inertia, x, (&direction, slope, energy)) {
                 Some((next, next_energy)) => {

@@ -154,9 +154,10 @@ fn within(reach: f64, distance: f64, normal: Vector3<f64>) -> Option<Nearest> {
 /// The nearest point at `radius` around the origin of `offset`.
 fn round(offset: Vector3<f64>, radius: f64, reach: f64) -> Option<Nearest> {
     let length = offset.norm();
-    let normal = match length < MIN_OFFSET {
-        true => Vector3::y(),
-        false => offset / length,
+    let normal = if length < MIN_OFFSET {
+        Vector3::y()
+    } else {
+        offset / length
     };
     within(reach, length - radius, normal)
 }

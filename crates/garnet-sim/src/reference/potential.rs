@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::bending::Hinges;
 use super::blocks::{Blocks, Curvature};
 use super::contact::Contact;
+use super::face_bending::FaceBending;
 use super::membrane::{Springs, Triangles};
 use super::self_contact::SelfContact;
 use super::system::Pattern;
@@ -14,6 +15,13 @@ use super::system::Pattern;
 pub(super) enum Membrane {
     Springs(Springs),
     Triangles(Triangles),
+}
+
+/// What resists bending.
+#[derive(Debug, Clone)]
+pub(super) enum Bending {
+    Hinges(Hinges),
+    Faces(FaceBending),
 }
 
 /// The pull of inertia: energy ½ m |x − target|² / h² of each vertex.
@@ -30,7 +38,7 @@ pub(super) struct Potential<'a> {
     pub(super) masses: Vec<f64>,
     pub(super) is_held: Vec<bool>,
     pub(super) membrane: Membrane,
-    pub(super) hinges: Hinges,
+    pub(super) bending: Bending,
     /// Weights and other dead loads `[vertex]`, N.
     pub(super) loads: Vec<Vector3<f64>>,
     pub(super) contact: Contact<'a>,
@@ -66,7 +74,10 @@ impl Potential<'_> {
                 Membrane::Springs(springs) => springs.energy(x),
                 Membrane::Triangles(triangles) => triangles.energy(x),
             },
-            bending: self.hinges.energy(x),
+            bending: match &self.bending {
+                Bending::Hinges(hinges) => hinges.energy(x),
+                Bending::Faces(faces) => faces.energy(x),
+            },
             loads: -loads.map(|(load, x)| load.dot(x)).sum::<f64>(),
             contact: self.contact.energy(x) + self_contact.map_or(0.0, |pairs| pairs.energy(x)),
         }
@@ -86,7 +97,10 @@ impl Potential<'_> {
             Membrane::Springs(springs) => springs.add_gradient(x, &mut gradient),
             Membrane::Triangles(triangles) => triangles.add_gradient(x, &mut gradient),
         }
-        self.hinges.add_gradient(x, &mut gradient);
+        match &self.bending {
+            Bending::Hinges(hinges) => hinges.add_gradient(x, &mut gradient),
+            Bending::Faces(faces) => faces.add_gradient(x, &mut gradient),
+        }
         self.contact.add_gradient(x, &mut gradient);
         if let Some(pairs) = &self.self_contact {
             pairs.add_gradient(x, &mut gradient);
@@ -121,7 +135,10 @@ impl Potential<'_> {
             Membrane::Springs(springs) => springs.add_hessian(x, curvature, &mut blocks),
             Membrane::Triangles(triangles) => triangles.add_hessian(x, curvature, &mut blocks),
         }
-        self.hinges.add_hessian(&mut blocks);
+        match &self.bending {
+            Bending::Hinges(hinges) => hinges.add_hessian(&mut blocks),
+            Bending::Faces(faces) => faces.add_hessian(&mut blocks),
+        }
         self.contact.add_hessian(x, &mut blocks);
         if let Some(pairs) = &self.self_contact {
             pairs.add_hessian(x, curvature, &mut blocks);
@@ -131,5 +148,76 @@ impl Potential<'_> {
             blocks.add(vertex as u32, vertex as u32, &block);
         }
         blocks.hold(&self.is_held);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::obstacle::Plane;
+    use super::super::{Reference, ReferenceOptions};
+    use super::*;
+    use crate::{Cloth, Fabric, RestShape};
+    use garnet_mesh::primitives::grid;
+
+    /// Analytic second derivatives against central differences of the gradient.
+    const GRADIENT: f64 = 1e-3;
+
+    /// A number from -1 to 1.
+    fn noise(seed: usize) -> f64 {
+        (seed as f64 * 12.9898).sin()
+    }
+
+    #[test]
+    fn second_derivatives_are_those_of_the_gradient_and_symmetric() {
+        let mesh = grid(4, 3, [0.08, 0.06]);
+        let rest = RestShape::Worn(mesh.positions().to_vec());
+        let fabric = Fabric::denim();
+        let cloth = Cloth::new(mesh.faces(), mesh.num_vertices(), &rest, &fabric).unwrap();
+        let plane = Plane {
+            origin: Vector3::zeros(),
+            normal: Vector3::z_axis(),
+        };
+        let options = ReferenceOptions::default();
+        let springs = Reference::new(&cloth, mesh.positions(), &plane, options).unwrap();
+        let material = Reference::new(&cloth, mesh.positions(), &plane, options).unwrap();
+        let material = material.with_material(&cloth, &rest, 0.3).unwrap();
+        for mut reference in [springs, material] {
+            for (vertex, x) in reference.x.iter_mut().enumerate() {
+                let seed = 3 * vertex;
+                *x += Vector3::new(noise(seed), noise(seed + 1), noise(seed + 2)) * 0.002;
+            }
+            let x = reference.x.clone();
+            let inertia = Inertia {
+                targets: x.clone(),
+                rate_squared: 100.0,
+            };
+            let all = (0..x.len() as u32).flat_map(|a| (0..a).map(move |b| [a, b]));
+            let pattern = Pattern::new(x.len(), all);
+            let mut values = vec![Matrix3::zeros(); pattern.num_blocks()];
+            let potential = &reference.potential;
+            potential.hessian(&x, &inertia, Curvature::True, (&pattern, &mut values));
+            let largest = values.iter().map(Matrix3::norm).fold(0.0, f64::max);
+            for column in 0..x.len() {
+                for axis in 0..3 {
+                    let slope = |offset: f64| {
+                        let mut moved = x.clone();
+                        moved[column][axis] += offset;
+                        potential.gradient(&moved, &inertia)
+                    };
+                    let (ahead, behind) = (slope(1e-7), slope(-1e-7));
+                    for row in 0..x.len() {
+                        let difference = (ahead[row] - behind[row]) / 2e-7;
+                        let block = values[pattern.block(row as u32, column as u32)];
+                        let block = if row < column {
+                            block.transpose()
+                        } else {
+                            block
+                        };
+                        let error = (difference - block.column(axis)).norm();
+                        assert!(error < GRADIENT * largest, "{row} {column} {axis}: {error}");
+                    }
+                }
+            }
+        }
     }
 }

@@ -1,5 +1,8 @@
 //! Groups of constraints that share no vertex.
 
+/// How many colors a mask tells apart.
+const MASK_BITS: usize = u128::BITS as usize;
+
 /// The order in which constraints are solved: by color, and by number within a color.
 ///
 /// Greedy: each constraint takes the first color that none of its vertices has. Returns the
@@ -13,15 +16,16 @@ pub(crate) fn colors<const N: usize>(
     for (constraint, vertices) in constraints.enumerate() {
         let taken = vertices
             .iter()
-            .fold(0, |taken, &vertex| taken | used[vertex as usize]);
-        // Past the last color of the mask constraints get a color each.
+            .fold(0_u128, |taken, &vertex| taken | used[vertex as usize]);
         let color = (!taken).trailing_zeros() as usize;
-        if color >= 128 || color >= colors.len() {
+        // Past the last color of the mask each constraint gets a color of its own.
+        let is_past = color >= MASK_BITS;
+        if is_past || color >= colors.len() {
             colors.push(Vec::new());
         }
-        let color = color.min(colors.len() - 1);
+        let color = if is_past { colors.len() - 1 } else { color };
         colors[color].push(constraint as u32);
-        if color < 128 {
+        if !is_past {
             for vertex in vertices {
                 used[vertex as usize] |= 1 << color;
             }

@@ -84,8 +84,8 @@ impl Pairs {
         }
     }
 
-    /// Finds the pairs anew.
-    pub(crate) fn refresh(&mut self, particles: &Particles) {
+    /// Finds the pairs anew, but for vertices `is_out` `[vertex]`.
+    pub(crate) fn refresh(&mut self, particles: &Particles, is_out: &[bool]) {
         let points = &particles.bases[..particles.num_vertices()];
         self.pairs.clear();
         self.grid.fill(points, self.search);
@@ -100,7 +100,7 @@ impl Pairs {
                 }
                 let (a, b) = (a.min(b), a.max(b));
                 let ring = &rings[starts[a] as usize..starts[a + 1] as usize];
-                if ring.contains(&(b as u32)) {
+                if is_out[a] || is_out[b] || ring.contains(&(b as u32)) {
                     return;
                 }
                 pairs.push(Pair {

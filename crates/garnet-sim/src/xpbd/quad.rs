@@ -29,6 +29,12 @@ impl Quad {
         Vector3::new(self.0[0], self.0[1], self.0[2])
     }
 
+    /// The same with a fourth number of 0.
+    #[inline(always)]
+    pub(crate) fn vector(self) -> Self {
+        Self([self.0[0], self.0[1], self.0[2], 0.0])
+    }
+
     /// Inner product of the first three numbers.
     #[inline(always)]
     pub(crate) fn dot3(self, other: Self) -> f32 {

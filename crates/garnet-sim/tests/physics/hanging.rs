@@ -5,7 +5,9 @@ use garnet_sim::Fabric;
 use garnet_sim::reference::{Nothing, Reference, ReferenceOptions};
 use nalgebra::Vector3;
 
-use crate::row::{Bound, Row, assert_all};
+#[cfg(test)]
+use crate::row::assert_all;
+use crate::row::{Bound, Row};
 use crate::sheets::{Cut, cloth_of, equilateral, jittered, rest_of, sheet};
 
 const STRIP: Bound = Bound::Relative(0.02);
@@ -44,20 +46,21 @@ fn sink(mesh: &TriMesh, membrane: Membrane) -> [f64; 2] {
     };
     let mut strip = Reference::new(&cloth, mesh.positions(), &Nothing, options).unwrap();
     if membrane == Membrane::Triangles {
-        strip = strip.with_triangles(&cloth, &rest_of(mesh), POISSON).unwrap();
+        strip = strip
+            .with_material(&cloth, &rest_of(mesh), POISSON)
+            .unwrap();
     }
     let settled = strip.settle().unwrap();
     assert!(settled.is_settled, "{settled:?}");
     let first = mesh.num_vertices() - across;
-    let sunk = (first..mesh.num_vertices()).map(|vertex| {
-        strip.positions()[vertex].x - f64::from(mesh.positions()[vertex].x)
-    });
+    let sunk = (first..mesh.num_vertices())
+        .map(|vertex| strip.positions()[vertex].x - f64::from(mesh.positions()[vertex].x));
     let length = CELLS[0] as f64 * SIDE;
     let expected = 0.2 * 9.81 * length * length / (2.0 * 1000.0);
     [sunk.sum::<f64>() / across as f64, expected]
 }
 
-pub fn strips() -> Vec<Row> {
+pub(crate) fn strips() -> Vec<Row> {
     let square = sheet(CELLS, SIDE, Cut::Alternating);
     let one_way = sheet(CELLS, SIDE, Cut::OneWay);
     let rough = jittered(&square, CELLS, SIDE, 0.2);
@@ -129,7 +132,7 @@ fn sag(length_over_span: f64) -> f64 {
     -chain.positions()[PIECES].y / span
 }
 
-pub fn catenaries() -> Vec<Row> {
+pub(crate) fn catenaries() -> Vec<Row> {
     let row = |(length, expected): (f64, f64)| Row {
         name: format!("catenary, sag over span, length {length} spans"),
         expected,

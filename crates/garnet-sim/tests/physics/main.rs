@@ -2,8 +2,17 @@
 //!
 //! `cargo run --release -p garnet-sim --example physics` prints what is measured here.
 
+#![allow(
+    clippy::unwrap_used,
+    dead_code,
+    reason = "scenes are shared with the example, which shows more than is tested"
+)]
+
 mod cantilever;
+mod drapes;
 mod friction;
 mod hanging;
+mod identities;
+mod refinement;
 mod row;
 mod sheets;

@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""The network of garnet in PyTorch: checks that outputs agree and compares times.
+
+    cargo run --release -p garnet-net --example speed -- paper 10000 6890 /tmp/paper
+    python3 benches/python/garnet_torch.py /tmp/paper [--threads N] [--runs N] [--no-compile]
+
+Reads /tmp/paper.weights.safetensors and /tmp/paper.case.safetensors, which the first command writes,
+and prints the median time of a forward pass and of a training step (mean square, Adam), eager and with
+torch.compile, to be held against the times that the first command prints. Needs torch, safetensors
+and numpy; nothing else in this repository needs Python.
+"""
+
+import argparse
+import json
+import statistics
+import time
+
+import torch
+import torch.nn.functional as F
+from safetensors import safe_open
+
+TOLERANCE = 1e-4
+
+
+def leaky(x):
+    return F.leaky_relu(x, 0.1)
+
+
+class Net(torch.nn.Module):
+    """The figure of the paper, with the weights under the names of the file."""
+
+    def __init__(self, weights, config, case):
+        super().__init__()
+        self.names = {name: name.replace(".", "__") for name in weights}
+        for name, value in weights.items():
+            self.register_parameter(self.names[name], torch.nn.Parameter(value.clone()))
+        self.config = config
+        self.scale = 0.1 / config["mean_edge_length"]
+        offsets, ring = case["ring_offsets"][0], case["ring_vertices"][0]
+        degree = offsets[1:] - offsets[:-1]
+        count = len(degree)
+        row = torch.repeat_interleave(torch.arange(count), degree)
+        column = torch.arange(len(ring)) - offsets[:-1][row]
+        # Neighbors padded to the longest ring, with shares of zero: the fastest eager form measured.
+        self.ring = torch.arange(count)[:, None].repeat(1, int(degree.max()))
+        self.ring[row, column] = ring
+        self.share = torch.zeros(count, int(degree.max()), 1)
+        self.share[row, column] = 1 / degree[row][:, None].float()
+
+    def weight(self, name):
+        return getattr(self, self.names[name])
+
+    def has(self, name):
+        return name in self.names
+
+    def linear(self, at, parts):
+        rows = max(part.shape[0] for part in parts)
+        x = torch.cat([part.expand(rows, -1) for part in parts], 1)
+        return x @ self.weight(f"{at}.weight") + self.weight(f"{at}.bias")
+
+    def mlp(self, at, parts):
+        number = 0
+        while self.has(f"{at}.layers.{number}.weight"):
+            parts = [leaky(self.linear(f"{at}.layers.{number}", parts))]
+            number += 1
+        return parts[0]
+
+    def stn(self, at, points):
+        pooled = self.mlp(f"{at}.points", [points]).max(0, keepdim=True)[0]
+        row = self.linear(f"{at}.matrix", [self.mlp(f"{at}.head", [pooled])])
+        return points @ (row.view(3, 3) + torch.eye(3))
+
+    def convolution(self, at, places, features, residual):
+        x = torch.cat([features, places], 1)
+        u = self.weight(f"{at}.u")
+        u = torch.cat([u[:-3], u[-3:] * self.scale])
+        xu = x @ u
+        q = torch.softmax(xu[self.ring] - xu[:, None] + self.weight(f"{at}.c"), 2) * self.share
+        z = torch.bmm(q.transpose(1, 2), x[self.ring]).reshape(len(x), -1)
+        y = z @ self.weight(f"{at}.w") + self.weight(f"{at}.b")
+        return leaky(y if residual is None else y + residual)
+
+    def block(self, at, places, features):
+        shortcut = features
+        if self.has(f"{at}.shortcut.weight"):
+            shortcut = self.linear(f"{at}.shortcut", [features])
+        last = self.config["garment"]["convolutions"] - 1
+        for number in range(last + 1):
+            residual = shortcut if number == last else None
+            features = self.convolution(f"{at}.convolutions.{number}", places, features, residual)
+        return features
+
+    def forward(self, case):
+        near = []
+        if self.has("body.global.weight"):
+            turned = self.stn("body.stn", case["body_points"])
+            inputs = [turned] + [case[name] for name in ["body_normals"] if name in case]
+            points = self.mlp("body.second", [self.mlp("body.first", inputs)] + inputs)
+            body = leaky(self.linear("body.global", [points])).max(0, keepdim=True)[0]
+            if "nearest" in case:
+                kept = points[case["averaged"]].mean(1)
+                near = [kept[case["nearest"]].max(1)[0]]
+        else:
+            body = self.mlp("parameters", [case["parameters"]])
+        places = case["vertices"]
+        parts = [self.stn("garment.stn", places)]
+        parts += [case[name] for name in ["features"] if name in case]
+        points = self.mlp("garment.points", parts)
+        features = leaky(self.linear("garment.input", [points, body]))
+        stages = [points, features]
+        number = 0
+        while self.has(f"garment.blocks.{number}.convolutions.0.w"):
+            features = self.block(f"garment.blocks.{number}", places, features)
+            stages.append(features)
+            number += 1
+        whole = leaky(self.linear("garment.global", [features])).max(0, keepdim=True)[0]
+        fused = self.mlp("fusion.hidden", stages + near + [body, whole])
+        return self.linear("fusion.translation", [fused])
+
+
+def median(run, runs):
+    run()
+    times = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        run()
+        times.append(1e3 * (time.perf_counter() - start))
+    return statistics.median(times)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("case", help="what was given to the example `speed`")
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--runs", type=int, default=7)
+    parser.add_argument("--no-compile", action="store_true")
+    arguments = parser.parse_args()
+    torch.set_num_threads(arguments.threads)
+
+    with safe_open(f"{arguments.case}.weights.safetensors", "pt") as file:
+        config = json.loads(file.metadata()["garnet"])["config"]
+        weights = {name: file.get_tensor(name).float() for name in file.keys()}
+    with safe_open(f"{arguments.case}.case.safetensors", "pt") as file:
+        case = {name: file.get_tensor(name) for name in file.keys()}
+
+    net = Net(weights, config, case)
+    with torch.no_grad():
+        ours = net(case)
+    expected = case["translations"]
+    error = ((ours - expected).abs().max() / expected.abs().max()).item()
+    print(f"largest difference, relative to the largest translation: {error:.2e}")
+    if not error <= TOLERANCE:
+        raise SystemExit(f"garnet and PyTorch disagree: {error:.2e} is above {TOLERANCE:.0e}")
+
+    adam = torch.optim.Adam(net.parameters(), 1e-3)
+    forms = {"eager": net}
+    if not arguments.no_compile:
+        forms["torch.compile"] = torch.compile(net)
+    for name, form in forms.items():
+
+        def forward(form=form):
+            with torch.no_grad():
+                form(case)
+
+        def step(form=form):
+            adam.zero_grad()
+            F.mse_loss(form(case), expected * 0.5).backward()
+            adam.step()
+
+        forward_ms = median(forward, arguments.runs)
+        step_ms = median(step, max(2, arguments.runs // 2))
+        print(f"{name}, {arguments.threads} threads: forward {forward_ms:.1f} ms, step {step_ms:.1f} ms")
+
+
+if __name__ == "__main__":
+    main()

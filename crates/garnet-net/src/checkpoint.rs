@@ -1,0 +1,397 @@
+//! Weight files.
+//!
+//! One safetensors file holds the weights and, under the metadata key `garnet`, one JSON text: the
+//! schema version, the configuration, the fingerprint of the garment, the length unit, a checksum
+//! of the weights, the record of the training and its scores. One key alone, because several would
+//! be written in random order, and the same model must give the same bytes.
+//!
+//! Tensors are named by their place in the network (`garment.blocks.0.convolutions.1.w`) and lie
+//! as the equations read: a linear layer is `x W + b` with `W` of `[in, out]`.
+//!
+//! # Loading in PyTorch
+//!
+//! ```python
+//! import json
+//! from safetensors import safe_open
+//!
+//! with safe_open("local.safetensors", "pt") as file:
+//!     header = json.loads(file.metadata()["garnet"])
+//!     weights = {name: file.get_tensor(name).float() for name in file.keys()}
+//! # torch.nn.Linear keeps its matrix as [out, in]:
+//! linear.weight.data = weights["fusion.translation.weight"].T
+//! linear.bias.data = weights["fusion.translation.bias"]
+//! # torch_geometric.nn.FeaStConv(in, out, heads), with u scaled as below:
+//! conv.u.weight.data = u.T
+//! conv.c.data, conv.bias.data = weights[at + ".c"], weights[at + ".b"]
+//! conv.lin.weight.data = w.view(heads, channels, out).permute(0, 2, 1).reshape(heads * out, channels)
+//! ```
+//!
+//! The last three rows of each `u` belong to the places of the vertices and are multiplied by
+//! `0.1 / config.mean_edge_length` before use. `benches/python/garnet_torch.py` is the whole
+//! network in PyTorch and checks that both agree.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use burn::module::{Module, ModuleMapper, ModuleVisitor, Param};
+use burn::tensor::{DType, Device, Tensor, TensorData, f16};
+use garnet_mesh::{Fingerprint, write_atomically};
+use safetensors::tensor::TensorView;
+use safetensors::{Dtype, SafeTensors};
+use serde::{Deserialize, Serialize};
+
+use crate::{CheckpointError, GarNet, GarNetConfig, GarmentGraph, NetError, UNIT};
+
+/// The metadata key of the JSON text.
+const KEY: &str = "garnet";
+
+/// The schema that this version reads and writes.
+pub const SCHEMA: &str = "garnet-weights/1";
+
+/// How weights are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// 32 bits: exact.
+    F32,
+    /// 16 bits: half the file.
+    F16,
+}
+
+/// What a weight file says about itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CheckpointHeader {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// What the network is made of.
+    pub config: GarNetConfig,
+    /// The garment, as [`Fingerprint`] writes it.
+    pub garment: String,
+    /// The length unit in metres.
+    pub unit: f32,
+    /// Checksum of names and numbers, as [`Fingerprint`] writes it.
+    pub checksum: String,
+    /// How the model was trained; whatever the trainer finds worth keeping.
+    pub record: serde_json::Value,
+    /// Scores by name.
+    pub scores: BTreeMap<String, f64>,
+}
+
+/// A model with all that its file says.
+#[derive(Debug)]
+pub struct Checkpoint {
+    /// The network.
+    pub model: GarNet,
+    /// The garment it was trained for.
+    pub garment: Fingerprint,
+    /// How it was trained.
+    pub record: serde_json::Value,
+    /// Scores by name.
+    pub scores: BTreeMap<String, f64>,
+}
+
+impl Checkpoint {
+    /// Whether a garment is the one that the model was trained for.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::OtherGarment`] with both fingerprints.
+    pub fn accepts(&self, garment: &GarmentGraph) -> Result<(), NetError> {
+        let (expected, found) = (self.garment, garment.fingerprint());
+        if expected == found {
+            return Ok(());
+        }
+        Err(NetError::OtherGarment { expected, found })
+    }
+
+    /// Writes the file in one piece: an error leaves an old one as it was.
+    ///
+    /// # Errors
+    ///
+    /// [`CheckpointError::NotFinite`] for weights that are no numbers (none are written), or what
+    /// the system says.
+    pub fn save(
+        &self,
+        path: impl AsRef<Path>,
+        precision: Precision,
+    ) -> Result<(), CheckpointError> {
+        let path = path.as_ref();
+        let mut tensors = Tensors {
+            precision,
+            path: Vec::new(),
+            found: BTreeMap::new(),
+        };
+        self.model.visit(&mut tensors);
+        let mut views = Vec::new();
+        for (name, tensor) in &tensors.found {
+            if !tensor.is_finite {
+                return Err(CheckpointError::NotFinite { name: name.clone() });
+            }
+            let view = TensorView::new(tensor.dtype, tensor.shape.clone(), &tensor.bytes);
+            let view = view.map_err(|source| not_safetensors(path, source))?;
+            views.push((name.as_str(), view));
+        }
+        let numbers = views.iter().map(|(name, view)| (*name, view.data()));
+        let header = CheckpointHeader {
+            schema: SCHEMA.to_owned(),
+            config: self.model.config().clone(),
+            garment: self.garment.to_string(),
+            unit: UNIT,
+            checksum: checksum(numbers).to_string(),
+            record: self.record.clone(),
+            scores: self.scores.clone(),
+        };
+        let text = serde_json::to_string(&header).map_err(|source| CheckpointError::Metadata {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        let metadata = HashMap::from([(KEY.to_owned(), text)]);
+        let bytes = safetensors::serialize(views, Some(metadata));
+        let bytes = bytes.map_err(|source| not_safetensors(path, source))?;
+        Ok(write_atomically(path, |writer| writer.write_all(&bytes))?)
+    }
+
+    /// Reads a file and makes its network on a device.
+    ///
+    /// # Errors
+    ///
+    /// [`CheckpointError`] by name for a file that is truncated, altered, foreign, or of another
+    /// version.
+    pub fn load(path: impl AsRef<Path>, device: &Device) -> Result<Self, CheckpointError> {
+        let path = path.as_ref();
+        let bytes = read(path)?;
+        let (header, tensors) = parse(path, &bytes)?;
+        let altered = |expected: Fingerprint, found| CheckpointError::Altered {
+            path: path.to_path_buf(),
+            found,
+            expected,
+        };
+        let numbers: BTreeMap<&str, TensorView<'_>> = tensors.iter().collect();
+        let found = checksum(numbers.iter().map(|(name, view)| (*name, view.data())));
+        let expected = header.checksum.parse().unwrap_or(Fingerprint::of_bytes(&[]));
+        if found != expected {
+            return Err(altered(expected, found));
+        }
+        let garment = header.garment.parse().map_err(|_| CheckpointError::Foreign {
+            path: path.to_path_buf(),
+            key: "garment",
+        });
+        let unusable = |source| CheckpointError::Config {
+            path: path.to_path_buf(),
+            source,
+        };
+        let model = header.config.init(0, device).map_err(unusable)?;
+        let mut filler = Filler {
+            file: path,
+            device,
+            numbers,
+            path: Vec::new(),
+            problem: None,
+        };
+        let model = model.map(&mut filler);
+        match (filler.problem, filler.numbers.first_key_value()) {
+            (Some(problem), _) => Err(problem),
+            (None, Some((name, view))) => Err(CheckpointError::Tensor {
+                path: path.to_path_buf(),
+                name: (*name).to_owned(),
+                found: format!("{:?}", view.shape()),
+                expected: "none of this name".to_owned(),
+            }),
+            (None, None) => Ok(Self {
+                model,
+                garment: garment?,
+                record: header.record,
+                scores: header.scores,
+            }),
+        }
+    }
+
+    /// Reads what a file says about itself, and checks no weights.
+    ///
+    /// # Errors
+    ///
+    /// As [`Checkpoint::load`].
+    pub fn header(path: impl AsRef<Path>) -> Result<CheckpointHeader, CheckpointError> {
+        let path = path.as_ref();
+        let bytes = read(path)?;
+        Ok(parse(path, &bytes)?.0)
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, CheckpointError> {
+    fs::read(path).map_err(|source| CheckpointError::Io {
+        path: path.to_path_buf(),
+        source,
+    })
+}
+
+fn not_safetensors(path: &Path, source: safetensors::SafeTensorError) -> CheckpointError {
+    CheckpointError::NotSafetensors {
+        path: path.to_path_buf(),
+        source,
+    }
+}
+
+fn parse<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+) -> Result<(CheckpointHeader, SafeTensors<'a>), CheckpointError> {
+    let failed = |source| not_safetensors(path, source);
+    let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(failed)?;
+    let tensors = SafeTensors::deserialize(bytes).map_err(failed)?;
+    let unreadable = |source| CheckpointError::Metadata {
+        path: path.to_path_buf(),
+        source,
+    };
+    let text = metadata.metadata().as_ref().and_then(|map| map.get(KEY));
+    let text = text.ok_or_else(|| CheckpointError::Foreign {
+        path: path.to_path_buf(),
+        key: KEY,
+    })?;
+    // The schema comes first: the rest of another version need not be understood.
+    let any: serde_json::Value = serde_json::from_str(text).map_err(unreadable)?;
+    let schema = any.get("schema").and_then(serde_json::Value::as_str);
+    if schema != Some(SCHEMA) {
+        return Err(CheckpointError::Schema {
+            path: path.to_path_buf(),
+            found: schema.unwrap_or("none").to_owned(),
+            expected: SCHEMA,
+        });
+    }
+    let header: CheckpointHeader = serde_json::from_value(any).map_err(unreadable)?;
+    if (header.unit - UNIT).abs() > f32::EPSILON {
+        return Err(CheckpointError::Schema {
+            path: path.to_path_buf(),
+            found: format!("{SCHEMA} in units of {} m", header.unit),
+            expected: SCHEMA,
+        });
+    }
+    Ok((header, tensors))
+}
+
+fn checksum<'a>(tensors: impl Iterator<Item = (&'a str, &'a [u8])>) -> Fingerprint {
+    let mut sums = Vec::new();
+    for (name, bytes) in tensors {
+        sums.extend_from_slice(name.as_bytes());
+        sums.extend_from_slice(Fingerprint::of_bytes(bytes).to_string().as_bytes());
+    }
+    Fingerprint::of_bytes(&sums)
+}
+
+/// A tensor on its way into a file.
+struct Stored {
+    dtype: Dtype,
+    shape: Vec<usize>,
+    bytes: Vec<u8>,
+    is_finite: bool,
+}
+
+/// Collects the weights of a network by name.
+struct Tensors {
+    precision: Precision,
+    path: Vec<String>,
+    found: BTreeMap<String, Stored>,
+}
+
+impl ModuleVisitor for Tensors {
+    fn enter_module(&mut self, name: &str, _: &str) {
+        self.path.push(name.to_owned());
+    }
+
+    fn exit_module(&mut self, _: &str, _: &str) {
+        self.path.pop();
+    }
+
+    fn visit_float<const D: usize>(&mut self, param: &Param<Tensor<D>>) {
+        let tensor = param.val();
+        let shape = tensor.dims().to_vec();
+        let data = tensor.into_data().convert_dtype(DType::F32);
+        let numbers: Vec<f32> = data.into_vec().expect("the data was converted to f32");
+        let (dtype, bytes, is_finite) = match self.precision {
+            Precision::F32 => (
+                Dtype::F32,
+                numbers.iter().flat_map(|value| value.to_le_bytes()).collect(),
+                numbers.iter().all(|value| value.is_finite()),
+            ),
+            Precision::F16 => {
+                let halves: Vec<f16> = numbers.into_iter().map(f16::from_f32).collect();
+                (
+                    Dtype::F16,
+                    halves.iter().flat_map(|value| value.to_le_bytes()).collect(),
+                    halves.iter().all(|value| value.is_finite()),
+                )
+            }
+        };
+        let stored = Stored {
+            dtype,
+            shape,
+            bytes,
+            is_finite,
+        };
+        self.found.insert(self.path.join("."), stored);
+    }
+}
+
+/// Puts weights from a file into a network.
+struct Filler<'a> {
+    file: &'a Path,
+    device: &'a Device,
+    numbers: BTreeMap<&'a str, TensorView<'a>>,
+    path: Vec<String>,
+    problem: Option<CheckpointError>,
+}
+
+impl ModuleMapper for Filler<'_> {
+    fn enter_module(&mut self, name: &str, _: &str) {
+        self.path.push(name.to_owned());
+    }
+
+    fn exit_module(&mut self, _: &str, _: &str) {
+        self.path.pop();
+    }
+
+    fn map_float<const D: usize>(&mut self, param: Param<Tensor<D>>) -> Param<Tensor<D>> {
+        let name = self.path.join(".");
+        let shape = param.dims().to_vec();
+        let Some(view) = self.numbers.remove(name.as_str()) else {
+            return self.refuse(param, name, "missing".to_owned(), format!("{shape:?}"));
+        };
+        if view.shape() != shape {
+            let found = format!("{:?}", view.shape());
+            return self.refuse(param, name, found, format!("{shape:?}"));
+        }
+        let numbers: Vec<f32> = match view.dtype() {
+            Dtype::F32 => (view.data().as_chunks::<4>().0.iter())
+                .map(|&bytes| f32::from_le_bytes(bytes))
+                .collect(),
+            Dtype::F16 => (view.data().as_chunks::<2>().0.iter())
+                .map(|&bytes| f16::from_le_bytes(bytes).to_f32())
+                .collect(),
+            other => {
+                let found = format!("of type {other:?}");
+                return self.refuse(param, name, found, "F32 or F16".to_owned());
+            }
+        };
+        if !numbers.iter().all(|value| value.is_finite()) {
+            (self.problem).get_or_insert(CheckpointError::NotFinite { name });
+            return param;
+        }
+        let tensor = Tensor::from_data(TensorData::new(numbers, shape), self.device);
+        // A plain device records no derivatives; the parameter remembers that training wants them.
+        param.map(|_| tensor.set_require_grad(self.device.is_autodiff()))
+    }
+}
+
+impl Filler<'_> {
+    /// Keeps the first problem.
+    fn refuse<P>(&mut self, param: P, name: String, found: String, expected: String) -> P {
+        let path: PathBuf = self.file.to_path_buf();
+        (self.problem).get_or_insert(CheckpointError::Tensor {
+            path,
+            name,
+            found,
+            expected,
+        });
+        param
+    }
+}

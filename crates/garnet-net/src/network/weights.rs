@@ -1,0 +1,54 @@
+//! First values of weights, from one named seed.
+
+use burn::module::{Param, ParamId};
+use burn::tensor::{Device, Tensor, TensorData};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Draws weights in the order in which modules ask.
+#[derive(Debug)]
+pub(crate) struct WeightSource {
+    random: ChaCha8Rng,
+    device: Device,
+    num_made: u64,
+}
+
+impl WeightSource {
+    /// From a seed, onto a device.
+    pub(crate) fn new(seed: u64, device: &Device) -> Self {
+        Self {
+            random: ChaCha8Rng::seed_from_u64(seed),
+            device: device.clone(),
+            num_made: 0,
+        }
+    }
+
+    /// Independent normal numbers of the given deviation.
+    pub(crate) fn normal(&mut self, shape: [usize; 2], deviation: f32) -> Param<Tensor<2>> {
+        let values = (0..shape[0] * shape[1]).map(|_| deviation * self.standard_normal());
+        let data = TensorData::new(values.collect::<Vec<f32>>(), shape);
+        let tensor = Tensor::from_data(data, &self.device);
+        self.param(tensor)
+    }
+
+    /// Zeros.
+    pub(crate) fn zeros(&mut self, len: usize) -> Param<Tensor<1>> {
+        let tensor = Tensor::zeros([len], &self.device);
+        self.param(tensor)
+    }
+
+    /// Weights are numbered in the order in which they are made, not at random: the state of an
+    /// optimizer, which is stored by these numbers, then fits the same network made again.
+    fn param<const D: usize>(&mut self, tensor: Tensor<D>) -> Param<Tensor<D>> {
+        self.num_made += 1;
+        let (_, tensor, mapper) = Param::from_tensor(tensor).consume();
+        Param::from_mapped_value(ParamId::from(self.num_made), tensor, mapper)
+    }
+
+    /// Box and Muller 1958; only one of the two is used, so that draws stay simple to repeat.
+    fn standard_normal(&mut self) -> f32 {
+        let [a, b] = [(); 2].map(|()| f64::from(self.random.next_u32()) / (1_u64 << 32) as f64);
+        let radius = (-2.0 * (1.0 - a).ln()).sqrt();
+        (radius * (std::f64::consts::TAU * b).cos()) as f32
+    }
+}

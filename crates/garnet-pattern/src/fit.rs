@@ -1,0 +1,156 @@
+//! Whom a garment fits.
+
+use crate::reference::REFERENCE;
+use crate::wearer::Measures;
+use crate::{GarmentKind, Parameters, Size};
+
+/// How much wider a garment is than its wearer at one place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ease {
+    /// The girth: `chest`, `waist`, `hip` or `thigh`.
+    pub place: &'static str,
+    /// The girth of the garment over that of the wearer, less 1.
+    pub share: f64,
+    /// What the place allows.
+    pub allowed: [f64; 2],
+}
+
+impl Ease {
+    /// Whether the ease is allowed.
+    pub fn is_allowed(&self) -> bool {
+        (self.allowed[0]..=self.allowed[1]).contains(&self.share)
+    }
+}
+
+/// How a garment fits a wearer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// The eases that decide.
+    pub eases: Vec<Ease>,
+}
+
+impl Fit {
+    /// Whether all eases are allowed.
+    pub fn fits(&self) -> bool {
+        self.eases.iter().all(Ease::is_allowed)
+    }
+
+    /// The ease at a place, if it decides.
+    pub fn ease(&self, place: &str) -> Option<f64> {
+        let found = self.eases.iter().find(|ease| ease.place == place);
+        found.map(|ease| ease.share)
+    }
+}
+
+impl Parameters {
+    /// How the garment, cut to the measures `cut`, fits a wearer.
+    ///
+    /// A T-shirt fits from 4 % less than the chest to 25 % more, a sweater from 0 to 40 %; both
+    /// stretch over waist and hip by 4 % at most. A dress fits from -3 % to 22 % at the chest and
+    /// from -2 % to 45 % at the waist. Jeans must hold: from -4 % to 6 % under the waistband.
+    pub fn fit(&self, cut: &Measures, wearer: &Measures) -> Fit {
+        let place = |place, garment: f64, body: f64, low, high| Ease {
+            place,
+            share: garment / body - 1.0,
+            allowed: [low, high],
+        };
+        const ANY: f64 = 9.0;
+        let eases = match self.garment() {
+            kind @ (GarmentKind::Tshirt | GarmentKind::Sweater) => {
+                let chest = cut.chest * (1.0 + self.at("chest-ease"));
+                let waist = chest * (1.0 + self.at("waist-shape"));
+                let hem = chest * (1.0 + self.at("hem-flare"));
+                let chest_range = match kind {
+                    GarmentKind::Tshirt => [-0.04, 0.25],
+                    _ => [0.0, 0.40],
+                };
+                let mut eases = vec![
+                    place("chest", chest, wearer.chest, chest_range[0], chest_range[1]),
+                    place("waist", waist, wearer.waist, -0.04, ANY),
+                ];
+                let length = self.at("length") * cut.stature / REFERENCE.measures.stature;
+                if wearer.neck_height - length < wearer.hip_height {
+                    eases.push(place("hip", hem, wearer.hip, -0.04, ANY));
+                }
+                eases
+            }
+            GarmentKind::Dress => {
+                let chest = cut.chest * (1.0 + self.at("chest-ease"));
+                let waist = cut.waist * (1.0 + self.at("waist-ease"));
+                let hip = cut.hip * (1.0 + self.at("hip-ease"));
+                vec![
+                    place("chest", chest, wearer.chest, -0.03, 0.22),
+                    place("waist", waist, wearer.waist, -0.02, 0.45),
+                    place("hip", hip, wearer.hip, 0.0, ANY),
+                ]
+            }
+            GarmentKind::Jeans => {
+                let band = |body: &Measures| {
+                    let rise = self.at("rise") * body.stature / REFERENCE.measures.stature;
+                    body.trunk_girth(body.inseam + rise - 0.5 * self.at("waistband"))
+                };
+                let waist = band(cut) * (1.0 + self.at("waist-ease"));
+                let hip = cut.hip * (1.0 + self.at("hip-ease"));
+                let thigh = cut.thigh * (1.0 + self.at("thigh-ease"));
+                vec![
+                    place("waist", waist, band(wearer), -0.04, 0.06),
+                    place("hip", hip, wearer.hip, 0.0, 0.30),
+                    place("thigh", thigh, wearer.thigh, 0.0, 0.60),
+                ]
+            }
+        };
+        Fit { eases }
+    }
+
+    /// The size that fits a wearer best: of those that fit, the one whose eases are nearest to
+    /// those of a garment made to measure.
+    pub fn best_size(&self, wearer: &Measures) -> Option<Size> {
+        let wanted = self.fit(wearer, wearer);
+        let miss = |size: &Size| -> f64 {
+            let found = self.fit(&size.measures(), wearer);
+            let pairs = found.eases.iter().zip(&wanted.eases);
+            pairs.map(|(a, b)| (a.share - b.share).powi(2)).sum()
+        };
+        Size::ALL
+            .into_iter()
+            .filter(|size| self.fit(&size.measures(), wearer).fits())
+            .min_by(|a, b| miss(a).total_cmp(&miss(b)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn made_to_measure_always_fits() {
+        for kind in GarmentKind::ALL {
+            for size in Size::ALL {
+                let body = size.measures();
+                let fit = kind.parameters().fit(&body, &body);
+                assert!(fit.fits(), "{kind} {size} {fit:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_tshirt_fits_from_four_per_cent_less_to_a_quarter_more() {
+        let tshirt = GarmentKind::Tshirt.parameters();
+        let cut = Size::M.measures();
+        let mut wearer = cut;
+        for (girth, fits) in [(0.82, false), (0.85, true), (1.08, true), (1.10, false)] {
+            wearer.chest = girth;
+            assert_eq!(tshirt.fit(&cut, &wearer).fits(), fits, "{girth}");
+        }
+    }
+
+    #[test]
+    fn the_best_size_is_that_of_the_measures() {
+        for kind in GarmentKind::ALL {
+            for size in Size::ALL {
+                let best = kind.parameters().best_size(&size.measures());
+                assert_eq!(best, Some(size), "{kind}");
+            }
+        }
+    }
+}

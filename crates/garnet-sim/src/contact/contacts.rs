@@ -1,0 +1,188 @@
+//! The contacts of a garment between one refresh and the next.
+
+use crate::contact::plane::{Plane, PlaneOptions};
+use crate::contact::seeker::{FACING, Near, Reach, Seeker, Track};
+use crate::contact::skin::{Skin, unit};
+use crate::xpbd::particles::Particles;
+use crate::{Point3, Vector3};
+
+/// Follows the skin under all vertices.
+///
+/// In a gap between two skins that is narrower than twice the thickness cloth lies in the middle;
+/// where there is no gap left, it stays on its own skin.
+#[derive(Debug)]
+pub(crate) struct Contacts {
+    tracks: Vec<Track>,
+    masks: Vec<u32>,
+    reach: Reach,
+    turn: u32,
+    /// 1 if the faces of the cloth look away from the skin, −1 if towards it, 0 if not yet known.
+    orientation: f32,
+    normals: Vec<Vector3>,
+    pub(crate) planes: Vec<Plane>,
+    /// Whether a vertex lies between two skins with no room for two layers of cloth.
+    pub(crate) is_squeezed: Vec<bool>,
+}
+
+/// Each vertex asks the whole skin at every so many refreshes; in between it walks.
+const TURNS: u32 = 4;
+
+/// Where limbs run through each other cloth keeps this distance to its own, m.
+const SQUEEZED: f32 = 5e-4;
+
+/// Between two skins without room cloth loses velocity at this rate, 1/s: it is caught there.
+const SQUEEZED_DRAG: f32 = 100.0;
+
+/// Cloth behind the skin comes out at no more than this, m/s.
+const MAX_RISE: f32 = 0.2;
+
+/// The time from one refresh to the next.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Interval {
+    /// Length of a substep, in seconds.
+    pub(crate) step: f32,
+    pub(crate) num_substeps: u32,
+}
+
+impl Interval {
+    /// How far a plane rises in a substep so that a vertex comes out by `missing` metres, or as far
+    /// as it may, until the next refresh.
+    fn max_rise(self, missing: f32) -> f32 {
+        (MAX_RISE * self.step).min(missing.max(0.0) / self.num_substeps as f32)
+    }
+
+    fn drag(self) -> f32 {
+        1.0 - (-SQUEEZED_DRAG * self.step).exp()
+    }
+}
+
+/// A place that holds a vertex, and how far from the skin, in metres.
+#[derive(Debug, Clone, Copy)]
+struct Hold {
+    near: Near,
+    clearance: f32,
+}
+
+impl Contacts {
+    /// `masks` says which parts each vertex may touch; 0 for vertices that touch none.
+    pub(crate) fn new(masks: Vec<u32>, thickness: f32) -> Self {
+        Self {
+            tracks: vec![Track::new(); masks.len()],
+            planes: Vec::with_capacity(2 * masks.len()),
+            is_squeezed: vec![false; masks.len()],
+            normals: Vec::new(),
+            masks,
+            reach: Reach::of(thickness),
+            turn: 0,
+            orientation: 0.0,
+        }
+    }
+
+    /// Makes the planes anew for the skin as it is.
+    pub(crate) fn refresh(
+        &mut self,
+        skin: &Skin,
+        faces: &[[u32; 3]],
+        particles: &Particles,
+        interval: Interval,
+    ) {
+        self.measure_normals(faces, particles);
+        if self.orientation == 0.0 {
+            self.orientation = self.vote(skin, particles);
+        }
+        self.planes.clear();
+        self.turn = (self.turn + 1) % TURNS;
+        for vertex in 0..self.tracks.len() {
+            let point = particles.position(vertex);
+            let track = &mut self.tracks[vertex];
+            if self.masks[vertex] == 0 || track.is_free(point, skin) {
+                continue;
+            }
+            let seeker = Seeker {
+                skin,
+                reach: &self.reach,
+                point,
+                mask: self.masks[vertex],
+                outward: self.orientation * self.normals[vertex],
+            };
+            let is_turn = vertex as u32 % TURNS == self.turn;
+            let own = seeker.own(track, is_turn);
+            let other = seeker.other(track, own, is_turn);
+            let holds = holds(skin, &self.reach, own, other);
+            let thickness = self.reach.thickness;
+            let mut held = holds.iter().flatten();
+            self.is_squeezed[vertex] = held.any(|hold| hold.clearance < thickness);
+            for Hold { near, clearance } in holds.into_iter().flatten() {
+                let is_squeezed = clearance < thickness;
+                self.planes.push(Plane::new(&PlaneOptions {
+                    vertex: vertex as u32,
+                    normal: near.normal,
+                    distance: near.distance,
+                    clearance,
+                    drift: skin.velocity(&near.foot) * interval.step,
+                    max_rise: interval.max_rise(clearance - near.distance),
+                    drag: if is_squeezed { interval.drag() } else { 0.0 },
+                }));
+            }
+        }
+    }
+
+    /// Which way the faces of most of the cloth near the skin look.
+    fn vote(&self, skin: &Skin, particles: &Particles) -> f32 {
+        let votes = (0..self.tracks.len()).map(|vertex| {
+            let seeker = Seeker {
+                skin,
+                reach: &self.reach,
+                point: particles.position(vertex),
+                mask: self.masks[vertex],
+                outward: Vector3::zeros(),
+            };
+            let foot = seeker.nearest(self.reach.far, u32::MAX, |_| true);
+            foot.map_or(0.0, |foot| {
+                f64::from(self.normals[vertex].dot(&skin.face_normal(foot.face)))
+            })
+        });
+        if votes.sum::<f64>() < 0.0 { -1.0 } else { 1.0 }
+    }
+
+    fn measure_normals(&mut self, faces: &[[u32; 3]], particles: &Particles) {
+        self.normals.clear();
+        self.normals.resize(self.tracks.len(), Vector3::zeros());
+        for face in faces {
+            let [a, b, c] = face.map(|vertex| Point3::from(particles.bases[vertex as usize].xyz()));
+            let normal = (b - a).cross(&(c - a));
+            for &vertex in face {
+                self.normals[vertex as usize] += normal;
+            }
+        }
+        for normal in &mut self.normals {
+            *normal = unit(*normal);
+        }
+    }
+}
+
+/// The places that hold a vertex; that of the own skin last, because the last plane wins.
+fn holds(skin: &Skin, reach: &Reach, own: Option<Near>, other: Option<Near>) -> [Option<Hold>; 2] {
+    let thickness = reach.thickness;
+    let is_held =
+        |near: &Near, depth: f32| near.distance < thickness + reach.band && near.distance > -depth;
+    let at = |near: Near, clearance: f32| Some(Hold { near, clearance });
+    let other = other.filter(|near| is_held(near, reach.other_depth));
+    let other = other.filter(|near| !skin.is_buried(near.foot.face));
+    let own = own.filter(|near| is_held(near, reach.depth));
+    match (own, other) {
+        (Some(own), _) if skin.is_buried(own.foot.face) => [None, at(own, SQUEEZED.min(thickness))],
+        (Some(own), Some(other)) if own.normal.dot(&other.normal) < FACING => {
+            let gap = (other.foot.point - own.foot.point).dot(&own.normal);
+            if gap <= 0.0 {
+                return [None, at(own, SQUEEZED.min(thickness))];
+            }
+            let clearance = thickness.min(0.5 * gap);
+            [at(other, clearance), at(own, clearance)]
+        }
+        (own, other) => [
+            other.and_then(|near| at(near, thickness)),
+            own.and_then(|near| at(near, thickness)),
+        ],
+    }
+}
