@@ -12,6 +12,7 @@ mod fixtures;
 mod garbage;
 mod readme;
 mod render;
+mod simulate;
 
 use fixtures::Fixture;
 

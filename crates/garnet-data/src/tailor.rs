@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use garnet_mesh::{ObjFile, Point3};
-use garnet_pattern::{GarmentKind, Measures, Parameters, SewnGarment, Template, Wearer};
+use garnet_pattern::{GarmentKind, Parameters, SewnGarment, Size, Template, Wearer};
 use garnet_sim::{Cloth, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, drape};
 use garnet_skin::{Body, Garment};
 
@@ -20,6 +20,7 @@ pub struct Tailor {
     parameters: Parameters,
     num_vertices: usize,
     fabric: StoredFabric,
+    size: Option<Size>,
 }
 
 /// A garment on the body that it was cut for.
@@ -47,7 +48,19 @@ impl Tailor {
             parameters,
             num_vertices,
             fabric,
+            size: None,
         })
+    }
+
+    /// The same, cutting a size instead of to measure.
+    #[must_use]
+    pub fn with_size(self, size: Option<Size>) -> Self {
+        Self { size, ..self }
+    }
+
+    /// The size that is cut; none if garments are cut to measure.
+    pub fn size(&self) -> Option<Size> {
+        self.size
     }
 
     /// The tailor of a package that was made from a pattern; none if it was not.
@@ -65,7 +78,9 @@ impl Tailor {
             parameters.set(name, value)?;
         }
         let fabric = package.manifest.fabric.clone();
-        Self::new(parameters, pattern.vertices, fabric).map(Some)
+        let size = pattern.size.as_deref().map(str::parse).transpose()?;
+        let tailor = Self::new(parameters, pattern.vertices, fabric)?;
+        Ok(Some(tailor.with_size(size)))
     }
 
     /// The parameters that garments are cut with.
@@ -73,8 +88,7 @@ impl Tailor {
         &self.parameters
     }
 
-    /// Cuts the garment to the measures of `wearer`, or to others if `cut` is given, and puts it on
-    /// `body`, which is the wearer at rest: the seams are closed, the cloth contracts onto the skin.
+    /// Cuts the garment in its size or to the measures of `wearer`, and puts it on `body`, which is the wearer at rest: the seams are closed, the cloth contracts onto the skin.
     ///
     /// # Errors
     ///
@@ -84,11 +98,10 @@ impl Tailor {
         &self,
         body: &Body,
         wearer: &Wearer,
-        cut: Option<&Measures>,
         stop: &AtomicBool,
     ) -> Result<Worn, DataError> {
-        let cut = cut.unwrap_or(&wearer.measures);
-        let sewn = self.template.sewn(&self.parameters, cut, wearer)?;
+        let cut = self.size.map_or(wearer.measures, Size::measures);
+        let sewn = self.template.sewn(&self.parameters, &cut, wearer)?;
         let rest = rest_of(&sewn);
         let fabric = self.fabric.fabric();
         let cloth = Cloth::new(&sewn.faces, sewn.num_vertices(), &rest, &fabric)?;
@@ -146,6 +159,7 @@ impl Tailor {
             pattern: Some(StoredPattern {
                 kind: self.parameters.garment().name().to_owned(),
                 vertices: self.num_vertices,
+                size: self.size.map(|size| size.name().to_owned()),
                 parameters: values(&self.parameters),
             }),
             body,

@@ -2,10 +2,12 @@
 
 use garnet_body::shape::{BodyParameters, Measure, Measures, tape_measures};
 
-use garnet_pattern::{Landmarks, Measures as TailorMeasures, PatternError, Wearer};
+use garnet_pattern::{
+    Landmarks, Measures as TailorMeasures, Parameters, PatternError, Size, Wearer,
+};
 use garnet_skin::Body;
 
-use crate::GarmentPackage;
+use crate::{DataError, GarmentPackage, Tailor};
 
 /// Measures and landmarks of a built-in body at rest; none for bodies of another topology.
 ///
@@ -65,8 +67,54 @@ pub fn default_rest_body() -> BodyParameters {
         .with_bmi(23.0)
 }
 
-/// Whether the template of a package fits a body that is not yet built, by the girths that its
-/// parameters give. A garment without pattern fits everybody.
-pub(crate) fn fits(package: &GarmentPackage, parameters: &BodyParameters) -> bool {
-    true
+/// Whom the template of a package fits.
+#[derive(Debug, Clone)]
+pub(crate) struct Fitting {
+    parameters: Parameters,
+    cut: TailorMeasures,
+    rest: TailorMeasures,
+}
+
+impl Fitting {
+    /// Of a package that was made from a pattern; a garment without pattern fits everybody.
+    pub(crate) fn of_package(package: &GarmentPackage) -> Result<Option<Self>, DataError> {
+        let Some(tailor) = Tailor::of_package(package)? else {
+            return Ok(None);
+        };
+        let Some(wearer) = wearer_of(&package.body) else {
+            return Ok(None);
+        };
+        let rest = wearer?.measures;
+        let sized = tailor.size().map(Size::measures);
+        Ok(Some(Self {
+            parameters: tailor.parameters().clone(),
+            cut: sized.unwrap_or(rest),
+            rest,
+        }))
+    }
+
+    /// Whether it fits a body that is not yet built: by the measures that its parameters give, the
+    /// others being those of the rest body at its stature.
+    pub(crate) fn fits(&self, parameters: &BodyParameters) -> bool {
+        let stature = parameters.measure(Measure::Stature);
+        let scale = stature.map_or(1.0, |stature| stature / self.rest.stature);
+        let given =
+            |measure: Measure, rest: f64| parameters.measure(measure).unwrap_or(scale * rest);
+        let rest = &self.rest;
+        let measures = TailorMeasures {
+            stature: given(Measure::Stature, rest.stature),
+            chest: given(Measure::Chest, rest.chest),
+            waist: given(Measure::Waist, rest.waist),
+            hip: given(Measure::Hip, rest.hip),
+            thigh: given(Measure::Thigh, rest.thigh),
+            knee: given(Measure::Knee, rest.knee),
+            inseam: given(Measure::Inseam, rest.inseam),
+            neck_height: scale * rest.neck_height,
+            chest_height: given(Measure::ChestHeight, rest.chest_height),
+            waist_height: given(Measure::WaistHeight, rest.waist_height),
+            hip_height: given(Measure::HipHeight, rest.hip_height),
+            ..*rest
+        };
+        self.parameters.fit(&self.cut, &measures).fits()
+    }
 }

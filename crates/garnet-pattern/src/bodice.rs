@@ -37,28 +37,26 @@ impl Bodice {
         self.side[self.side.len() - 1]
     }
 
-    fn neckline(side: Point2, low: f64) -> Polyline {
-        let drop = side[1] - low;
-        // A shallow neckline leaves the shoulder flatter: its corner stays round.
-        let shallow = (1.0 - drop / side[0]).max(0.0);
-        bezier(
-            side,
-            [
-                side[0] * (0.98 - 0.22 * shallow),
-                side[1] - (0.62 + 0.22 * shallow) * drop,
-            ],
-            [side[0] * 0.58, low],
-            [0.0, low],
-        )
+    pub(crate) fn neckline(&self, layer: Layer) -> Polyline {
+        let low = match layer {
+            Layer::Front => self.neck_front,
+            Layer::Back => self.neck_back,
+        };
+        neckline(self.neck, low)
     }
 }
 
 /// From the neck's side to the middle: round at the corner, level in the middle.
 fn neckline(side: Point2, low: f64) -> Polyline {
     let drop = side[1] - low;
+    // A shallow neckline leaves the shoulder flatter: its corner stays round.
+    let shallow = (1.0 - drop / side[0]).max(0.0);
     bezier(
         side,
-        [side[0] * 0.98, side[1] - 0.62 * drop],
+        [
+            side[0] * (0.98 - 0.22 * shallow),
+            side[1] - (0.62 + 0.22 * shallow) * drop,
+        ],
         [side[0] * 0.58, low],
         [0.0, low],
     )

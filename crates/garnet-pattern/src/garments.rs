@@ -223,7 +223,7 @@ const DRESS: &[Spec] = &[
         [0.10, 1.50],
         "how much wider the hem is than the waist",
     ),
-    Spec::metres("neck-width", 0.20, [0.165, 0.28], "width of the neckline"),
+    Spec::metres("neck-width", 0.20, [0.165, 0.24], "width of the neckline"),
     Spec::metres(
         "neck-depth",
         0.11,
@@ -232,7 +232,7 @@ const DRESS: &[Spec] = &[
     ),
     Spec::metres(
         "shoulder",
-        -0.035,
+        -0.03,
         [-0.06, 0.0],
         "how far the shoulder seam runs beyond the acromion",
     ),

@@ -31,6 +31,7 @@ mod garments;
 mod harmonic;
 mod jeans;
 mod leg_start;
+mod mend;
 mod numbering;
 mod parameters;
 mod reference;

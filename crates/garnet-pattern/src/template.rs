@@ -3,14 +3,15 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use crate::curve::{Point2, Polyline, at_shares, distance, places, resampled, shares_at, stepped};
+use crate::curve::{Point2, Polyline, at_shares, places, resampled, shares_at, stepped};
 use crate::draft::{Arc, Draft, Meets, Patch};
 use crate::edge_length::{edge_for, pieces};
 use crate::harmonic::HarmonicMap;
+use crate::mend::{least_sine, mend};
 use crate::reference::REFERENCE;
 use crate::sewn::{Line, SewnGarment};
 use crate::start::{StartShape, draft};
-use crate::triangulate::{doubled_area, settle, triangulated};
+use crate::triangulate::{settle, triangulated};
 use crate::wearer::Measures;
 use crate::{GarmentKind, Parameters, PatternError, Wearer};
 
@@ -149,6 +150,7 @@ impl Template {
             for _ in 0..SETTLING {
                 settle(&mut flat, outline.len(), &mesh.faces);
             }
+            mend(&mut flat, outline.len(), &mesh.faces);
             flats.push(flat);
             starts.push(self.start(patch, mesh, &shape));
         }
@@ -300,13 +302,6 @@ impl Template {
             hint: parameters.farthest(),
         })
     }
-}
-
-/// The sine of the smallest angle of a triangle, negative if it is folded over.
-fn least_sine([a, b, c]: [Point2; 3]) -> f64 {
-    let mut sides = [distance(a, b), distance(b, c), distance(c, a)];
-    sides.sort_by(f64::total_cmp);
-    doubled_area(a, b, c) / (sides[1] * sides[2]).max(1e-18)
 }
 
 /// A first guess of a chart: the mean panel stretched over the new outline's box.

@@ -96,7 +96,8 @@ impl Measures {
         }
         let heights = [
             ("inseam", self.knee_height, self.inseam),
-            ("hip height", self.inseam, self.hip_height),
+            // Buttocks may protrude most as low as the crotch.
+            ("hip height", self.inseam - 0.05, self.hip_height),
             ("waist height", self.hip_height, self.waist_height),
             ("chest height", self.waist_height, self.chest_height),
             ("shoulder height", self.chest_height, self.shoulder_height),

@@ -13,7 +13,6 @@ use garnet::{
         usual_fabric, wearer_of,
     },
     io::{ObjFile, read_rig},
-    pattern::Measures,
     shape::ParametricBody,
     sim::{FABRIC_NAMES, Fabric, RestShape},
 };
@@ -74,9 +73,9 @@ fn cut(args: &PatternArgs) -> anyhow::Result<GarmentPackage> {
             "make a garment on a body of `garnet body`, or bring one along with `from-obj`",
         )
     })?;
-    let sized: Option<Measures> = common.size.map(garnet::pattern::Size::measures);
     let tailor = Tailor::new(args.parameters.clone(), common.vertices, fabric)?;
-    let worn = tailor.dress(&body, &wearer, sized.as_ref(), &AtomicBool::new(false))?;
+    let tailor = tailor.with_size(common.size);
+    let worn = tailor.dress(&body, &wearer, &AtomicBool::new(false))?;
     let name = common
         .name
         .clone()

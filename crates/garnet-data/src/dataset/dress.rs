@@ -13,7 +13,7 @@ use super::generate::DatasetOptions;
 use super::manifest::Sizing;
 use super::record::{BodyRecord, Posed, SceneRecord, StoredParameters};
 use crate::tailor::{Tailor, values};
-use crate::wearer::{self, fits};
+use crate::wearer::{self, Fitting};
 use crate::{BodyPath, DataError, GarmentPackage, SceneReport, Teacher};
 
 /// Dresses bodies of the population.
@@ -25,6 +25,8 @@ pub(super) struct Dresser<'a> {
     template: Teacher,
     /// Cuts garments to measure.
     tailor: Option<Tailor>,
+    /// Whom the template fits.
+    fitting: Option<Fitting>,
 }
 
 /// What became of a scene.
@@ -70,7 +72,8 @@ impl<'a> Dresser<'a> {
         let tailor = match options.sizing {
             Sizing::OneSize => None,
             Sizing::MadeToMeasure => {
-                Some(Tailor::of_package(package)?.ok_or(DataError::NoPattern)?)
+                let tailor = Tailor::of_package(package)?.ok_or(DataError::NoPattern)?;
+                Some(tailor.with_size(None))
             }
         };
         Ok(Self {
@@ -79,13 +82,15 @@ impl<'a> Dresser<'a> {
             population: Population::new(options.seed),
             template: Teacher::new(package)?,
             tailor,
+            fitting: Fitting::of_package(package)?,
         })
     }
 
     /// Whether the garment fits a body of the population: by the chest, waist and hip that it is
     /// given. Garments without a pattern fit all.
     pub(super) fn fits(&self, parameters: &BodyParameters) -> bool {
-        self.tailor.is_some() || fits(self.package, parameters)
+        let fitting = self.fitting.as_ref();
+        self.tailor.is_some() || fitting.is_none_or(|fitting| fitting.fits(parameters))
     }
 
     /// Builds a body, and cuts and fits the garment if each has its own.
@@ -186,7 +191,7 @@ fn own(
     wearer: &Wearer,
     stop: &AtomicBool,
 ) -> Result<Own, DataError> {
-    let worn = tailor.dress(body, wearer, None, stop)?;
+    let worn = tailor.dress(body, wearer, stop)?;
     Ok(Own {
         teacher: tailor.teacher(&worn, body)?,
         garment: values(&worn.sewn.parameters),

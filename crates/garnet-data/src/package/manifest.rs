@@ -85,6 +85,9 @@ pub struct StoredPattern {
     pub kind: String,
     /// The number of vertices that was asked for.
     pub vertices: usize,
+    /// The size that was cut; none if it was cut to the measures of the rest body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<String>,
     /// The parameters, in metres or without unit.
     pub parameters: BTreeMap<String, f64>,
 }

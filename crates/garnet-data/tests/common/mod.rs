@@ -29,7 +29,7 @@ pub(crate) fn tshirt() -> GarmentPackage {
     let tailor = Tailor::new(kind.parameters(), NUM_VERTICES, usual_fabric(kind)).unwrap();
     let wearer = wearer_of(&body).unwrap().unwrap();
     let stop = AtomicBool::new(false);
-    let worn = tailor.dress(&body, &wearer, None, &stop).unwrap();
+    let worn = tailor.dress(&body, &wearer, &stop).unwrap();
     let parameters = StoredParameters::from(&parameters());
     tailor
         .package("tshirt".to_owned(), &worn, body, Some(parameters))
