@@ -23,8 +23,7 @@ fn refused(fixture: &Fixture, arguments: &str, expected: &str) {
 #[test]
 fn a_simulation_writes_its_way_and_reports() {
     let fixture = Fixture::new();
-    let arguments =
-        "simulate sleeve.obj bent.obj --quality fast -o out.obj --frames way --report -";
+    let arguments = "simulate sleeve.obj bent.obj --rig body.rig.npz --quality fast -o out.obj --frames way --report -";
     let output = fixture.garnet(arguments);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let report: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
@@ -49,8 +48,9 @@ fn a_simulation_writes_its_way_and_reports() {
 fn the_same_simulation_gives_the_same_bytes() {
     let fixture = Fixture::new();
     for (threads, name) in [("1", "a.obj"), ("3", "b.obj")] {
-        let arguments =
-            format!("simulate sleeve.obj bent.obj --quality fast --threads {threads} -o {name} -q");
+        let arguments = format!(
+            "simulate sleeve.obj bent.obj --rig body.rig.npz --quality fast --threads {threads} -o {name} -q"
+        );
         let output = fixture.garnet(&arguments);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     }
@@ -60,7 +60,8 @@ fn the_same_simulation_gives_the_same_bytes() {
 #[test]
 fn drape_by_simulation_leaves_nothing_inside() {
     let fixture = Fixture::new();
-    let output = fixture.garnet("drape sleeve.obj bent.obj --method sim --report - -o out.obj");
+    let output = fixture
+        .garnet("drape sleeve.obj bent.obj --rig body.rig.npz --method sim --report - -o out.obj");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let report: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
     assert_eq!(report["drapes"][0]["untangle"]["inside"], 0);
@@ -94,12 +95,14 @@ fn what_is_no_cloth_is_refused() {
         "cannot simulate",
     );
 
-    fixture.moved("sleeve.obj", "flat.obj", |p| {
-        Point3::new(p.x, (p.y * 4.0).round() / 4.0, p.z)
-    });
+    let [a, b, c] = sleeve.faces()[0].map(|vertex| vertex as usize);
+    let mut positions = sleeve.positions().to_vec();
+    positions[a] = positions[b] + 0.5 * (positions[c] - positions[b]);
+    let needle = sleeve.with_positions(positions).unwrap();
+    fixture.mesh("needle.obj", &needle);
     refused(
         &fixture,
-        "simulate flat.obj bent.obj --rig body.rig.npz -o out.obj",
+        "simulate needle.obj bent.obj --rig body.rig.npz -o out.obj",
         "cannot simulate",
     );
 

@@ -59,7 +59,7 @@ pub(crate) trait Lanes: Copy {
         let x = self.max(Self::splat(-80.0)).min(80.0);
         let shifted = x.mul_add(Self::splat(std::f32::consts::LOG2_E), Self::splat(ROUND));
         let power = shifted.sub(Self::splat(ROUND));
-        let x = power.mul_add(Self::splat(-0.693_359_375), x);
+        let x = power.mul_add(Self::splat(-355.0 / 512.0), x);
         let x = power.mul_add(Self::splat(2.121_944_4e-4), x);
         let mut sum = Self::splat(1.987_569_1e-4);
         for coefficient in [

@@ -33,6 +33,19 @@
 //! ```
 
 #![warn(clippy::undocumented_unsafe_blocks)]
+#![allow(
+    clippy::inline_always,
+    reason = "loops must be compiled inside functions for given instructions"
+)]
+#![allow(clippy::doc_markdown, reason = "FeaStNet is a name")]
+#![allow(
+    clippy::needless_for_each,
+    reason = "one statement on each value reads best on one line"
+)]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "heads index several arrays of registers"
+)]
 
 mod activation;
 mod adjacency;

@@ -3,6 +3,7 @@
 //! A product within a tile never depends on the number of threads, so neither do the results.
 
 #![allow(unsafe_code, reason = "the crate `gemm` takes pointers")]
+#![allow(clippy::cast_possible_wrap, reason = "strides are lengths of slices")]
 
 use gemm::Parallelism;
 

@@ -25,9 +25,10 @@ impl Template {
         for panel in &self.panels {
             let seen = |patch: usize, side: usize, point: usize| -> Point2 {
                 let [x, y] = flats[patch][point];
-                match is_turned(draft.patches[patch].layer, side) {
-                    true => [-x, y],
-                    false => [x, y],
+                if is_turned(draft.patches[patch].layer, side) {
+                    [-x, y]
+                } else {
+                    [x, y]
                 }
             };
             let all = panel.parts.iter().flat_map(|&(patch, side)| {

@@ -156,6 +156,27 @@ pub(crate) fn stepped(curve: &[Point2], pieces: usize) -> Polyline {
     (0..=pieces).map(at).collect()
 }
 
+/// A neckline, from its side to the middle, moved into its hole by a distance: along the shoulder
+/// at the side, square to itself elsewhere. Its points lie where those of [`resampled`] do.
+pub(crate) fn inside_of(neckline: &[Point2], shoulder_tip: Point2, by: f64) -> Polyline {
+    const STEPS: usize = 96;
+    let outer = resampled(neckline, STEPS);
+    let unit = |from: Point2, to: Point2| {
+        let size = distance(from, to).max(1e-12);
+        [(to[0] - from[0]) / size, (to[1] - from[1]) / size]
+    };
+    let shoulder = unit(shoulder_tip, outer[0]);
+    let moved = |i: usize| {
+        let along = unit(outer[i.saturating_sub(1)], outer[(i + 1).min(STEPS)]);
+        let fade = smoothstep(0.0, 0.3, i as f64 / STEPS as f64);
+        let way = unit([0.0; 2], lerp(shoulder, [along[1], -along[0]], fade));
+        [outer[i][0] + by * way[0], outer[i][1] + by * way[1]]
+    };
+    let mut inner: Polyline = (0..=STEPS).map(moved).collect();
+    inner[STEPS][0] = 0.0;
+    inner
+}
+
 /// The same curve from its end.
 pub(crate) fn reversed(curve: &[Point2]) -> Polyline {
     curve.iter().rev().copied().collect()

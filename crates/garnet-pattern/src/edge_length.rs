@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use crate::GarmentKind;
 use crate::curve::length;
 use crate::draft::Draft;
 use crate::harmonic::HarmonicMap;
 use crate::template::{PatchMesh, Shares, Template};
 use crate::triangulate::lattice;
-use crate::{GarmentKind, PatternError};
 
 /// How many pieces each arc has with edges of a length: arcs of one name alike.
 pub(crate) fn pieces(draft: &Draft, edge: f64) -> BTreeMap<&'static str, usize> {
@@ -25,11 +25,11 @@ pub(crate) fn pieces(draft: &Draft, edge: f64) -> BTreeMap<&'static str, usize> 
 }
 
 /// The edge length that gives a garment of so many vertices.
-pub(crate) fn edge_for(draft: &Draft, num_vertices: usize) -> Result<f64, PatternError> {
+pub(crate) fn edge_for(draft: &Draft, num_vertices: usize) -> f64 {
     let mut edge = 0.014 * (5000.0 / num_vertices as f64).sqrt();
     let mut best = (usize::MAX, edge);
     for _ in 0..24 {
-        let found = count(draft, edge)?;
+        let found = count(draft, edge);
         let miss = found.abs_diff(num_vertices);
         if miss < best.0 {
             best = (miss, edge);
@@ -40,11 +40,11 @@ pub(crate) fn edge_for(draft: &Draft, num_vertices: usize) -> Result<f64, Patter
         // Rounding of the arcs makes the count jump: a step that is not quite right gets over it.
         edge *= (found as f64 / num_vertices as f64).powf(0.45);
     }
-    Ok(best.1)
+    best.1
 }
 
 /// How many vertices the garment has with edges of a length.
-fn count(draft: &Draft, edge: f64) -> Result<usize, PatternError> {
+fn count(draft: &Draft, edge: f64) -> usize {
     let mut template = Template::empty(GarmentKind::Tshirt, pieces(draft, edge));
     for patch in &draft.patches {
         let outline = template.flat_outline(patch, &Shares::new());
@@ -58,5 +58,5 @@ fn count(draft: &Draft, edge: f64) -> Result<usize, PatternError> {
         });
     }
     template.number(draft);
-    Ok(template.num_vertices)
+    template.num_vertices
 }

@@ -4,6 +4,9 @@ use crate::reference::REFERENCE;
 use crate::wearer::Measures;
 use crate::{GarmentKind, Parameters, Size};
 
+/// Any ease above the least is allowed.
+const ANY: f64 = f64::INFINITY;
+
 /// How much wider a garment is than its wearer at one place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ease {
@@ -54,7 +57,6 @@ impl Parameters {
             share: garment / body - 1.0,
             allowed: [low, high],
         };
-        const ANY: f64 = 9.0;
         let eases = match self.garment() {
             kind @ (GarmentKind::Tshirt | GarmentKind::Sweater) => {
                 let chest = cut.chest * (1.0 + self.at("chest-ease"));

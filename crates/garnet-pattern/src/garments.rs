@@ -245,7 +245,7 @@ const DRESS: &[Spec] = &[
 ];
 
 const JEANS: &[Spec] = &[
-    Spec::metres("inseam", 0.76, [0.30, 0.84], "length of the inner leg"),
+    Spec::metres("inseam", 0.76, [0.35, 0.84], "length of the inner leg"),
     Spec::metres(
         "rise",
         0.23,
@@ -267,7 +267,7 @@ const JEANS: &[Spec] = &[
     Spec::share(
         "thigh-ease",
         0.12,
-        [0.04, 0.50],
+        [0.04, 0.40],
         "how much wider than the thigh",
     ),
     Spec::share(

@@ -1,5 +1,6 @@
 //! Jeans: fronts, backs and a waistband.
 
+use crate::bodice::at_least;
 use crate::curve::{Point2, Polyline, bezier, distance, length, line, reversed, spline};
 use crate::draft::{Arc, Draft, Layer, Meets, Patch};
 use crate::leg_start::{LegSizes, LegStart};
@@ -113,6 +114,12 @@ pub(crate) fn jeans(
         hip: (cut.hip_height - cut.inseam).clamp(0.045, 0.5 * rise),
         waist: rise - band,
     };
+    at_least(
+        "way from the hip to the waistband",
+        levels.waist - levels.hip,
+        0.02,
+        "make `rise` larger or `waistband` smaller",
+    )?;
     let girth = |above_crotch: f64| {
         cut.trunk_girth(cut.inseam + above_crotch) * (1.0 + parameters.at("waist-ease"))
     };

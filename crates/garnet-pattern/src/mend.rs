@@ -3,18 +3,15 @@
 use crate::curve::{Point2, distance};
 use crate::triangulate::doubled_area;
 
-/// Vertices of triangles with a smaller angle than this are moved, in degrees.
-const SQUEEZED: f64 = 22.0;
-
 /// Rounds over all such vertices.
 const ROUNDS: usize = 12;
 
 /// Moves interior points so that the smallest angle around each becomes as large as it can.
 ///
-/// Only points at squeezed triangles move, by a search in eight directions with shrinking steps:
+/// Only points at triangles with an angle below `squeezed` degrees move, by a search in eight directions with shrinking steps:
 /// a pattern without squeezed triangles stays as it is.
-pub(crate) fn mend(points: &mut [Point2], outline: usize, faces: &[[u32; 3]]) {
-    let squeezed = SQUEEZED.to_radians().sin();
+pub(crate) fn mend(points: &mut [Point2], outline: usize, faces: &[[u32; 3]], squeezed: f64) {
+    let squeezed = squeezed.to_radians().sin();
     let mut around: Vec<Vec<usize>> = vec![Vec::new(); points.len()];
     for (number, face) in faces.iter().enumerate() {
         for vertex in face {
@@ -42,17 +39,17 @@ pub(crate) fn mend(points: &mut [Point2], outline: usize, faces: &[[u32; 3]]) {
             let mut step = 0.25 * reach;
             for _ in 0..6 {
                 let from = points[vertex];
-                let mut to = from;
+                let mut better = None;
                 for direction in 0..8 {
                     let angle = f64::from(direction) * std::f64::consts::FRAC_PI_4;
                     points[vertex] = [from[0] + step * angle.cos(), from[1] + step * angle.sin()];
                     let found = worst(points, vertex);
                     if found > best + 1e-9 {
-                        (best, to) = (found, points[vertex]);
+                        (best, better) = (found, Some(points[vertex]));
                     }
                 }
-                points[vertex] = to;
-                if to == from {
+                points[vertex] = better.unwrap_or(from);
+                if better.is_none() {
                     step *= 0.5;
                 } else {
                     is_moved = true;

@@ -24,7 +24,9 @@ impl Template {
                 let points: Vec<usize> = points.iter().map(|i| first[number] + i).collect();
                 match arc.meets {
                     Meets::MiddleSeam | Meets::MiddleFold => {
-                        points.iter().for_each(|&i| union.join(i, half + i));
+                        for &i in &points {
+                            union.join(i, half + i);
+                        }
                     }
                     Meets::Seam | Meets::Fold => match met.get(arc.name) {
                         Some(others) => {

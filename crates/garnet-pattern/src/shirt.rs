@@ -1,9 +1,7 @@
 //! T-shirt and sweater.
 
 use crate::bodice::{Bodice, Edge, at_least, bodice, bodice_patch, neck_name, width_rows};
-use crate::curve::{
-    Point2, Polyline, distance, length, lerp, line, resampled, reversed, smoothstep, spline,
-};
+use crate::curve::{Point2, Polyline, inside_of, length, line, reversed, spline};
 use crate::draft::{Arc, Draft, Layer, Meets, Patch};
 use crate::reference::REFERENCE;
 use crate::sleeve::{RIB_SHRINK, cuff_rib, sleeve, sleeve_patch};
@@ -103,7 +101,7 @@ fn side_line(underarm: Point2, waist: Point2, hem: Point2) -> Polyline {
 fn neck_rib(bodice: &Bodice, layer: Layer, start: &TopStart) -> Patch {
     let outer = bodice.neckline(layer);
     let low = outer[outer.len() - 1];
-    let inner = inside_of(&outer, bodice.tip);
+    let inner = inside_of(&outer, bodice.tip, NECK_RIB);
     let along = inner[0];
     let (panel, free, middle) = match layer {
         Layer::Front => ("front neck rib", "front collar", "front rib middle"),
@@ -147,30 +145,6 @@ fn neck_rib(bodice: &Bodice, layer: Layer, start: &TopStart) -> Patch {
         shrink: NECK_SHRINK,
         arcs,
     }
-}
-
-/// The neckline moved into the hole by the rib's height: along the shoulder at its side, square to
-/// itself elsewhere.
-fn inside_of(neckline: &[Point2], tip: Point2) -> Polyline {
-    const STEPS: usize = 64;
-    let outer = resampled(neckline, STEPS);
-    let size = distance(outer[0], tip);
-    let shoulder = [(outer[0][0] - tip[0]) / size, (outer[0][1] - tip[1]) / size];
-    let moved = |i: usize| {
-        let (before, after) = (outer[i.saturating_sub(1)], outer[(i + 1).min(STEPS)]);
-        let size = distance(before, after);
-        let normal = [(after[1] - before[1]) / size, (before[0] - after[0]) / size];
-        let fade = smoothstep(0.0, 0.3, i as f64 / STEPS as f64);
-        let way = lerp(shoulder, normal, fade);
-        let length = way[0].hypot(way[1]);
-        [
-            outer[i][0] + NECK_RIB * way[0] / length,
-            outer[i][1] + NECK_RIB * way[1] / length,
-        ]
-    };
-    let mut inner: Polyline = (0..=STEPS).map(moved).collect();
-    inner[STEPS][0] = 0.0;
-    inner
 }
 
 fn hem_rib(bodice: &Bodice, layer: Layer, start: &TopStart) -> Patch {

@@ -15,6 +15,11 @@ pub(crate) enum StartShape {
 }
 
 impl StartShape {
+    /// Whether the chart has metres on both axes: else its outlines are convex and nothing folds.
+    pub(crate) fn has_even_chart(&self) -> bool {
+        matches!(self, Self::Top(_))
+    }
+
     pub(crate) fn at(&self, layer: Layer, chart: Point2, closes: bool) -> Landmark {
         match self {
             Self::Top(top) => top.at(layer, chart, closes),

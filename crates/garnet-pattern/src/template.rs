@@ -21,6 +21,12 @@ pub const VERTEX_RANGE: [usize; 2] = [500, 40_000];
 /// Triangles of a pattern have no smaller angle, in degrees.
 pub const LEAST_ANGLE: f64 = 8.0;
 
+/// Points at triangles of the flat pattern with a smaller angle are moved, in degrees.
+const SQUEEZED: f64 = 22.0;
+
+/// And at those of the chart of the start shape.
+const SQUEEZED_CHART: f64 = 4.0;
+
 /// Rounds in which triangles that the harmonic map squeezed get room again.
 const SETTLING: usize = 6;
 
@@ -88,7 +94,7 @@ impl Template {
             });
         }
         let (draft, _) = draft(&garment.parameters(), &REFERENCE.measures, &REFERENCE)?;
-        let edge = edge_for(&draft, num_vertices)?;
+        let edge = edge_for(&draft, num_vertices);
         Self::meshed(garment, &draft, edge)
     }
 
@@ -150,7 +156,7 @@ impl Template {
             for _ in 0..SETTLING {
                 settle(&mut flat, outline.len(), &mesh.faces);
             }
-            mend(&mut flat, outline.len(), &mesh.faces);
+            mend(&mut flat, outline.len(), &mesh.faces, SQUEEZED);
             flats.push(flat);
             starts.push(self.start(patch, mesh, &shape));
         }
@@ -261,7 +267,10 @@ impl Template {
     /// Where the points of a patch of the left half start, in space.
     fn start(&self, patch: &Patch, mesh: &PatchMesh, shape: &StartShape) -> Vec<[f64; 3]> {
         let outline = self.outline(patch, |arc, pieces| stepped(&arc.chart, pieces));
-        let chart = mesh.map.placed(&outline, &guess(&mesh.mean, &outline));
+        let mut chart = mesh.map.placed(&outline, &guess(&mesh.mean, &outline));
+        if shape.has_even_chart() {
+            mend(&mut chart, outline.len(), &mesh.faces, SQUEEZED_CHART);
+        }
         let mut closes = vec![false; chart.len()];
         let mut is_middle = vec![false; chart.len()];
         for (arc, points) in patch.arcs.iter().zip(self.arc_points(patch)) {

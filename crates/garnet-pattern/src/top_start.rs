@@ -6,7 +6,8 @@
 
 use crate::Wearer;
 use crate::curve::{
-    Point2, Polyline, along, bezier, distance, interpolated, lerp, line, resampled, smoothstep,
+    Point2, Polyline, along, bezier, distance, inside_of, interpolated, lerp, line, resampled,
+    smoothstep,
 };
 use crate::draft::Layer;
 use crate::wearer::Landmark;
@@ -21,6 +22,8 @@ const LIFT: f64 = 0.055;
 const HALF_BREADTH: f64 = 0.207;
 /// Its half depth is below this share of its girth.
 const HALF_DEPTH: f64 = 0.158;
+/// The tip of the shoulder lies outside the joint by this, in metres.
+const TIP_OUTSIDE: f64 = 0.012;
 /// The layers close over the shoulders within this distance, in metres.
 const SHOULDER_CLOSING: f64 = 0.13;
 /// Thickness of the arm over that of the convex girth.
@@ -30,6 +33,9 @@ const ARM_FACTOR: f64 = 1.12;
 const TRUNK_POWER: f64 = 3.0;
 /// A layer bulges at least by this share of its half width.
 const LEAST_DEPTH: f64 = 0.5;
+
+/// A length at places in increasing order, `(place, length)`, in metres.
+pub(crate) type Rows = Vec<(f64, f64)>;
 
 /// Lengths of the flat pattern that the start shape follows, in metres.
 #[derive(Debug, Clone)]
@@ -41,7 +47,7 @@ pub(crate) struct Sizes {
     /// Length of the side seam above a rib.
     pub(crate) side: f64,
     /// Half widths of the flat pattern by distance below the underarm.
-    pub(crate) rows: Vec<(f64, f64)>,
+    pub(crate) rows: Rows,
     /// Lengths of the top and of the underarm seam of the sleeve.
     pub(crate) sleeve: Option<(f64, f64)>,
     /// Height of the rib or skirt below the bodice.
@@ -57,23 +63,22 @@ pub(crate) struct Sizes {
 pub(crate) struct TopStart {
     shoulder: Landmark,
     neck_joint: Landmark,
-    arm_middle: Vec<(f64, f64)>,
-    trunk_middle: Vec<(f64, f64)>,
+    arm_middle: Rows,
+    trunk_middle: Rows,
     /// Unit vectors along the arm and across it, upwards.
     along: Point2,
     across: Point2,
     /// Half width of the sleeve by distance along the arm from the shoulder joint.
-    arm_rows: Vec<(f64, f64)>,
-    arm_bulge: Vec<(f64, f64)>,
+    arm_rows: Rows,
+    arm_bulge: Rows,
     /// Half width and bulge of the trunk by height.
-    width_rows: Vec<(f64, f64)>,
-    bulge_rows: Vec<(f64, f64)>,
+    width_rows: Rows,
+    bulge_rows: Rows,
     neck: Point2,
     collar: Point2,
     tip: Point2,
     underarm: Point2,
     neck_low: [f64; 2],
-    collar_low: [f64; 2],
     hem: f64,
     below: f64,
     /// Along the arm: where sleeve and rib end.
@@ -126,7 +131,6 @@ impl TopStart {
             tip: [0.0; 2],
             underarm: [0.0; 2],
             neck_low: [0.0; 2],
-            collar_low: [0.0; 2],
             hem: 0.0,
             below: sizes.below,
             cuff: [0.0; 2],
@@ -143,21 +147,16 @@ impl TopStart {
         let collar_x = (1.45 * neck_radius + 0.012).max(sizes.neck - sizes.neck_rib);
         self.collar = [collar_x, base + LIFT];
         // The tip lies where the top of the sleeve passes the shoulder joint.
-        let tip_along = |offset: f64| {
-            let width = interpolated(&self.arm_rows, 0.0);
-            let x = self.shoulder[0] + offset;
-            let t = (offset - width * self.across[0]) / self.along[0].max(0.2);
-            [
-                x,
-                self.shoulder[1] + t * self.along[1] + width * self.across[1],
-            ]
-        };
-        self.tip = tip_along(0.012);
+        let width = interpolated(&self.arm_rows, 0.0);
+        let t = (TIP_OUTSIDE - width * self.across[0]) / self.along[0].max(0.2);
+        self.tip = [
+            self.shoulder[0] + TIP_OUTSIDE,
+            self.shoulder[1] + t * self.along[1] + width * self.across[1],
+        ];
         let share = (sizes.neck_rib.max(1e-3) / distance(self.collar, self.tip)).min(0.45);
         self.neck = lerp(self.collar, self.tip, share);
         let [front, back] = sizes.neck_depth;
         self.neck_low = [base - front, base - back.max(0.025)];
-        self.collar_low = self.neck_low.map(|y| y + sizes.neck_rib.max(1e-3));
     }
 
     fn place_sleeve(&mut self, sizes: &Sizes, arm: f64) {
@@ -189,7 +188,7 @@ impl TopStart {
             let body = interpolated(&self.width_rows, y);
             let cloth = 0.80 * interpolated(&sizes.rows, (top - y).max(0.0));
             // Nothing is widened at the underarm.
-            let share = smoothstep(0.0, 0.12, top - y);
+            let share = smoothstep(0.0, 0.26, top - y);
             let width = body + share * (cloth - body).max(0.0);
             rows.push((y, width));
             let bulge = interpolated(&self.bulge_rows, y);
@@ -270,7 +269,7 @@ impl TopStart {
     }
 
     pub(crate) fn collar_low(&self, layer: Layer) -> f64 {
-        self.collar_low[layer as usize]
+        self.neck_low(layer) + distance(self.collar, self.neck)
     }
 
     pub(crate) fn neckline(&self, layer: Layer) -> Polyline {
@@ -278,7 +277,11 @@ impl TopStart {
     }
 
     pub(crate) fn collar_line(&self, layer: Layer) -> Polyline {
-        hole(self.collar, self.collar_low(layer))
+        inside_of(
+            &self.neckline(layer),
+            self.tip,
+            distance(self.collar, self.neck),
+        )
     }
 
     /// From the underarm to the tip.
@@ -395,7 +398,7 @@ fn hole(side: Point2, low: f64) -> Polyline {
 }
 
 /// Half width and bulge of the trunk by height, from the feet up.
-pub(crate) fn trunk_rows(wearer: &Wearer) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
+pub(crate) fn trunk_rows(wearer: &Wearer) -> (Rows, Rows) {
     let (measures, marks) = (&wearer.measures, &wearer.landmarks);
     let leg = |joint: Landmark, girth: f64| joint[0] + 1.4 * girth / std::f64::consts::TAU;
     // A low bust is as wide and deep as the chest.
@@ -433,7 +436,7 @@ pub(crate) fn trunk_rows(wearer: &Wearer) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) 
 }
 
 /// The depth of the middle of the trunk by height.
-pub(crate) fn trunk_middle(wearer: &Wearer) -> Vec<(f64, f64)> {
+pub(crate) fn trunk_middle(wearer: &Wearer) -> Rows {
     let (measures, marks) = (&wearer.measures, &wearer.landmarks);
     let scale = measures.stature / 1.75;
     vec![

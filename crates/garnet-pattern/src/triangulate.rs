@@ -45,13 +45,13 @@ pub(crate) fn lattice(outline: &[Point2], edge: f64) -> Vec<Point2> {
     let high = |axis: usize| outline.iter().map(|p| p[axis]).fold(f64::MIN, f64::max);
     let row_height = edge * 0.75_f64.sqrt();
     let mut points = Vec::new();
-    let mut row = 0;
+    let mut row = 0_usize;
     loop {
         let y = low(1) + (row as f64 + 0.9) * row_height;
         if y > high(1) {
             return points;
         }
-        let mut x = low(0) + edge * if row % 2 == 0 { 0.5 } else { 1.0 };
+        let mut x = low(0) + edge * if row.is_multiple_of(2) { 0.5 } else { 1.0 };
         while x < high(0) {
             if is_inside(outline, [x, y]) && to_outline(outline, [x, y]) > MARGIN * edge {
                 points.push([x, y]);
@@ -213,9 +213,7 @@ mod tests {
 
     #[test]
     fn a_square_is_filled_with_good_triangles() {
-        let side = |a: Point2, b: Point2| {
-            (0..10).map(move |i| crate::curve::lerp(a, b, f64::from(i) / 10.0))
-        };
+        let side = |a: Point2, b: Point2| (0..10).map(move |i| lerp(a, b, f64::from(i) / 10.0));
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let outline: Vec<Point2> = (0..4)
             .flat_map(|i| side(corners[i], corners[(i + 1) % 4]))

@@ -228,7 +228,7 @@ impl Wearer {
     pub fn check(&self) -> Result<(), PatternError> {
         self.measures.check()?;
         for (what, at) in self.landmarks.named() {
-            if let Some(&value) = at.iter().find(|value| !(value.abs() < 3.0)) {
+            if let Some(&value) = at.iter().find(|value| value.is_nan() || value.abs() > 3.0) {
                 return Err(PatternError::BadWearer { what, value });
             }
         }

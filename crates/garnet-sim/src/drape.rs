@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::contact::Skin;
-use crate::report::{Penetration, Speeds, Strain, self_intersections};
+use crate::report::{Penetration, Speeds, Strain, free, self_intersections};
 use crate::solver::Solver;
 use crate::{DrapeReport, Energy, MovingBody, Point3, Scene, Schedule, SimError};
 
@@ -117,6 +117,9 @@ pub fn drape(
     for (stage, (frames, rate, damping)) in std::iter::once(motion).chain(stages).enumerate() {
         let num_substeps = schedule.substeps(rate);
         solver.begin_stage(rate, damping);
+        if stage > 1 && stage == schedule.stages.len() {
+            solver.keep_contacts();
+        }
         for frame in 0..frames {
             if let (0, Some(skin)) = (stage, &mut skin) {
                 skin.begin_frame(frame)?;
@@ -156,7 +159,9 @@ fn finish(
     solver: &Solver<'_>,
     clock: &Clock<'_>,
 ) -> Result<Drape, SimError> {
-    let positions = solver.positions();
+    let mut positions = solver.positions();
+    let speeds = clock.speeds(&positions);
+    let num_freed = body.map_or(0, |body| free(&mut positions, body.skin.surface()));
     let strain = Strain::of(scene.cloth, &positions);
     if strain.max.is_nan() || strain.max > TORN - 1.0 {
         return Err(SimError::Torn {
@@ -168,7 +173,8 @@ fn finish(
     let report = DrapeReport {
         strain,
         rib_strain: Strain::of_ribs(scene.cloth, &positions),
-        speeds: clock.speeds(&positions),
+        speeds,
+        num_freed,
         penetration: body.map_or_else(Penetration::default, |body| {
             Penetration::of(&positions, body.skin.surface())
         }),

@@ -16,6 +16,9 @@ pub struct DrapeReport {
     pub speeds: Speeds,
     /// Where the garment is in the skin.
     pub penetration: Penetration,
+    /// Vertices at the rims of contacts of the body with itself that were inside at the end of the
+    /// last step, and were put on the nearest skin.
+    pub num_freed: usize,
     /// Pairs of garment triangles that cross.
     pub num_self_intersections: usize,
     /// Energy of the garment.
@@ -170,25 +173,64 @@ impl Penetration {
     /// Counts the points `[vertex]` that are inside `skin`.
     pub fn of(points: &[Point3], skin: &Surface) -> Self {
         let mut penetration = Self::default();
-        let (low, high) = skin.bounds();
         for &point in points {
-            let is_near = (0..3).all(|axis| (low[axis]..=high[axis]).contains(&point[axis]));
-            if !is_near || !skin.contains(point) {
-                continue;
-            }
-            let closest = skin.closest(point);
-            let before = closest.point + PROBE * skin.face_normal(closest.face);
-            if skin.contains(before) {
-                penetration.num_trapped += 1;
-            } else {
-                penetration.num_inside += 1;
-                let depth = closest.distance_squared.sqrt();
-                penetration.deepest = penetration.deepest.max(depth);
+            match place(point, skin) {
+                Place::Outside => {}
+                Place::Trapped => penetration.num_trapped += 1,
+                Place::Inside { way_out } => {
+                    penetration.num_inside += 1;
+                    let depth = (way_out - point).norm() - PROBE;
+                    penetration.deepest = penetration.deepest.max(depth);
+                }
             }
         }
         penetration
     }
 }
+
+/// Where a point is.
+enum Place {
+    Outside,
+    /// Inside, next to skin that is itself inside another part.
+    Trapped,
+    /// Inside, next to free skin: the point before it is outside.
+    Inside {
+        way_out: Point3,
+    },
+}
+
+fn place(point: Point3, skin: &Surface) -> Place {
+    let (low, high) = skin.bounds();
+    let is_near = (0..3).all(|axis| (low[axis]..=high[axis]).contains(&point[axis]));
+    if !is_near || !skin.contains(point) {
+        return Place::Outside;
+    }
+    let closest = skin.closest(point);
+    let way_out = closest.point + PROBE * skin.face_normal(closest.face);
+    if skin.contains(way_out) {
+        Place::Trapped
+    } else {
+        Place::Inside { way_out }
+    }
+}
+
+/// Puts points `[vertex]` that are inside `skin` and not trapped before it, if they are no deeper
+/// than [`MAX_FREED`]; returns how many.
+pub(crate) fn free(points: &mut [Point3], skin: &Surface) -> usize {
+    let mut num_freed = 0;
+    for point in points {
+        if let Place::Inside { way_out } = place(*point, skin)
+            && (way_out - *point).norm_squared() <= MAX_FREED * MAX_FREED
+        {
+            *point = way_out;
+            num_freed += 1;
+        }
+    }
+    num_freed
+}
+
+/// Vertices deeper than this are left inside, in metres: the garment is not where it belongs.
+const MAX_FREED: f32 = 0.012;
 
 /// How many pairs of triangles of the garment cross.
 pub(crate) fn self_intersections(cloth: &Cloth, positions: &[Point3]) -> usize {

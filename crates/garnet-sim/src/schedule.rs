@@ -117,7 +117,7 @@ impl Schedule {
         };
         let stages = match quality {
             Quality::Fast => vec![stage(30, 17.0), stage(15, 34.0)],
-            Quality::Teacher => vec![stage(36, 34.0), stage(36, 68.0)],
+            Quality::Teacher => vec![stage(48, 34.0), stage(48, 68.0)],
             Quality::Reference => vec![stage(60, 68.0), stage(60, 136.0)],
         };
         Self {
@@ -130,7 +130,7 @@ impl Schedule {
             contraction_frames: 0,
             drag: 0.5,
             max_speed: 8.0,
-            max_push_speed: 1.0,
+            max_push_speed: 0.2,
             gravity: STANDARD_GRAVITY,
             self_contact: SelfContact::Repulsion(0.7),
         }

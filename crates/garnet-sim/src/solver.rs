@@ -2,7 +2,7 @@
 
 use crate::contact::{self, Contacts, Interval, Skin};
 use crate::xpbd::bending::Bending;
-use crate::xpbd::pairs::{PairLaw, Pairs};
+use crate::xpbd::pairs::Pairs;
 use crate::xpbd::particles::{Particles, Push};
 use crate::xpbd::springs::Springs;
 use crate::{Cloth, Damping, Point3, Scene, Schedule, SelfContact, SimError, Vector3};
@@ -25,6 +25,7 @@ pub(crate) struct Solver<'a> {
     step: f32,
     num_substeps: u32,
     damping: Damping,
+    may_change: bool,
     /// Kinetic energy summed over a window, and over the one before.
     kinetic: f32,
     last_kinetic: f32,
@@ -76,6 +77,7 @@ impl<'a> Solver<'a> {
             step: 0.0,
             num_substeps: 1,
             damping: Damping::Drag,
+            may_change: true,
             kinetic: 0.0,
             last_kinetic: 0.0,
             window: 1,
@@ -86,6 +88,11 @@ impl<'a> Solver<'a> {
 
     pub(crate) fn positions(&self) -> Vec<Point3> {
         self.particles.positions()
+    }
+
+    /// From now on vertices near the skin stay on the skin that they are on.
+    pub(crate) fn keep_contacts(&mut self) {
+        self.may_change = false;
     }
 
     /// Begins a stage of so many substeps a second.
@@ -119,13 +126,17 @@ impl<'a> Solver<'a> {
             let faces = self.cloth.faces();
             let interval = Interval {
                 step: self.step,
+                max_push_speed: self.schedule.max_push_speed,
                 num_substeps: self.num_substeps,
+                may_change: self.may_change,
             };
             self.contacts
                 .refresh(skin, faces, &self.particles, interval);
         }
         if let Some(pairs) = &mut self.pairs {
-            pairs.refresh(&self.particles, &self.contacts.is_squeezed);
+            let max_rise = self.schedule.max_push_speed * self.step;
+            let is_out = &self.contacts.is_squeezed;
+            pairs.refresh(&self.particles, is_out, max_rise, self.num_substeps);
         }
         self.substep_of_refresh = 0;
     }
@@ -149,7 +160,6 @@ impl<'a> Solver<'a> {
             keep: (-schedule.drag * step).exp(),
             max_travel: schedule.max_speed * step,
         };
-        let max_push = schedule.max_push_speed * step;
         let friction = self.cloth.fabric().friction;
         self.kinetic += self.particles.fly(push);
         if self.damping == Damping::Kinetic && self.substep % self.window == 0 {
@@ -159,13 +169,12 @@ impl<'a> Solver<'a> {
         if self.substep % schedule.bending_interval == 0 {
             self.bending.project(&mut self.particles.offsets);
         }
-        if let Some(pairs) = &self.pairs {
-            let law = PairLaw { friction, max_push };
-            pairs.project(&mut self.particles, &self.inverse_masses, law);
-        }
         self.substep += 1;
         self.substep_of_refresh += 1;
         let substep = self.substep_of_refresh as f32;
+        if let Some(pairs) = &self.pairs {
+            pairs.project(&mut self.particles, &self.inverse_masses, friction, substep);
+        }
         contact::project(
             &self.contacts.planes,
             &mut self.particles,

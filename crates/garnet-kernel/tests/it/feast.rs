@@ -191,7 +191,7 @@ impl Case {
                         let before = std::mem::replace(&mut tensor.1[i], 0.0);
                         tensor.1[i] = before + shift;
                         let loss = dot(&reference.forward(&self.adjacency, self.activation), &dy);
-                        reference.tensors()[self::index(name)].1[i] = before;
+                        reference.tensors()[index(name)].1[i] = before;
                         loss
                     };
                     (loss_at(step) - loss_at(-step)) / (2.0 * step)

@@ -81,9 +81,12 @@ impl Case {
             activation: self.activation,
         };
         let parts: Vec<_> = (self.parts.iter())
-            .map(|part| match part.is_broadcast {
-                true => LinearInput::Broadcast(&part.values),
-                false => LinearInput::PerRow(Features::new(&part.values, part.channels)),
+            .map(|part| {
+                if part.is_broadcast {
+                    LinearInput::Broadcast(&part.values)
+                } else {
+                    LinearInput::PerRow(Features::new(&part.values, part.channels))
+                }
             })
             .collect();
         let mut outcome = Outcome {

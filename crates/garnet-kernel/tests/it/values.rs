@@ -15,7 +15,7 @@ impl Values {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// Numbers in `[-1, 1)` that are not close to zero, so that no difference steps over a kink there.
+    /// Numbers in `[-1, 1)`.
     pub(crate) fn numbers(&mut self, len: usize) -> Vec<f32> {
         (0..len)
             .map(|_| self.0.random_range(-1.0_f32..1.0))

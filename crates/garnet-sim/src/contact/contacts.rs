@@ -31,10 +31,7 @@ const TURNS: u32 = 4;
 const SQUEEZED: f32 = 5e-4;
 
 /// Between two skins without room cloth loses velocity at this rate, 1/s: it is caught there.
-const SQUEEZED_DRAG: f32 = 100.0;
-
-/// Cloth behind the skin comes out at no more than this, m/s.
-const MAX_RISE: f32 = 0.2;
+const SQUEEZED_DRAG: f32 = 300.0;
 
 /// The time from one refresh to the next.
 #[derive(Debug, Clone, Copy)]
@@ -42,13 +39,17 @@ pub(crate) struct Interval {
     /// Length of a substep, in seconds.
     pub(crate) step: f32,
     pub(crate) num_substeps: u32,
+    /// Cloth behind the skin comes out at no more than this, m/s.
+    pub(crate) max_push_speed: f32,
+    /// Whether vertices near the skin may change to other skin than that which they can walk to.
+    pub(crate) may_change: bool,
 }
 
 impl Interval {
     /// How far a plane rises in a substep so that a vertex comes out by `missing` metres, or as far
     /// as it may, until the next refresh.
     fn max_rise(self, missing: f32) -> f32 {
-        (MAX_RISE * self.step).min(missing.max(0.0) / self.num_substeps as f32)
+        (self.max_push_speed * self.step).min(missing.max(0.0) / self.num_substeps as f32)
     }
 
     fn drag(self) -> f32 {
@@ -105,7 +106,7 @@ impl Contacts {
                 mask: self.masks[vertex],
                 outward: self.orientation * self.normals[vertex],
             };
-            let is_turn = vertex as u32 % TURNS == self.turn;
+            let is_turn = interval.may_change && vertex as u32 % TURNS == self.turn;
             let own = seeker.own(track, is_turn);
             let other = seeker.other(track, own, is_turn);
             let holds = holds(skin, &self.reach, own, other);
@@ -170,16 +171,17 @@ fn holds(skin: &Skin, reach: &Reach, own: Option<Near>, other: Option<Near>) -> 
     let other = other.filter(|near| is_held(near, reach.other_depth));
     let other = other.filter(|near| !skin.is_buried(near.foot.face));
     let own = own.filter(|near| is_held(near, reach.depth));
+    let squeezed = SQUEEZED.min(thickness);
     match (own, other) {
-        (Some(own), _) if skin.is_buried(own.foot.face) => [None, at(own, SQUEEZED.min(thickness))],
         (Some(own), Some(other)) if own.normal.dot(&other.normal) < FACING => {
             let gap = (other.foot.point - own.foot.point).dot(&own.normal);
-            if gap <= 0.0 {
-                return [None, at(own, SQUEEZED.min(thickness))];
+            if gap > 0.0 && !skin.is_buried(own.foot.face) {
+                let clearance = thickness.min(0.5 * gap);
+                return [at(other, clearance), at(own, clearance)];
             }
-            let clearance = thickness.min(0.5 * gap);
-            [at(other, clearance), at(own, clearance)]
+            [None, at(own, squeezed)]
         }
+        (Some(own), _) if skin.is_buried(own.foot.face) => [None, at(own, squeezed)],
         (own, other) => [
             other.and_then(|near| at(near, thickness)),
             own.and_then(|near| at(near, thickness)),

@@ -62,6 +62,7 @@ impl Plane {
 ///
 /// `substep` counts from the refresh that made the planes. Friction: a vertex that was pushed by p
 /// keeps no tangential displacement against the skin up to μ p, and loses μ p beyond.
+#[inline(never)]
 pub(crate) fn project(planes: &[Plane], particles: &mut Particles, friction: f32, substep: f32) {
     for plane in planes {
         let vertex = plane.vertex as usize;

@@ -86,6 +86,7 @@ impl Bending {
     }
 
     /// Projects every hinge once.
+    #[inline(never)]
     pub(crate) fn project(&self, offsets: &mut [Quad]) {
         for row in &self.rows {
             let [a, b, c, d] = row.vertices.map(|vertex| vertex as usize);

@@ -26,7 +26,9 @@ pub(crate) struct Pairs {
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     vertices: [u32; 2],
+    /// The distance that they have to keep at first, m, and what it grows by a substep.
     reach: f32,
+    rise: f32,
 }
 
 /// Pairs are those that are nearer than this many times their reach: the others do not meet before
@@ -35,15 +37,6 @@ const MARGIN: f32 = 1.5;
 
 /// Radii are cut at this many times the mean, so that one long edge does not widen the grid.
 const MAX_RADIUS: f32 = 2.0;
-
-/// What keeps pairs apart.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PairLaw {
-    /// Coulomb's coefficient.
-    pub(crate) friction: f32,
-    /// Vertices gain no velocity from being pushed apart farther than this a substep, m.
-    pub(crate) max_push: f32,
-}
 
 impl Pairs {
     /// `factor` times the mean rest length of the edges around is what vertices keep from another.
@@ -85,7 +78,16 @@ impl Pairs {
     }
 
     /// Finds the pairs anew, but for vertices `is_out` `[vertex]`.
-    pub(crate) fn refresh(&mut self, particles: &Particles, is_out: &[bool]) {
+    ///
+    /// Pairs that are too near begin at their distance and come apart by no more than `max_rise`
+    /// metres a substep, in `num_substeps` if they can: none is thrown.
+    pub(crate) fn refresh(
+        &mut self,
+        particles: &Particles,
+        is_out: &[bool],
+        max_rise: f32,
+        num_substeps: u32,
+    ) {
         let points = &particles.bases[..particles.num_vertices()];
         self.pairs.clear();
         self.grid.fill(points, self.search);
@@ -103,49 +105,52 @@ impl Pairs {
                 if is_out[a] || is_out[b] || ring.contains(&(b as u32)) {
                     return;
                 }
+                let full = reach.min((start[a] - start[b]).norm());
+                let missing = (full - squared.sqrt()).max(0.0);
                 pairs.push(Pair {
                     vertices: [a as u32, b as u32],
-                    reach: reach.min((start[a] - start[b]).norm()),
+                    reach: full - missing,
+                    rise: max_rise.min(missing / num_substeps as f32),
                 });
             });
     }
 
-    /// Pushes the pairs that are too near apart and brakes their sliding.
-    pub(crate) fn project(&self, particles: &mut Particles, inverse_masses: &[f32], law: PairLaw) {
+    /// Pushes the pairs that are too near apart and brakes their sliding, by Coulomb's coefficient.
+    ///
+    /// `substep` counts from the refresh that found the pairs.
+    #[inline(never)]
+    pub(crate) fn project(
+        &self,
+        particles: &mut Particles,
+        inverse_masses: &[f32],
+        friction: f32,
+        substep: f32,
+    ) {
         for pair in &self.pairs {
             let [a, b] = pair.vertices.map(|vertex| vertex as usize);
             let (xa, xb) = (particles.offsets[a], particles.offsets[b]);
             let across = (particles.bases[a] - particles.bases[b]) + (xa - xb);
             let squared = across.dot3(across);
-            if squared >= pair.reach * pair.reach || squared <= f32::MIN_POSITIVE {
+            let reach = pair.reach + substep * pair.rise;
+            if squared >= reach * reach || squared <= f32::MIN_POSITIVE {
                 continue;
             }
             let total = inverse_masses[a] + inverse_masses[b];
             if total == 0.0 {
                 continue;
             }
+            let (share_a, share_b) = (inverse_masses[a] / total, inverse_masses[b] / total);
             let distance = squared.sqrt();
             let normal = across * (1.0 / distance);
-            let push = pair.reach - distance;
-            let (share_a, share_b) = (inverse_masses[a] / total, inverse_masses[b] / total);
-            let excess = normal * (push - law.max_push).max(0.0);
-            let (last_a, last_b) = (
-                particles.last[a] + excess * share_a,
-                particles.last[b] - excess * share_b,
-            );
-            let (xa, xb) = (
-                xa + normal * (push * share_a),
-                xb - normal * (push * share_b),
-            );
-            let against = (xa - last_a) - (xb - last_b);
+            let push = reach - distance;
+            let against = (xa - particles.last[a]) - (xb - particles.last[b]);
             let sliding = against - normal * normal.dot3(against);
             let length = sliding.dot3(sliding).sqrt();
-            let grip = law.friction * push.min(law.max_push);
-            let braked: Quad = sliding * if length <= grip { 1.0 } else { grip / length };
-            particles.offsets[a] = xa - braked * share_a;
-            particles.offsets[b] = xb + braked * share_b;
-            particles.last[a] = last_a;
-            particles.last[b] = last_b;
+            let grip = friction * push;
+            let braked = sliding * if length <= grip { 1.0 } else { grip / length };
+            let change = normal * push - braked;
+            particles.offsets[a] = xa + change * share_a;
+            particles.offsets[b] = xb - change * share_b;
         }
     }
 }

@@ -9,8 +9,8 @@ use crate::{Cloth, Point3, Vector3};
 /// of 0.12 µm: summed up in positions, gravity would be wrong by a tenth. Offsets stay below a few
 /// millimetres and have steps below 1 nm. Velocities are differences of offsets.
 ///
-/// Two more vertices without mass follow those of the cloth: blocks of four springs that are not
-/// full end there.
+/// Two more vertices without mass follow those of the cloth: blocks of springs that are not full end
+/// there.
 #[derive(Debug, Clone)]
 pub(crate) struct Particles {
     /// Where offsets count from, in metres; the fourth number is 0.
@@ -87,6 +87,7 @@ impl Particles {
 
     /// Begins a substep: every vertex flies on. Returns Σ m u² over the displacements u of the
     /// substep before, kg m².
+    #[inline(never)]
     pub(crate) fn fly(&mut self, push: Push) -> f32 {
         let fall = Quad([0.0, -push.gravity, 0.0, 0.0]);
         let limit = push.max_travel * push.max_travel;

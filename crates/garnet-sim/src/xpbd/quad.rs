@@ -4,7 +4,7 @@ use std::ops::{Add, AddAssign, Mul, Sub, SubAssign};
 
 use crate::Vector3;
 
-/// Four `f32`: a vector and a fourth number, or one number of four constraints.
+/// Four `f32`: a vector and a fourth number.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[repr(align(16))]
 pub(crate) struct Quad(pub(crate) [f32; 4]);
@@ -50,22 +50,6 @@ impl Quad {
             f(self.0[2], other.0[2]),
             f(self.0[3], other.0[3]),
         ])
-    }
-
-    #[inline(always)]
-    pub(crate) fn sqrt(self) -> Self {
-        Self(self.0.map(f32::sqrt))
-    }
-
-    #[inline(always)]
-    pub(crate) fn recip(self) -> Self {
-        Self(self.0.map(|value| 1.0 / value))
-    }
-
-    /// The x, y and z of four vectors, each gathered.
-    #[inline(always)]
-    pub(crate) fn transposed([a, b, c, d]: [Self; 4]) -> [Self; 3] {
-        [0, 1, 2].map(|axis| Self([a.0[axis], b.0[axis], c.0[axis], d.0[axis]]))
     }
 }
 

@@ -1,11 +1,11 @@
-//! Edges that resist changes of their length, four at a time.
+//! Edges that resist changes of their length, in blocks.
 
 use crate::Cloth;
 use crate::xpbd::coloring::colors;
 use crate::xpbd::particles::Particles;
 use crate::xpbd::quad::Quad;
 
-/// Springs in blocks of four that share no vertex.
+/// Springs in blocks that share no vertex.
 ///
 /// One projection of XPBD (Macklin, Müller and Chentanez 2016, equations 17 and 18) with a fresh
 /// multiplier a substep:
@@ -22,16 +22,19 @@ pub(crate) struct Springs {
 
 #[derive(Debug, Clone, Copy)]
 struct Block {
-    first: [u32; 4],
-    second: [u32; 4],
-    /// Base of the first vertex less that of the second `[axis]`, m.
-    spans: [Quad; 3],
+    first: [u32; WIDTH],
+    second: [u32; WIDTH],
+    /// Base of the first vertex less that of the second, m.
+    spans: [Quad; WIDTH],
     /// Rest lengths, m.
-    lengths: Quad,
+    lengths: [f32; WIDTH],
     /// Share of the correction that each vertex takes.
-    first_shares: Quad,
-    second_shares: Quad,
+    first_shares: [f32; WIDTH],
+    second_shares: [f32; WIDTH],
 }
+
+/// Springs of a block: loops over so many numbers become vector instructions.
+const WIDTH: usize = 16;
 
 /// Keeps a spring of no length from dividing by zero, m².
 const TINY_SQUARED: f32 = 1e-20;
@@ -44,20 +47,20 @@ impl Springs {
         let mut slots = Vec::with_capacity(springs.len() + 64);
         for color in colors(cloth.num_vertices(), edges) {
             slots.extend(color.into_iter().map(Some));
-            slots.resize(slots.len().next_multiple_of(4), None);
+            slots.resize(slots.len().next_multiple_of(WIDTH), None);
         }
-        let blocks = slots.chunks_exact(4).map(|slots| {
+        let blocks = slots.chunks_exact(WIDTH).map(|slots| {
             let vertex = |slot: usize, which: usize| match slots[slot] {
                 Some(spring) => springs[spring as usize].vertices[which],
                 None => [end, other_end][which],
             };
             Block {
-                first: [0, 1, 2, 3].map(|slot| vertex(slot, 0)),
-                second: [0, 1, 2, 3].map(|slot| vertex(slot, 1)),
-                spans: [Quad::ZERO; 3],
-                lengths: Quad::splat(1.0),
-                first_shares: Quad::ZERO,
-                second_shares: Quad::ZERO,
+                first: std::array::from_fn(|slot| vertex(slot, 0)),
+                second: std::array::from_fn(|slot| vertex(slot, 1)),
+                spans: [Quad::ZERO; WIDTH],
+                lengths: [1.0; WIDTH],
+                first_shares: [0.0; WIDTH],
+                second_shares: [0.0; WIDTH],
             }
         });
         Self {
@@ -75,9 +78,9 @@ impl Springs {
             let [first, second] = spring
                 .vertices
                 .map(|vertex| inverse_masses[vertex as usize]);
-            let block = &mut self.blocks[index / 4];
-            block.first_shares.0[index % 4] = first / (first + second + compliance);
-            block.second_shares.0[index % 4] = second / (first + second + compliance);
+            let block = &mut self.blocks[index / WIDTH];
+            block.first_shares[index % WIDTH] = first / (first + second + compliance);
+            block.second_shares[index % WIDTH] = second / (first + second + compliance);
         }
     }
 
@@ -85,7 +88,7 @@ impl Springs {
     pub(crate) fn set_lengths(&mut self, lengths: impl Fn(usize) -> f32) {
         for (index, slot) in self.slots.iter().enumerate() {
             if let Some(spring) = *slot {
-                self.blocks[index / 4].lengths.0[index % 4] = lengths(spring as usize);
+                self.blocks[index / WIDTH].lengths[index % WIDTH] = lengths(spring as usize);
             }
         }
     }
@@ -93,33 +96,33 @@ impl Springs {
     /// Takes over new bases.
     pub(crate) fn rebase(&mut self, bases: &[Quad]) {
         for block in &mut self.blocks {
-            let difference = |slot: usize| {
-                bases[block.first[slot] as usize] - bases[block.second[slot] as usize]
-            };
-            block.spans = Quad::transposed([0, 1, 2, 3].map(difference));
+            let ends = block.first.into_iter().zip(block.second);
+            for (span, (first, second)) in block.spans.iter_mut().zip(ends) {
+                *span = bases[first as usize] - bases[second as usize];
+            }
         }
     }
 
     /// Projects every spring once.
+    #[inline(never)]
     pub(crate) fn project(&self, offsets: &mut [Quad]) {
         for block in &self.blocks {
-            let first = block.first.map(|vertex| offsets[vertex as usize]);
-            let second = block.second.map(|vertex| offsets[vertex as usize]);
-            let [x, y, z] = Quad::transposed([
-                first[0] - second[0],
-                first[1] - second[1],
-                first[2] - second[2],
-                first[3] - second[3],
-            ]);
-            let [x, y, z] = [x + block.spans[0], y + block.spans[1], z + block.spans[2]];
-            let length = (x * x + y * y + z * z + Quad::splat(TINY_SQUARED)).sqrt();
-            let stretch = Quad::splat(1.0) - block.lengths * length.recip();
-            let to_first = stretch * block.first_shares;
-            let to_second = stretch * block.second_shares;
-            for slot in 0..4 {
-                let along = Quad([x.0[slot], y.0[slot], z.0[slot], 0.0]);
-                offsets[block.first[slot] as usize] = first[slot] - along * to_first.0[slot];
-                offsets[block.second[slot] as usize] = second[slot] + along * to_second.0[slot];
+            let mut along = block.spans;
+            for (slot, along) in along.iter_mut().enumerate() {
+                let [first, second] = [block.first[slot], block.second[slot]];
+                *along += offsets[first as usize] - offsets[second as usize];
+            }
+            let mut stretch = [0.0; WIDTH];
+            for (slot, stretch) in stretch.iter_mut().enumerate() {
+                let [x, y, z, _] = along[slot].0;
+                let length = (x * x + y * y + z * z + TINY_SQUARED).sqrt();
+                *stretch = 1.0 - block.lengths[slot] / length;
+            }
+            for slot in 0..WIDTH {
+                let [first, second] = [block.first[slot], block.second[slot]];
+                let correction = along[slot] * stretch[slot];
+                offsets[first as usize] -= correction * block.first_shares[slot];
+                offsets[second as usize] += correction * block.second_shares[slot];
             }
         }
     }
