@@ -86,7 +86,7 @@ fn product(criterion: &mut Criterion) {
     );
 }
 
-/// FeaStNet convolution of 128 to 128 channels with 8 heads.
+/// `FeaStNet` convolution of 128 to 128 channels with 8 heads.
 fn feast(criterion: &mut Criterion) {
     for size in SIZES {
         let adjacency = grid(size);

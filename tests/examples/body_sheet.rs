@@ -96,11 +96,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let cameras = [Camera::new(0.0, 0.06), Camera::left(), Camera::back()];
     for row in 0..meshes.len().div_ceil(COLUMNS) {
         for (side, camera) in cameras.into_iter().enumerate() {
-            for index in row * COLUMNS..(row + 1) * COLUMNS {
+            let names = captions
+                .iter()
+                .enumerate()
+                .skip(row * COLUMNS)
+                .take(COLUMNS);
+            for (index, name) in names {
                 let shown = vec![index];
                 views.push(View {
                     caption: if side == 0 {
-                        captions[index].clone()
+                        name.clone()
                     } else {
                         String::new()
                     },

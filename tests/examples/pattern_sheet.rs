@@ -47,10 +47,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let template = Template::new(kind, vertices.unwrap_or(5000))?;
         let mut parameters = kind.parameters();
         for word in rest {
-            if let Some((name, value)) = word.split_once('=') {
-                if parameters.get(name).is_ok() {
-                    parameters.set(name, value.parse()?)?;
-                }
+            if let Some((name, value)) = word.split_once('=')
+                && parameters.get(name).is_ok()
+            {
+                parameters.set(name, value.parse()?)?;
             }
         }
         let garment = template.sewn(&parameters, &cut, &wearer)?;

@@ -58,8 +58,10 @@ fn garments_start_around_every_body_without_a_crossing() {
             let garment = template.sewn(&parameters, cut, &wearer).unwrap();
             let cloth = Surface::new(&garment.start_mesh());
             let what = format!("{what} {} on body {index}", template.garment());
-            assert_eq!(cloth.intersections(&skin), [], "{what} crosses the body");
-            assert_eq!(cloth.self_intersections(), [], "{what} crosses itself");
+            let crossings = cloth.intersections(&skin).len();
+            assert_eq!(crossings, 0, "{what} crosses the body");
+            let crossings = cloth.self_intersections().len();
+            assert_eq!(crossings, 0, "{what} crosses itself");
         };
         for template in &templates {
             check(template, &wearer.measures, "made-to-measure");

@@ -247,7 +247,7 @@ impl Worst {
             1e3 * slowest,
             self.seconds
                 .iter()
-                .position(|time| time == slowest)
+                .position(|time| time >= slowest)
                 .unwrap_or(0)
         );
     }

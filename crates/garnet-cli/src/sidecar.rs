@@ -31,7 +31,7 @@ pub(crate) fn built_in(mesh: &TriMesh, path: &Path) -> anyhow::Result<Rig> {
             "it is the built-in body in a pose, and its skeleton at rest cannot be told from that"
                 .to_owned(),
         )),
-        _ => Err(refuse(format!(
+        Recognized::Stranger => Err(refuse(format!(
             "no `--rig` is given, there is no `{}`, and it is not the built-in body",
             rig_beside(path).display()
         ))),

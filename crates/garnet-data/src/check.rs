@@ -63,6 +63,14 @@ impl From<&DrapeReport> for SceneReport {
 }
 
 impl Limits {
+    /// Limits that no scene exceeds.
+    pub const NONE: Self = Self {
+        inside: u32::MAX,
+        strain_p99: f32::MAX,
+        moving: f32::MAX,
+        self_intersections: u32::MAX,
+    };
+
     /// The first limit that a scene exceeds: a short name, and what was measured.
     pub fn violation(&self, report: &SceneReport) -> Option<(&'static str, String)> {
         if report.inside > self.inside {
@@ -70,8 +78,8 @@ impl Limits {
             let reason = format!("{inside} vertices inside the body, up to {deepest:.1} mm");
             return Some(("penetration", reason));
         }
-        // Written so that NaN is refused, too.
-        if !(report.strain_p99 <= self.strain_p99) {
+        let is_beyond = |value: f32, limit: f32| value.is_nan() || value > limit;
+        if is_beyond(report.strain_p99, self.strain_p99) {
             let reason = format!(
                 "1 % of the edges are longer than at rest by more than {:.1} %",
                 100.0 * report.strain_p99
@@ -82,7 +90,7 @@ impl Limits {
             let reason = format!("{} pairs of triangles cross", report.self_intersections);
             return Some(("self-intersection", reason));
         }
-        if !(report.moving <= self.moving) {
+        if is_beyond(report.moving, self.moving) {
             let share = 100.0 * report.moving;
             let reason = format!("{share:.1} % of the vertices are faster than 5 mm/s");
             return Some(("unsettled", reason));

@@ -25,12 +25,8 @@ pub(crate) fn collider(body: &Body) -> Result<Collider, SimError> {
     collider.with_parts(of_faces.collect())
 }
 
-/// The parts that each vertex of a garment may touch, one bit a part: any but the limbs of the other
-/// side, for cloth that hangs on one limb.
-///
-/// Cloth of the trunk is pushed by arms and legs. A sleeve is not pushed by the other arm, nor a
-/// trouser leg by the other leg's far side: where limbs are pressed together the nearest skin would
-/// change between them from one refresh to the next.
+/// The parts that each vertex of a garment may touch, one bit a part: all, but for sleeves, which
+/// the other arm does not touch.
 pub(crate) fn allowed_parts(body: &Body, garment: &SkinWeights) -> Option<Vec<u32>> {
     let parts = parts_of_vertices(body).ok()?;
     let mut part_of_joint = vec![None; body.skeleton().num_joints()];
@@ -55,11 +51,10 @@ fn number(part: Part) -> u8 {
 /// The parts that cloth on a part may touch.
 fn neighbours(part: Part) -> u32 {
     let may_touch = |other: Part| match part {
-        Part::Trunk | Part::Head => true,
+        Part::Trunk | Part::Head | Part::Thigh(_) | Part::Shank(_) => true,
         Part::UpperArm(_) | Part::Forearm(_) => {
             !matches!(other, Part::UpperArm(_) | Part::Forearm(_)) || same_side(part, other)
         }
-        Part::Thigh(_) | Part::Shank(_) => true,
     };
     let all = Part::ALL.into_iter().filter(|&other| may_touch(other));
     all.fold(0, |mask, part| mask | 1 << number(part))

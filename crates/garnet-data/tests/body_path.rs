@@ -51,6 +51,8 @@ fn a_path_to_another_shape_ends_at_that_body_in_its_pose() {
     assert!(end < ROUNDING, "{end}");
 }
 
+const NUM_STEPS: usize = 100;
+
 #[test]
 fn a_path_has_no_jumps() {
     let built = common::body();
@@ -58,7 +60,6 @@ fn a_path_has_no_jumps() {
     let poser = Poser::new(body.skeleton()).unwrap();
     let pose = poser.pose(&key_pose("reach_high").unwrap().angles);
     let path = BodyPath::to_posed(body, &body.posed(&pose).unwrap());
-    const NUM_STEPS: usize = 100;
     let mut before = path.positions(0.0);
     for step in 1..=NUM_STEPS {
         let after = path.positions(step as f32 / NUM_STEPS as f32);

@@ -239,5 +239,5 @@ fn the_shirts_of_wang_2018_are_listed() {
     let manifest = manifest.unwrap();
     assert_eq!(manifest.scenes.len(), 2);
     assert_eq!(manifest.scenes[1].body_mesh, Path::new("BBB/body.obj"));
-    assert_eq!(manifest.scenes[0].parameters["p1"], 0.25);
+    assert!((manifest.scenes[0].parameters["p1"] - 0.25).abs() < 1e-12);
 }

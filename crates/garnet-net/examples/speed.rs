@@ -10,7 +10,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use burn::optim::{AdamConfig, GradientsParams, Optimizer};
+use burn::optim::{AdamConfig, GradientsParams};
 use burn::tensor::Device;
 use garnet_mesh::primitives::{capsule, tube};
 use garnet_mesh::vertex_normals;
@@ -27,7 +27,8 @@ const RUNS: usize = 7;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let text = |number: usize, other: &str| arguments.get(number).map_or(other, |text| text).to_owned();
+    let text =
+        |number: usize, other: &str| arguments.get(number).map_or(other, |text| text).to_owned();
     let num_vertices: usize = text(1, "10000").parse().unwrap();
     let num_points: usize = text(2, "6890").parse().unwrap();
     for preset in text(0, "paper,medium,small,light").split(',') {
@@ -91,7 +92,9 @@ fn time(preset: &str, num_vertices: usize, num_points: usize, case: Option<&str>
         let translations = predictor.translations();
         write_reference_case(path, &garment, &sampling, &scene, &translations).unwrap();
     }
-    let cost = config.cost(template.num_vertices(), body.num_vertices()).unwrap();
+    let cost = config
+        .cost(template.num_vertices(), body.num_vertices())
+        .unwrap();
     println!(
         "{preset}: {} vertices, {} points, {:.2} GFLOP, {:.2} M weights, {} threads: \
          predict {whole:.1} ms, network {network:.1} ms ({:.0} GFLOP/s), step {step:.1} ms, kept {:.0} MB",

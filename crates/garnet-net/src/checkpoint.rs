@@ -168,11 +168,15 @@ impl Checkpoint {
         };
         let numbers: BTreeMap<&str, TensorView<'_>> = tensors.iter().collect();
         let found = checksum(numbers.iter().map(|(name, view)| (*name, view.data())));
-        let expected = header.checksum.parse().unwrap_or(Fingerprint::of_bytes(&[]));
+        let expected = header
+            .checksum
+            .parse()
+            .unwrap_or(Fingerprint::of_bytes(&[]));
         if found != expected {
             return Err(altered(expected, found));
         }
-        let garment = header.garment.parse().map_err(|_| CheckpointError::Foreign {
+        let garment = header.garment.parse::<Fingerprint>().ok();
+        let garment = garment.ok_or_else(|| CheckpointError::Foreign {
             path: path.to_path_buf(),
             key: "garment",
         });
@@ -306,18 +310,24 @@ impl ModuleVisitor for Tensors {
         let tensor = param.val();
         let shape = tensor.dims().to_vec();
         let data = tensor.into_data().convert_dtype(DType::F32);
-        let numbers: Vec<f32> = data.into_vec().expect("the data was converted to f32");
+        let numbers: Vec<f32> = data.try_into_vec().expect("the data was converted to f32");
         let (dtype, bytes, is_finite) = match self.precision {
             Precision::F32 => (
                 Dtype::F32,
-                numbers.iter().flat_map(|value| value.to_le_bytes()).collect(),
+                numbers
+                    .iter()
+                    .flat_map(|value| value.to_le_bytes())
+                    .collect(),
                 numbers.iter().all(|value| value.is_finite()),
             ),
             Precision::F16 => {
                 let halves: Vec<f16> = numbers.into_iter().map(f16::from_f32).collect();
                 (
                     Dtype::F16,
-                    halves.iter().flat_map(|value| value.to_le_bytes()).collect(),
+                    halves
+                        .iter()
+                        .flat_map(|value| value.to_le_bytes())
+                        .collect(),
                     halves.iter().all(|value| value.is_finite()),
                 )
             }

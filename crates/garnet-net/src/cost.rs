@@ -35,9 +35,8 @@ impl GarNetConfig {
         let garment = GarmentGraph::new(&TriMesh::new(vertices, vec![[0, 1, 2]])?, &[])?;
         let sampling = BodySampling::new(&points, None, &self.pooling)?;
         let scene = crate::Scene::of_extent(config, &garment, &sampling)?;
-        let matrix = |values: &[f32], columns: usize| -> Extent {
-            [values.len() / columns, columns]
-        };
+        let matrix =
+            |values: &[f32], columns: usize| -> Extent { [values.len() / columns, columns] };
         let inputs = Inputs::new(config, &garment, &sampling, &scene, matrix);
         net.run(&engine, &inputs);
         Ok(Cost {

@@ -30,7 +30,10 @@ impl GarmentGraph {
     /// [`NetError::NotFinite`] for a sewing parameter that is no number, [`NetError::Kernel`] for
     /// more edges than can be numbered.
     pub fn new(template: &TriMesh, sewing_parameters: &[f32]) -> Result<Self, NetError> {
-        if let Some(index) = sewing_parameters.iter().position(|value| !value.is_finite()) {
+        if let Some(index) = sewing_parameters
+            .iter()
+            .position(|value| !value.is_finite())
+        {
             return Err(NetError::NotFinite {
                 what: "sewing parameter",
                 index,
@@ -146,8 +149,8 @@ mod tests {
 
     #[test]
     fn rings_reach_across_seams() {
-        let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]
-            .map(|[x, y]| Point3::new(x, y, 0.0));
+        let [a, b, c, d] =
+            [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));
         let mesh = TriMesh::new(vec![a, b, c, b, d, c], vec![[0, 1, 2], [3, 4, 5]]).unwrap();
         let graph = GarmentGraph::new(&mesh, &[]).unwrap();
         assert_eq!(graph.rings().neighbors(1), [1, 0, 2, 4]);

@@ -35,6 +35,8 @@
 //! # Ok::<(), garnet_net::NetError>(())
 //! ```
 
+#![allow(clippy::doc_markdown, reason = "FeaStNet and PyTorch are names")]
+
 mod body_sampling;
 pub mod checkpoint;
 mod config;

@@ -70,7 +70,9 @@ fn numbers<'a>(name: &'a str, values: &[f32], rows: usize) -> Array<'a> {
 
 fn indices<'a>(name: &'a str, values: &[u32], rows: usize) -> Array<'a> {
     let shape = vec![rows, values.len() / rows.max(1)];
-    let values = values.iter().flat_map(|&value| i64::from(value).to_le_bytes());
+    let values = values
+        .iter()
+        .flat_map(|&value| i64::from(value).to_le_bytes());
     (name, Dtype::I64, shape, values.collect())
 }
 

@@ -301,7 +301,10 @@ fn check(
     ];
     for (what, found, expected) in counts {
         // More than is asked for is harmless; it is just not looked at.
-        let is_optional = matches!(what, "normals of the body" | "skinning rotations" | "parameters");
+        let is_optional = matches!(
+            what,
+            "normals of the body" | "skinning rotations" | "parameters"
+        );
         if found != expected && !(expected == 0 && is_optional) {
             return Err(NetError::Count {
                 what,
@@ -315,12 +318,21 @@ fn check(
     };
     points("garment vertex", input.warped)?;
     points("body point", input.body)?;
-    first_stray("body normal", normals.iter().map(|normal| normal.as_slice()))?;
+    first_stray(
+        "body normal",
+        normals.iter().map(|normal| normal.as_slice()),
+    )?;
     let turns = rotations.iter().map(|turn| turn.coords.as_slice());
     first_stray("skinning rotation", turns)?;
-    first_stray("parameter", input.parameters.iter().map(std::slice::from_ref))?;
+    first_stray(
+        "parameter",
+        input.parameters.iter().map(std::slice::from_ref),
+    )?;
     let root = input.world_from_root;
-    let root = [root.translation.vector.as_slice(), root.rotation.coords.as_slice()];
+    let root = [
+        root.translation.vector.as_slice(),
+        root.rotation.coords.as_slice(),
+    ];
     first_stray("root transform", root)
 }
 

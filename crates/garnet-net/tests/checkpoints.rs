@@ -6,9 +6,7 @@ use std::path::Path;
 
 use burn::tensor::Device;
 use garnet_mesh::primitives::{grid, tube};
-use garnet_net::{
-    Checkpoint, CheckpointError, GarNetConfig, GarmentGraph, NetError, Precision,
-};
+use garnet_net::{Checkpoint, CheckpointError, GarNetConfig, GarmentGraph, NetError, Precision};
 
 fn checkpoint() -> (Checkpoint, GarmentGraph) {
     let garment = GarmentGraph::new(&tube(0.2, 0.4, 12, 8), &[]).unwrap();
@@ -61,7 +59,10 @@ fn half_precision_halves_the_file() {
 fn another_garment_is_not_accepted() {
     let (checkpoint, _) = checkpoint();
     let other = GarmentGraph::new(&grid(3, 3, [1.0, 1.0]), &[]).unwrap();
-    assert!(matches!(checkpoint.accepts(&other), Err(NetError::OtherGarment { .. })));
+    assert!(matches!(
+        checkpoint.accepts(&other),
+        Err(NetError::OtherGarment { .. })
+    ));
 }
 
 #[test]
@@ -74,7 +75,10 @@ fn a_file_cut_short_anywhere_is_refused() {
     for len in [0, 5, 100, bytes.len() / 2, bytes.len() - 1] {
         fs::write(&path, &bytes[..len]).unwrap();
         let error = load(&path).unwrap_err();
-        assert!(matches!(error, CheckpointError::NotSafetensors { .. }), "{error}");
+        assert!(
+            matches!(error, CheckpointError::NotSafetensors { .. }),
+            "{error}"
+        );
         assert!(error.to_string().contains("cut.safetensors"));
     }
 }
@@ -99,13 +103,19 @@ fn foreign_files_and_other_versions_are_refused() {
     fs::write(&path, b"\x02\0\0\0\0\0\0\0{}").unwrap();
     assert!(matches!(load(&path), Err(CheckpointError::Foreign { .. })));
     fs::write(&path, b"# an OBJ file\nv 0 0 0\n").unwrap();
-    assert!(matches!(load(&path), Err(CheckpointError::NotSafetensors { .. })));
+    assert!(matches!(
+        load(&path),
+        Err(CheckpointError::NotSafetensors { .. })
+    ));
 
     let (checkpoint, _) = checkpoint();
     checkpoint.save(&path, Precision::F32).unwrap();
     let bytes = fs::read(&path).unwrap();
     let text = b"garnet-weights/1";
-    let at = bytes.windows(text.len()).position(|window| window == text).unwrap();
+    let at = bytes
+        .windows(text.len())
+        .position(|window| window == text)
+        .unwrap();
     let mut newer = bytes.clone();
     newer[at + text.len() - 1] = b'9';
     fs::write(&path, &newer).unwrap();
@@ -115,10 +125,16 @@ fn foreign_files_and_other_versions_are_refused() {
 
     // Another width than the weights have.
     let text = br#"\"heads\":4"#;
-    let at = bytes.windows(text.len()).position(|window| window == text).unwrap();
+    let at = bytes
+        .windows(text.len())
+        .position(|window| window == text)
+        .unwrap();
     let mut wider = bytes.clone();
     wider[at + text.len() - 1] = b'5';
     fs::write(&path, &wider).unwrap();
     assert!(matches!(load(&path), Err(CheckpointError::Tensor { .. })));
-    assert!(matches!(load(&folder.path().join("none")), Err(CheckpointError::Io { .. })));
+    assert!(matches!(
+        load(&folder.path().join("none")),
+        Err(CheckpointError::Io { .. })
+    ));
 }

@@ -1,10 +1,10 @@
 //! The machinery learns: a small network comes to know a few scenes by heart.
 
-use burn::optim::{AdamConfig, GradientsParams, Optimizer};
+use burn::optim::{AdamConfig, GradientsParams};
 use burn::tensor::{Device, TensorData};
 use garnet_mesh::primitives::{icosphere, tube};
 use garnet_mesh::{Point3, TriMesh, Vector3, vertex_normals};
-use garnet_net::losses::{LossBody, LossConfig, LossTarget, Losses, Term};
+use garnet_net::losses::{LossBody, LossConfig, LossTarget, Losses};
 use garnet_net::{
     BodySampling, Frame, GarNet, GarNetConfig, GarmentGraph, Predictor, Scene, SceneInput, Variant,
     surrogate,
@@ -67,7 +67,7 @@ impl School {
             let mut total = 0.0;
             for (scene, target, body) in &prepared {
                 let output = net.forward(&self.garment, &self.sampling, scene, &device);
-                let translations: Vec<f32> = output.to_data().into_vec().unwrap();
+                let translations: Vec<f32> = output.to_data().try_into_vec().unwrap();
                 let predicted = scene.moved(&translations).unwrap();
                 let report = self.losses.evaluate(&predicted, target, body).unwrap();
                 total += report.total();
@@ -120,7 +120,10 @@ fn example(template: &TriMesh, number: f32) -> Example {
     };
     let rotations: Vec<_> = template.positions().iter().map(turn).collect();
     let placed = template.positions().iter().zip(&rotations);
-    let warped: Vec<Point3> = placed.clone().map(|(place, turn)| turn * place * size).collect();
+    let warped: Vec<Point3> = placed
+        .clone()
+        .map(|(place, turn)| turn * place * size)
+        .collect();
     let fold = |place: &Point3| {
         let outward = Vector3::new(place.x, 0.0, place.z) / 0.2;
         let depth = 0.01 * (12.0 * place.y + 3.0 * place.x / 0.2 + number).sin();
@@ -143,14 +146,20 @@ fn a_tiny_network_learns_four_scenes_by_heart() {
     let (net, totals) = school.train(150);
     let [error, of_warp] = school.errors(net);
     println!("loss {:.2e} to {:.2e}", totals[0], totals[149]);
-    println!("error {:.2} mm, of the warp {:.2} mm", error * 1e3, of_warp * 1e3);
+    println!(
+        "error {:.2} mm, of the warp {:.2} mm",
+        error * 1e3,
+        of_warp * 1e3
+    );
     assert!(error < 1e-3 && error < 0.15 * of_warp);
 }
 
 #[test]
 fn every_variant_learns_something() {
     for variant in [Variant::Naive, Variant::Global, Variant::Local] {
-        let mut config = GarNetConfig::preset("tiny").unwrap().with_variant(variant, 0);
+        let mut config = GarNetConfig::preset("tiny")
+            .unwrap()
+            .with_variant(variant, 0);
         config.frame = Frame::Root;
         let loss = LossConfig::fine_tune_rq();
         let school = School::new(config, &loss, 2);
@@ -166,7 +175,10 @@ fn two_trainings_from_one_seed_are_one() {
     let config = GarNetConfig::preset("tiny").unwrap();
     let school = School::new(config, &LossConfig::paper(), 2);
     let with_threads = |count: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(count)
+            .build()
+            .unwrap();
         pool.install(|| school.train(4).1)
     };
     let once = with_threads(1);
@@ -187,15 +199,24 @@ fn derivatives_of_the_whole_network_agree_with_differences() {
         .collect();
     let value = |net: &GarNet| -> f64 {
         let output = net.forward(&school.garment, &school.sampling, &scene, &device);
-        let output: Vec<f32> = output.to_data().into_vec().unwrap();
-        output.iter().zip(&weights).map(|(a, b)| f64::from(a * b)).sum()
+        let output: Vec<f32> = output.to_data().try_into_vec().unwrap();
+        output
+            .iter()
+            .zip(&weights)
+            .map(|(a, b)| f64::from(a * b))
+            .sum()
     };
     let output = net.forward(&school.garment, &school.sampling, &scene, &device);
     let gradients = surrogate(output, weights.clone()).backward();
     let mut gradients = GradientsParams::from_grads(gradients, &net);
     // A step along the derivative changes the value by the squared length of the derivative.
     let mut squared = 0.0;
-    let mut walker = Walker { gradients: &mut gradients, squared: &mut squared, step: 0.0, device: &device };
+    let mut walker = Walker {
+        gradients: &mut gradients,
+        squared: &mut squared,
+        step: 0.0,
+        device: &device,
+    };
     let _ = walk(net.clone(), &mut walker);
     let step = 1e-3 / squared.sqrt();
     let moved = |sign: f64| {
@@ -212,7 +233,10 @@ fn derivatives_of_the_whole_network_agree_with_differences() {
         value(&walk(net.clone(), &mut walker))
     };
     let slope = (moved(1.0) - moved(-1.0)) / (2.0 * step);
-    assert!((slope / squared - 1.0).abs() < 2e-2, "{slope} and {squared}");
+    assert!(
+        (slope / squared - 1.0).abs() < 2e-2,
+        "{slope} and {squared}"
+    );
 }
 
 /// Moves all weights along their derivatives.
@@ -237,11 +261,14 @@ impl burn::module::ModuleMapper for Walker<'_> {
             return param;
         };
         let shape = gradient.dims();
-        let gradient: Vec<f32> = gradient.into_data().into_vec().unwrap();
-        *self.squared += gradient.iter().map(|value| f64::from(value * value)).sum::<f64>();
+        let gradient: Vec<f32> = gradient.into_data().try_into_vec().unwrap();
+        *self.squared += gradient
+            .iter()
+            .map(|value| f64::from(value * value))
+            .sum::<f64>();
         let (step, device) = (self.step as f32, self.device);
         param.map(|tensor| {
-            let numbers: Vec<f32> = tensor.into_data().into_vec().unwrap();
+            let numbers: Vec<f32> = tensor.into_data().try_into_vec().unwrap();
             let moved = numbers.iter().zip(&gradient).map(|(a, b)| a + step * b);
             let data = TensorData::new(moved.collect::<Vec<f32>>(), shape);
             burn::tensor::Tensor::from_data(data, device).require_grad()

@@ -221,7 +221,7 @@ impl<'a> BodyOnWay<'a> {
 
     /// Asks the motion where the body is at the end of a frame.
     fn begin_frame(&mut self, frame: u32) -> Result<(), SimError> {
-        if frame % FRAMES_OF_FOLDS == 0 {
+        if frame.is_multiple_of(FRAMES_OF_FOLDS) {
             self.skin.find_folds();
         }
         self.time = eased((frame + 1) as f32 / self.motion_frames as f32);

@@ -113,6 +113,10 @@ impl Energy {
 impl Strain {
     /// The strain of `cloth` at `positions` `[vertex]`, without ribs and waistbands; of these alone
     /// if there is nothing else.
+    ///
+    /// # Panics
+    ///
+    /// Never: cloth has an edge.
     pub fn of(cloth: &Cloth, positions: &[Point3]) -> Self {
         let strain = Self::where_shrunk(cloth, positions, false);
         strain
@@ -279,6 +283,6 @@ mod tests {
         after[0].x = 0.001;
         let speeds = Speeds::between(&before, &after, 0.1);
         assert!((speeds.max - 0.01).abs() < 1e-6);
-        assert_eq!(speeds.share_moving, 0.25);
+        assert!((speeds.share_moving - 0.25).abs() < 1e-6);
     }
 }

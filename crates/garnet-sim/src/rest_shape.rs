@@ -120,7 +120,7 @@ fn collect(
             sides: sides.map(|side| factor * side),
             area: factor * factor * area,
             cut_area: area,
-            is_shrunk: factor != 1.0,
+            is_shrunk: (factor - 1.0).abs() > f32::EPSILON,
         });
     }
     Ok(rest)

@@ -132,7 +132,7 @@ impl Schedule {
             max_speed: 8.0,
             max_push_speed: 0.2,
             gravity: STANDARD_GRAVITY,
-            self_contact: SelfContact::Repulsion(0.7),
+            self_contact: SelfContact::Repulsion(0.75),
         }
     }
 

@@ -162,11 +162,11 @@ impl<'a> Solver<'a> {
         };
         let friction = self.cloth.fabric().friction;
         self.kinetic += self.particles.fly(push);
-        if self.damping == Damping::Kinetic && self.substep % self.window == 0 {
+        if self.damping == Damping::Kinetic && self.substep.is_multiple_of(self.window) {
             self.damp(push);
         }
         self.springs.project(&mut self.particles.offsets);
-        if self.substep % schedule.bending_interval == 0 {
+        if self.substep.is_multiple_of(schedule.bending_interval) {
             self.bending.project(&mut self.particles.offsets);
         }
         self.substep += 1;

@@ -33,6 +33,9 @@ pub(crate) struct DatasetArgs {
     /// Who wears what [default: made-to-measure for jeans, one-size for all else].
     #[arg(long, value_name = "SIZING")]
     pub(crate) sizing: Option<SizingName>,
+    /// Keep the scenes that the checks would reject, to look at them.
+    #[arg(long)]
+    pub(crate) keep_all: bool,
     /// Make the K-th of N parts of the data set, each on a machine of its own.
     #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = part)]
     pub(crate) shard: (u32, u32),
@@ -89,10 +92,9 @@ impl DatasetArgs {
     pub(crate) fn sizing(&self, package: &GarmentPackage) -> Sizing {
         let pattern = package.manifest.pattern.as_ref();
         match self.sizing {
-            Some(SizingName::OneSize) => Sizing::OneSize,
             Some(SizingName::MadeToMeasure) => Sizing::MadeToMeasure,
             None if pattern.is_some_and(|pattern| pattern.kind == "jeans") => Sizing::MadeToMeasure,
-            None => Sizing::OneSize,
+            Some(SizingName::OneSize) | None => Sizing::OneSize,
         }
     }
 }

@@ -62,7 +62,11 @@ fn make(args: &DatasetArgs, package: &GarmentPackage, console: &Console) -> anyh
         poses: args.poses,
         quality: args.quality.quality(),
         sizing: args.sizing(package),
-        limits: Limits::default(),
+        limits: if args.keep_all {
+            Limits::NONE
+        } else {
+            Limits::default()
+        },
         part: args.shard,
         threads: rayon::current_num_threads(),
     };
@@ -112,7 +116,7 @@ fn take(
     };
     let bar = console.progress(scenes.scenes.len());
     import(package, &scenes, base, &args.output, &mut |done| {
-        bar.set_position(done as u64)
+        bar.set_position(done as u64);
     })?;
     bar.finish_and_clear();
     Ok(())

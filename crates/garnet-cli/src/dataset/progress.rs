@@ -12,7 +12,7 @@ use indicatif::ProgressBar;
 use crate::console::Console;
 
 /// Without a terminal a line is written this often.
-const BETWEEN_LINES: Duration = Duration::from_secs(60);
+const BETWEEN_LINES: Duration = Duration::from_mins(1);
 
 /// Counts scenes, draws a bar on a terminal and writes a line a minute elsewhere.
 pub(super) struct Progress<'a> {

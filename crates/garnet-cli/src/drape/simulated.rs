@@ -35,13 +35,12 @@ impl Teaching {
             Source::Scene(_) => None,
         };
         let package = package.map(GarmentPackage::read).transpose()?;
-        let (rest, fabric) = match package {
-            Some(package) => (package.rest, package.manifest.fabric),
-            None => {
-                let worn = bound.garment.mesh().positions().to_vec();
-                let cotton = StoredFabric::new("cotton", &Fabric::cotton());
-                (RestShape::Worn(worn), cotton)
-            }
+        let (rest, fabric) = if let Some(package) = package {
+            (package.rest, package.manifest.fabric)
+        } else {
+            let worn = bound.garment.mesh().positions().to_vec();
+            let cotton = StoredFabric::new("cotton", &Fabric::cotton());
+            (RestShape::Worn(worn), cotton)
         };
         let fabric = simulation.fabric.clone().unwrap_or(fabric);
         let cloth = bound.garment.cloth().clone();

@@ -38,7 +38,7 @@ pub(crate) fn run(args: &GarmentArgs, console: &Console) -> anyhow::Result<ExitS
     };
     output::make_folder(folder)?;
     let written = package.write(folder)?;
-    let report = GarmentReport::new(&package, &written, start.elapsed())?;
+    let report = GarmentReport::new(&package, &written, start.elapsed());
     if console.is_json() {
         print_document(&report)?;
     }
@@ -55,16 +55,13 @@ fn cut(args: &PatternArgs) -> anyhow::Result<GarmentPackage> {
         Some(name) => fabric(name)?,
         None => usual_fabric(kind),
     };
-    let (body, parameters) = match &common.body {
-        Some(path) => (own::read(path, None)?.0, None),
-        None => {
-            let parameters = default_rest_body();
-            let stored = StoredParameters::from(&parameters);
-            (
-                ParametricBody::build(&parameters)?.into_body(),
-                Some(stored),
-            )
-        }
+    let (body, parameters) = if let Some(path) = &common.body {
+        (own::read(path, None)?.0, None)
+    } else {
+        let parameters = default_rest_body();
+        let stored = StoredParameters::from(&parameters);
+        let built = ParametricBody::build(&parameters)?;
+        (built.into_body(), Some(stored))
     };
     let wearer = wearer_of(&body).transpose()?.ok_or_else(|| {
         refused(

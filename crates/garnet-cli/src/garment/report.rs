@@ -21,13 +21,9 @@ pub(crate) struct GarmentReport {
 }
 
 impl GarmentReport {
-    pub(crate) fn new(
-        package: &GarmentPackage,
-        written: &[PathBuf],
-        time: Duration,
-    ) -> anyhow::Result<Self> {
+    pub(crate) fn new(package: &GarmentPackage, written: &[PathBuf], time: Duration) -> Self {
         let found = penetration(package.mesh.positions(), package.body.skin());
-        Ok(Self {
+        Self {
             schema: "garnet.garment/1",
             name: package.manifest.name.clone(),
             written: written
@@ -40,7 +36,7 @@ impl GarmentReport {
             inside: found.inside,
             deepest_m: found.deepest,
             seconds: time.as_secs_f64(),
-        })
+        }
     }
 }
 

@@ -321,7 +321,7 @@ impl Job<'_> {
             let mut piece = Shard::new(task.split);
             piece.bodies.push(dressed.record(task.body));
             let time = start.elapsed() + std::mem::take(&mut fitting);
-            let event = self.keep(task, pose, outcome, &mut piece, time);
+            let event = keep(task, pose, outcome, &mut piece, time);
             piece.write(
                 &self.layout.piece(task.split, task.body, pose),
                 self.dataset,
@@ -329,46 +329,6 @@ impl Job<'_> {
             (self.observer)(event);
         }
         Ok(())
-    }
-
-    fn keep(
-        &self,
-        task: &Task,
-        pose: u32,
-        outcome: Outcome,
-        piece: &mut Shard,
-        time: Duration,
-    ) -> DatasetEvent {
-        let split = task.split;
-        match outcome {
-            Outcome::Accepted(scene) => {
-                piece.scenes.push(SceneRecord {
-                    body: task.body,
-                    pose,
-                    ..*scene
-                });
-                DatasetEvent::Accepted { split, time }
-            }
-            Outcome::Rejected {
-                sequence,
-                kind,
-                reason,
-            } => {
-                let rejection = Rejection {
-                    body: task.body,
-                    pose,
-                    sequence,
-                    kind: kind.to_owned(),
-                    reason,
-                };
-                piece.rejections.push(rejection.clone());
-                DatasetEvent::Rejected {
-                    split,
-                    rejection,
-                    time,
-                }
-            }
-        }
     }
 
     /// Makes a shard of its scenes, and removes these.
@@ -390,5 +350,45 @@ impl Job<'_> {
             fs::remove_file(path).map_err(|source| DataError::folder(path, source))?;
         }
         Ok(())
+    }
+}
+
+/// Puts what became of a scene into its file.
+fn keep(
+    task: &Task,
+    pose: u32,
+    outcome: Outcome,
+    piece: &mut Shard,
+    time: Duration,
+) -> DatasetEvent {
+    let split = task.split;
+    match outcome {
+        Outcome::Accepted(scene) => {
+            piece.scenes.push(SceneRecord {
+                body: task.body,
+                pose,
+                ..*scene
+            });
+            DatasetEvent::Accepted { split, time }
+        }
+        Outcome::Rejected {
+            sequence,
+            kind,
+            reason,
+        } => {
+            let rejection = Rejection {
+                body: task.body,
+                pose,
+                sequence,
+                kind: kind.to_owned(),
+                reason,
+            };
+            piece.rejections.push(rejection.clone());
+            DatasetEvent::Rejected {
+                split,
+                rejection,
+                time,
+            }
+        }
     }
 }

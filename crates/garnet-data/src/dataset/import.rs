@@ -17,7 +17,7 @@ use super::shard::{Layout, Shard};
 use crate::{DataError, GarmentPackage, Limits};
 
 /// What this version reads.
-pub const IMPORT_SCHEMA: &str = "garnet.import/1";
+pub(super) const IMPORT_SCHEMA: &str = "garnet.import/1";
 
 /// Bodies in a shard.
 const BODIES_PER_SHARD: usize = 10;
@@ -26,7 +26,7 @@ const BODIES_PER_SHARD: usize = 10;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImportManifest {
-    /// [`IMPORT_SCHEMA`].
+    /// `garnet.import/1`.
     pub schema: String,
     /// Unit of all meshes: m, dm, cm or mm.
     pub units: String,
@@ -126,17 +126,16 @@ impl ImportManifest {
 /// The numbers of the last line, as `p0`, `p1`, ….
 fn shirt_parameters(path: &Path) -> Result<BTreeMap<String, f64>, DataError> {
     let text = fs::read_to_string(path).map_err(|source| DataError::read(path, source))?;
-    let line = text
-        .lines()
-        .filter(|line| !line.trim().is_empty())
-        .next_back();
+    let line = text.lines().rfind(|line| !line.trim().is_empty());
     let words = line.unwrap_or_default().split_whitespace().enumerate();
     words
         .map(|(index, word)| {
-            let value = word.parse().map_err(|_| DataError::Text {
-                path: path.to_path_buf(),
-                reason: format!("line {}: `{word}` is no number", text.lines().count()),
-            })?;
+            let value =
+                word.parse()
+                    .map_err(|error: std::num::ParseFloatError| DataError::Text {
+                        path: path.to_path_buf(),
+                        reason: format!("line {}: `{word}`: {error}", text.lines().count()),
+                    })?;
             Ok((format!("p{index}"), value))
         })
         .collect()

@@ -63,7 +63,11 @@ impl From<&BodyParameters> for StoredParameters {
 }
 
 impl StoredParameters {
-    /// The parameters, or the name of the measure that there is not.
+    /// The parameters.
+    ///
+    /// # Errors
+    ///
+    /// The name of the measure that there is not.
     pub fn parameters(&self) -> Result<BodyParameters, String> {
         let mut parameters = BodyParameters::new(self.sex);
         if let Some(bmi) = self.bmi {

@@ -1,4 +1,8 @@
 //! `L_MC`: mean-curvature normals.
+#![allow(
+    clippy::needless_range_loop,
+    reason = "corners and vertices index several arrays"
+)]
 
 use garnet_mesh::Topology;
 
@@ -33,9 +37,12 @@ impl TargetCurvature {
         let is_usable: Vec<bool> = (curved.areas.iter().enumerate())
             .map(|(vertex, &area)| area > min_area && !topology.is_boundary(vertex))
             .collect();
-        let normals = (0..places.len()).map(|vertex| match is_usable[vertex] {
-            true => curved.sums[vertex] / curved.areas[vertex],
-            false => Place::zeros(),
+        let normals = (0..places.len()).map(|vertex| {
+            if is_usable[vertex] {
+                curved.sums[vertex] / curved.areas[vertex]
+            } else {
+                Place::zeros()
+            }
         });
         Self {
             normals: normals.collect(),

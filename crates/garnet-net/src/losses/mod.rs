@@ -152,7 +152,9 @@ impl Losses {
                 weight,
             });
         }
-        let gradient = sums.iter().map(|sum| Vector3::new(sum.x as f32, sum.y as f32, sum.z as f32));
+        let gradient = sums
+            .iter()
+            .map(|sum| Vector3::new(sum.x as f32, sum.y as f32, sum.z as f32));
         Ok(LossReport {
             values,
             gradient: gradient.collect(),

@@ -59,11 +59,7 @@ pub(crate) fn gravity_loss(
 /// ```
 ///
 /// Source: the bending term of *Bertiche et al. 2021 (PBNS)*.
-pub(crate) fn fold_loss(
-    predicted: &[Place],
-    hinges: &[Hinge],
-    gradient: &mut Gradient<'_>,
-) -> f64 {
+pub(crate) fn fold_loss(predicted: &[Place], hinges: &[Hinge], gradient: &mut Gradient<'_>) -> f64 {
     let share = 1.0 / hinges.len().max(1) as f64;
     let mut sum = 0.0;
     for hinge in hinges {

@@ -43,7 +43,9 @@ pub(crate) fn rayleigh_quotients(places: &[Place], hoods: &Neighborhoods) -> Vec
     let quotients = rows.flat_map_iter(|rows| {
         rows.chunks_exact(hoods.size).map(|hood| {
             let spread = spread(places, hood);
-            spread.extremes.map_or([0.0; 2], |extremes| extremes.map(|extreme| extreme.0))
+            spread
+                .extremes
+                .map_or([0.0; 2], |extremes| extremes.map(|extreme| extreme.0))
         })
     });
     quotients.collect()
@@ -76,7 +78,8 @@ pub(crate) fn rayleigh_loss(
         |((slots, rows), (targets, values))| {
             let slots = slots.chunks_exact_mut(hoods.size);
             let rows = rows.chunks_exact(hoods.size);
-            for ((slots, hood), (target, value)) in slots.zip(rows).zip(targets.iter().zip(values)) {
+            for ((slots, hood), (target, value)) in slots.zip(rows).zip(targets.iter().zip(values))
+            {
                 *value = differentiate(&spread(predicted, hood), *target, share, slots);
             }
         },

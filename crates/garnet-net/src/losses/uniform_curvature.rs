@@ -14,7 +14,10 @@ use super::gradient::{Gradient, Place};
 pub(crate) fn uniform_curvatures(places: &[Place], topology: &Topology) -> Vec<Place> {
     let curvature = |(vertex, place): (usize, &Place)| {
         let ring = topology.neighbors(vertex);
-        let sum: Place = ring.iter().map(|&other| places[other as usize] - place).sum();
+        let sum: Place = ring
+            .iter()
+            .map(|&other| places[other as usize] - place)
+            .sum();
         sum / ring.len().max(1) as f64
     };
     places.iter().enumerate().map(curvature).collect()

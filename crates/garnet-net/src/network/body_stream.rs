@@ -61,7 +61,9 @@ impl BodyStream {
         let features = self.first.forward(engine, &inputs);
         inputs.insert(0, &features);
         let points = self.second.forward(engine, &inputs);
-        let lifted = self.global.forward(engine, &[&points], Activation::LeakyRelu);
+        let lifted = self
+            .global
+            .forward(engine, &[&points], Activation::LeakyRelu);
         let global = engine.call(Op::GlobalMax, &[&lifted]);
         BodyFeatures { points, global }
     }

@@ -44,6 +44,7 @@ impl Fusion {
     /// - output: `[vertex, 3]`
     pub(crate) fn forward<E: Engine>(&self, engine: &E, parts: &[&E::Matrix]) -> E::Matrix {
         let features = self.hidden.forward(engine, parts);
-        self.translation.forward(engine, &[&features], Activation::None)
+        self.translation
+            .forward(engine, &[&features], Activation::None)
     }
 }

@@ -75,14 +75,18 @@ impl GarmentStream {
         let mut parts = vec![&turned];
         parts.extend(inputs);
         let points = self.points.forward(engine, &parts);
-        let joined = self.input.forward(engine, &[&points, body], Activation::LeakyRelu);
+        let joined = self
+            .input
+            .forward(engine, &[&points, body], Activation::LeakyRelu);
         let mut features = joined.clone();
         let mut stages = vec![points, joined];
         for block in &self.blocks {
             features = block.forward(engine, mesh, &features);
             stages.push(features.clone());
         }
-        let lifted = self.global.forward(engine, &[&features], Activation::LeakyRelu);
+        let lifted = self
+            .global
+            .forward(engine, &[&features], Activation::LeakyRelu);
         let global = engine.call(Op::GlobalMax, &[&lifted]);
         GarmentFeatures { stages, global }
     }

@@ -23,11 +23,7 @@ pub(crate) struct Mesh<'a, M> {
 }
 
 impl<'a, M> Mesh<'a, M> {
-    pub(crate) fn new(
-        config: &GarNetConfig,
-        adjacency: &'a Arc<Adjacency>,
-        places: &'a M,
-    ) -> Self {
+    pub(crate) fn new(config: &GarNetConfig, adjacency: &'a Arc<Adjacency>, places: &'a M) -> Self {
         Self {
             adjacency,
             places,

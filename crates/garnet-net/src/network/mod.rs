@@ -64,7 +64,9 @@ impl GarNetConfig {
             fused += self.body.second.last().copied().unwrap_or(0);
         }
         Ok(GarNet {
-            body: self.has_body_stream().then(|| BodyStream::new(self, source)),
+            body: self
+                .has_body_stream()
+                .then(|| BodyStream::new(self, source)),
             parameters,
             garment: GarmentStream::new(self, body_global, source),
             fusion: Fusion::new(fused, &self.fusion, source),

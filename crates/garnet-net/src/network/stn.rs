@@ -23,11 +23,7 @@ impl Stn {
         Self {
             points: SharedMlp::new(3, &config.points, source),
             head: SharedMlp::new(pooled, &config.head, source),
-            matrix: SharedLinear::silent(
-                config.head.last().copied().unwrap_or(pooled),
-                9,
-                source,
-            ),
+            matrix: SharedLinear::silent(config.head.last().copied().unwrap_or(pooled), 9, source),
         }
     }
 

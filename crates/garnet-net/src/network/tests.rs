@@ -61,7 +61,9 @@ impl Stage {
 /// A network whose last layer is not silent.
 fn awake(config: &GarNetConfig) -> GarNet {
     let mut net = config.init(5, &Device::flex()).unwrap();
-    net.fusion = net.fusion.awake(&mut super::WeightSource::new(6, &Device::flex()));
+    net.fusion = net
+        .fusion
+        .awake(&mut super::WeightSource::new(6, &Device::flex()));
     net
 }
 
@@ -91,7 +93,10 @@ fn an_untrained_network_leaves_the_warp() {
     let stage = Stage::new();
     for config in variants() {
         let garment = GarmentGraph::new(&stage.template, &[]).unwrap();
-        let model = garment.configured(config.clone()).init(1, &Device::flex()).unwrap();
+        let model = garment
+            .configured(config.clone())
+            .init(1, &Device::flex())
+            .unwrap();
         let sampling = BodySampling::new(stage.body.positions(), None, &config.pooling).unwrap();
         let mut predictor = Predictor::new(model, garment, sampling).unwrap();
         let normals = vertex_normals(stage.body.positions(), stage.body.faces());
@@ -125,14 +130,22 @@ fn tensors_and_slices_give_the_same() {
 #[test]
 fn the_order_of_body_points_does_not_count() {
     let mut stage = Stage::new();
-    let before: Vec<_> = variants().iter().map(|config| stage.draped(config)).collect();
+    let before: Vec<_> = variants()
+        .iter()
+        .map(|config| stage.draped(config))
+        .collect();
     let count = stage.body.num_vertices() as u32;
     let moved = |vertex: u32| (vertex * 11 + 3) % count; // 11 has no common factor with 642.
     let mut positions = stage.body.positions().to_vec();
     for (vertex, place) in (0..count).zip(stage.body.positions()) {
         positions[moved(vertex) as usize] = *place;
     }
-    let faces = stage.body.faces().iter().map(|face| face.map(moved)).collect();
+    let faces = stage
+        .body
+        .faces()
+        .iter()
+        .map(|face| face.map(moved))
+        .collect();
     stage.body = TriMesh::new(positions, faces).unwrap();
     for (config, before) in variants().iter().zip(before) {
         assert!(greatest_distance(&stage.draped(config), &before) < 1e-4);
@@ -142,7 +155,10 @@ fn the_order_of_body_points_does_not_count() {
 #[test]
 fn the_order_of_garment_vertices_moves_with_the_result() {
     let mut stage = Stage::new();
-    let before: Vec<_> = variants().iter().map(|config| stage.draped(config)).collect();
+    let before: Vec<_> = variants()
+        .iter()
+        .map(|config| stage.draped(config))
+        .collect();
     let count = stage.template.num_vertices() as u32;
     let moved = |vertex: u32| (vertex * 9 + 4) % count; // 9 has no common factor with 140.
     let permuted = |points: &[Point3]| {
@@ -152,7 +168,12 @@ fn the_order_of_garment_vertices_moves_with_the_result() {
         }
         places
     };
-    let faces = stage.template.faces().iter().map(|face| face.map(moved)).collect();
+    let faces = stage
+        .template
+        .faces()
+        .iter()
+        .map(|face| face.map(moved))
+        .collect();
     stage.template = TriMesh::new(permuted(stage.template.positions()), faces).unwrap();
     stage.warped = permuted(&stage.warped);
     let mut rotations = stage.rotations.clone();
@@ -168,12 +189,19 @@ fn the_order_of_garment_vertices_moves_with_the_result() {
 #[test]
 fn a_scene_may_lie_anywhere() {
     let mut stage = Stage::new();
-    let before: Vec<_> = variants().iter().map(|config| stage.draped(config)).collect();
+    let before: Vec<_> = variants()
+        .iter()
+        .map(|config| stage.draped(config))
+        .collect();
     let moved = Isometry3::new(Vector3::new(1.0, -2.0, 0.5), Vector3::new(0.3, 1.2, -0.4));
     stage.warped = stage.warped.iter().map(|place| moved * place).collect();
     let body = stage.body.positions().iter().map(|place| moved * place);
     stage.body = stage.body.with_positions(body.collect()).unwrap();
-    stage.rotations = stage.rotations.iter().map(|turn| moved.rotation * turn).collect();
+    stage.rotations = stage
+        .rotations
+        .iter()
+        .map(|turn| moved.rotation * turn)
+        .collect();
     stage.world_from_root = moved * stage.world_from_root;
     for (config, before) in variants().iter().zip(before) {
         let expected: Vec<Point3> = before.iter().map(|place| moved * place).collect();
@@ -226,10 +254,15 @@ fn sides_of_a_seam_stay_together() {
 fn threads_do_not_change_a_bit() {
     let stage = Stage::new();
     let with_threads = |count: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(count)
+            .build()
+            .unwrap();
         pool.install(|| {
-            let draped = variants().iter().map(|config| stage.draped(config)).collect::<Vec<_>>();
-            draped
+            variants()
+                .iter()
+                .map(|config| stage.draped(config))
+                .collect::<Vec<_>>()
         })
     };
     assert_eq!(with_threads(1), with_threads(2));
@@ -244,18 +277,35 @@ fn wrong_scenes_are_refused() {
     let normals = vertex_normals(stage.body.positions(), stage.body.faces());
     let input = stage.input(&normals);
     let refused = |input: &SceneInput<'_>| {
-        Scene::new(&config, &garment, &sampling, input).unwrap_err().to_string()
+        Scene::new(&config, &garment, &sampling, input)
+            .unwrap_err()
+            .to_string()
     };
-    let short = SceneInput { warped: &stage.warped[1..], ..input };
+    let short = SceneInput {
+        warped: &stage.warped[1..],
+        ..input
+    };
     assert_eq!(refused(&short), "garment vertices: 139 given, 140 expected");
-    let without = SceneInput { body_normals: &[], ..input };
+    let without = SceneInput {
+        body_normals: &[],
+        ..input
+    };
     assert!(refused(&without).contains("normals of the body are missing"));
-    let without = SceneInput { rotations: &[], ..input };
+    let without = SceneInput {
+        rotations: &[],
+        ..input
+    };
     assert!(refused(&without).contains("skinning rotations are missing"));
     let mut stray = stage.warped.clone();
     stray[17].z = f32::NAN;
-    let stray = SceneInput { warped: &stray, ..input };
-    assert_eq!(refused(&stray), "garment vertex 17 is not finite or out of range");
+    let stray = SceneInput {
+        warped: &stray,
+        ..input
+    };
+    assert_eq!(
+        refused(&stray),
+        "garment vertex 17 is not finite or out of range"
+    );
 }
 
 #[test]
@@ -270,7 +320,11 @@ fn presets_can_be_made_and_counted() {
         let config = GarNetConfig::preset(name).unwrap();
         config.cost(num_vertices, 6890).unwrap().flops as f64 / 1e9
     };
-    let sizes = [flops("paper", 10_000), flops("small", 10_000), flops("light", 5_000)];
+    let sizes = [
+        flops("paper", 10_000),
+        flops("small", 10_000),
+        flops("light", 5_000),
+    ];
     assert!((30.0..45.0).contains(&sizes[0]), "{sizes:?}");
     assert!(sizes[1] < 5.0 && sizes[2] < 1.5, "{sizes:?}");
 }

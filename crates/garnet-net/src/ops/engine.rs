@@ -17,12 +17,8 @@ pub(crate) trait Engine {
     fn call(&self, op: Op, inputs: &[&Self::Matrix]) -> Self::Matrix;
 
     /// Multiplies the last `num_rows` rows by a factor.
-    fn with_scaled_rows(
-        &self,
-        matrix: &Self::Matrix,
-        num_rows: usize,
-        factor: f32,
-    ) -> Self::Matrix;
+    fn with_scaled_rows(&self, matrix: &Self::Matrix, num_rows: usize, factor: f32)
+    -> Self::Matrix;
 
     /// Makes 9 numbers a matrix of 3 by 3 and adds the identity.
     fn near_identity(&self, row: &Self::Matrix) -> Self::Matrix;

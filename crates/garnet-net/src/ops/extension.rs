@@ -33,7 +33,10 @@ pub(super) struct Call {
 /// If there are more than [`MAX_INPUTS`] inputs, or the device is not Flex.
 pub(super) fn call(mut inputs: Vec<Tensor<2>>, call: Call) -> Tensor<2> {
     let num_inputs = inputs.len();
-    assert!(num_inputs <= MAX_INPUTS, "a step has at most {MAX_INPUTS} inputs");
+    assert!(
+        num_inputs <= MAX_INPUTS,
+        "a step has at most {MAX_INPUTS} inputs"
+    );
     let filler = inputs[0].clone();
     inputs.resize(MAX_INPUTS, filler);
     let mut inputs = inputs.into_iter().map(Tensor::into_dispatch);
@@ -62,7 +65,10 @@ pub(super) fn call(mut inputs: Vec<Tensor<2>>, call: Call) -> Tensor<2> {
 
 #[backend_extension(Flex, Autodiff)]
 trait KernelOps: Backend {
-    #[allow(clippy::too_many_arguments, reason = "extensions take no lists of tensors")]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "extensions take no lists of tensors"
+    )]
     fn kernel(
         x0: FloatTensor<Self>,
         x1: FloatTensor<Self>,
@@ -107,8 +113,7 @@ impl KernelOps for Flex {
         call: Call,
     ) -> FlexTensor {
         let mut inputs = vec![
-            x0, x1, x2, x3, x4, x5, x6, x7,
-            x8, x9, x10, x11, x12, x13, x14, x15,
+            x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13, x14, x15,
         ];
         inputs.truncate(num_inputs);
         run(&contiguous(inputs), &call, None)
@@ -146,8 +151,7 @@ impl<C: CheckpointStrategy> KernelOps for Autodiff<Flex, C> {
         call: Call,
     ) -> FloatTensor<Self> {
         let mut inputs = vec![
-            x0, x1, x2, x3, x4, x5, x6, x7,
-            x8, x9, x10, x11, x12, x13, x14, x15,
+            x0, x1, x2, x3, x4, x5, x6, x7, x8, x9, x10, x11, x12, x13, x14, x15,
         ];
         inputs.truncate(num_inputs);
         match num_inputs {
@@ -234,7 +238,8 @@ fn run(inputs: &[FlexTensor], call: &Call, trace: Option<&mut Vec<u32>>) -> Flex
         .collect();
     let shape = call.op.shape(&shapes);
     let mut output = vec![0.0; shape[0] * shape[1]];
-    call.op.forward(&features, &mut output, trace, &call.workspace);
+    call.op
+        .forward(&features, &mut output, trace, &call.workspace);
     tensor(output, Shape::from(shape))
 }
 
@@ -250,9 +255,10 @@ fn features(tensor: &FlexTensor) -> Features<'_> {
 fn contiguous(tensors: Vec<FlexTensor>) -> Vec<FlexTensor> {
     let in_order = |tensor: FlexTensor| {
         let is_whole = tensor.storage::<f32>().len() == tensor.shape().num_elements();
-        match tensor.is_contiguous() && tensor.layout().start_offset() == 0 && is_whole {
-            true => tensor,
-            false => tensor.to_contiguous(),
+        if tensor.is_contiguous() && tensor.layout().start_offset() == 0 && is_whole {
+            tensor
+        } else {
+            tensor.to_contiguous()
         }
     };
     tensors.into_iter().map(in_order).collect()

@@ -43,12 +43,7 @@ fn sorted<'a>(op: &'a Op, inputs: &'a [Features<'a>]) -> Sorted<'a> {
     }
 }
 
-pub(super) fn forward(
-    op: &Op,
-    inputs: &[Features<'_>],
-    output: &mut [f32],
-    workspace: &Workspace,
-) {
+pub(super) fn forward(op: &Op, inputs: &[Features<'_>], output: &mut [f32], workspace: &Workspace) {
     let Sorted { layer, input, .. } = sorted(op, inputs);
     feast_forward(&layer, &input, output, workspace);
 }

@@ -1,8 +1,6 @@
 //! Maxima, with or without a trace of where they come from.
 
-use garnet_kernel::{
-    Features, NeighborTable, Workspace, global_max_forward, neighbor_max_forward,
-};
+use garnet_kernel::{Features, NeighborTable, Workspace, global_max_forward, neighbor_max_forward};
 
 pub(super) fn global_max(
     input: Features<'_>,

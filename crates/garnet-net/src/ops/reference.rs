@@ -54,11 +54,11 @@ fn feast(
     let device = x.device();
     let ([vertices, channels], [_, heads], [_, outputs]) = (x.dims(), u.dims(), b.dims());
     let (mut from, mut to, mut shares) = (Vec::new(), Vec::new(), Vec::new());
-    for vertex in 0..vertices {
-        let ring = adjacency.neighbors(vertex);
+    for vertex in 0..vertices as u32 {
+        let ring = adjacency.neighbors(vertex as usize);
         for &other in ring {
             from.push(i64::from(other));
-            to.push(vertex as i64);
+            to.push(i64::from(vertex));
             shares.push(1.0 / ring.len() as f32);
         }
     }
@@ -69,7 +69,10 @@ fn feast(
     let (from, to) = (numbers(from), numbers(to));
     let shares = Tensor::<2>::from_data(TensorData::new(shares, [edges, 1]), &device);
     let xu = x.clone().matmul(u);
-    let q = softmax(xu.clone().select(0, from.clone()) - xu.select(0, to.clone()) + c, 1) * shares;
+    let q = softmax(
+        xu.clone().select(0, from.clone()) - xu.select(0, to.clone()) + c,
+        1,
+    ) * shares;
     let heads_of_w = w.reshape([heads, channels, outputs]).swap_dims(0, 1);
     let projected = x.matmul(heads_of_w.reshape([channels, heads * outputs]));
     let projected = projected.select(0, from).reshape([edges, heads, outputs]);

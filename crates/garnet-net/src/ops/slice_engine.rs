@@ -74,7 +74,9 @@ impl SliceEngine {
     pub(crate) fn num_bytes(&self) -> usize {
         let pool = self.pool.lock().unwrap_or_else(PoisonError::into_inner);
         let numbers: usize = pool.iter().map(Vec::capacity).sum();
-        let weights: usize = (self.weights.values()).map(|weights| weights.values.len()).sum();
+        let weights: usize = (self.weights.values())
+            .map(|weights| weights.values.len())
+            .sum();
         size_of::<f32>() * (numbers + weights) + self.workspace.num_bytes()
     }
 
@@ -126,12 +128,7 @@ impl Engine for SliceEngine {
         self.wrap(output, columns)
     }
 
-    fn with_scaled_rows(
-        &self,
-        matrix: &Arc<Buffer>,
-        num_rows: usize,
-        factor: f32,
-    ) -> Arc<Buffer> {
+    fn with_scaled_rows(&self, matrix: &Arc<Buffer>, num_rows: usize, factor: f32) -> Arc<Buffer> {
         let mut values = self.buffer(matrix.values.len());
         values.copy_from_slice(&matrix.values);
         let first = values.len() - num_rows * matrix.columns;

@@ -35,7 +35,7 @@ impl TensorEngine {
 /// The numbers of a tensor, row after row.
 pub(crate) fn numbers<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
     let data = tensor.into_data().convert::<f32>();
-    data.into_vec().expect("the data was converted to f32")
+    data.try_into_vec().expect("the data was converted to f32")
 }
 
 impl Engine for TensorEngine {

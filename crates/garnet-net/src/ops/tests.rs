@@ -15,7 +15,12 @@ const TOLERANCE: f32 = 1e-5;
 fn random(shape: [usize; 2], seed: u64) -> TensorData {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut number = || random.next_u32() as f32 / u32::MAX as f32 - 0.5;
-    TensorData::new((0..shape[0] * shape[1]).map(|_| number()).collect::<Vec<_>>(), shape)
+    TensorData::new(
+        (0..shape[0] * shape[1])
+            .map(|_| number())
+            .collect::<Vec<_>>(),
+        shape,
+    )
 }
 
 /// The result and the derivatives of a weighted sum of it, by each input.
@@ -32,7 +37,9 @@ fn run(
     let gradients = (output.clone() * weights).sum().backward();
     let mut results = vec![numbers(output)];
     for input in &inputs {
-        let gradient = input.grad(&gradients).expect("every input has a derivative");
+        let gradient = input
+            .grad(&gradients)
+            .expect("every input has a derivative");
         results.push(numbers(gradient));
     }
     results
@@ -41,18 +48,27 @@ fn run(
 fn check(op: &Op, shapes: &[[usize; 2]]) {
     let device = Device::flex().autodiff();
     let engine = TensorEngine::new(&device);
-    let inputs: Vec<TensorData> = shapes.iter().copied().zip(0..).map(|(s, n)| random(s, n)).collect();
-    let by_kernel = |inputs: &[Tensor<2>]| {
-        engine.call(op.clone(), &inputs.iter().collect::<Vec<_>>())
-    };
+    let inputs: Vec<TensorData> = shapes
+        .iter()
+        .copied()
+        .zip(0..)
+        .map(|(s, n)| random(s, n))
+        .collect();
+    let by_kernel =
+        |inputs: &[Tensor<2>]| engine.call(op.clone(), &inputs.iter().collect::<Vec<_>>());
     let ours = run(by_kernel, &inputs, &device);
     let theirs = run(|inputs| reference(op, inputs), &inputs, &device);
     for (number, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
         assert_eq!(ours.len(), theirs.len());
-        let largest = theirs.iter().fold(0.0_f32, |most, value| most.max(value.abs()));
+        let largest = theirs
+            .iter()
+            .fold(0.0_f32, |most, value| most.max(value.abs()));
         assert!(largest > 0.0, "{op:?}: array {number} is not tested");
         for (a, b) in ours.iter().zip(theirs) {
-            assert!((a - b).abs() <= TOLERANCE * largest, "{op:?}: array {number}: {a} and {b}");
+            assert!(
+                (a - b).abs() <= TOLERANCE * largest,
+                "{op:?}: array {number}: {a} and {b}"
+            );
         }
     }
 }
@@ -62,7 +78,9 @@ fn ring_of(num_vertices: u32) -> Arc<Adjacency> {
         .map(|vertex| match vertex {
             // One vertex sees itself alone.
             3 => vec![],
-            _ => [1, 5, num_vertices - 1].map(|step| (vertex + step) % num_vertices).to_vec(),
+            _ => [1, 5, num_vertices - 1]
+                .map(|step| (vertex + step) % num_vertices)
+                .to_vec(),
         })
         .collect();
     Arc::new(Adjacency::from_lists(&lists).unwrap())

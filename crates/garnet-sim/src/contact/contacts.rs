@@ -8,8 +8,9 @@ use crate::{Point3, Vector3};
 
 /// Follows the skin under all vertices.
 ///
-/// In a gap between two skins that is narrower than twice the thickness cloth lies in the middle;
-/// where there is no gap left, it stays on its own skin.
+/// In a narrow gap between two skins cloth keeps a third of it to its own skin: a second layer has
+/// room on the other side. Where limbs run through each other cloth lies near the middle of what they
+/// share, as if both gave way.
 #[derive(Debug)]
 pub(crate) struct Contacts {
     tracks: Vec<Track>,
@@ -27,7 +28,10 @@ pub(crate) struct Contacts {
 /// Each vertex asks the whole skin at every so many refreshes; in between it walks.
 const TURNS: u32 = 4;
 
-/// Where limbs run through each other cloth keeps this distance to its own, m.
+/// Between skins without room cloth lies so far from the middle, towards its own skin, m.
+const LAYERS: f32 = 0.0015;
+
+/// Inside another part of the body whose skin is not near cloth keeps this distance to its own, m.
 const SQUEEZED: f32 = 5e-4;
 
 /// Between two skins without room cloth loses velocity at this rate, 1/s: it is caught there.
@@ -169,21 +173,23 @@ fn holds(skin: &Skin, reach: &Reach, own: Option<Near>, other: Option<Near>) -> 
         |near: &Near, depth: f32| near.distance < thickness + reach.band && near.distance > -depth;
     let at = |near: Near, clearance: f32| Some(Hold { near, clearance });
     let other = other.filter(|near| is_held(near, reach.other_depth));
-    let other = other.filter(|near| !skin.is_buried(near.foot.face));
     let own = own.filter(|near| is_held(near, reach.depth));
-    let squeezed = SQUEEZED.min(thickness);
     match (own, other) {
         (Some(own), Some(other)) if own.normal.dot(&other.normal) < FACING => {
             let gap = (other.foot.point - own.foot.point).dot(&own.normal);
-            if gap > 0.0 && !skin.is_buried(own.foot.face) {
-                let clearance = thickness.min(0.5 * gap);
-                return [at(other, clearance), at(own, clearance)];
-            }
-            [None, at(own, squeezed)]
+            let middle = 0.5 * gap.max(-reach.other_depth);
+            let to_own = LAYERS.max(gap / 6.0);
+            let clearance = |distance: f32| thickness.min(distance);
+            [
+                at(other, clearance(middle + to_own)),
+                at(own, clearance(middle - to_own)),
+            ]
         }
-        (Some(own), _) if skin.is_buried(own.foot.face) => [None, at(own, squeezed)],
+        (Some(own), _) if skin.is_buried(own.foot.face) => [None, at(own, SQUEEZED.min(thickness))],
         (own, other) => [
-            other.and_then(|near| at(near, thickness)),
+            other
+                .filter(|near| !skin.is_buried(near.foot.face))
+                .and_then(|near| at(near, thickness)),
             own.and_then(|near| at(near, thickness)),
         ],
     }

@@ -40,7 +40,7 @@ impl Reach {
             jump: 0.03,
             depth: 0.04,
             other: 0.02,
-            other_depth: 0.01,
+            other_depth: 0.02,
         }
     }
 }

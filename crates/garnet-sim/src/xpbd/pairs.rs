@@ -6,13 +6,13 @@ use crate::{Cloth, Point3};
 
 /// Finds vertices that come near each other, and keeps them apart.
 ///
-/// Vertices within two edges of each other never repel: springs and hinges hold them apart. A pair
-/// that was nearer at the start than its reach keeps the distance of the start, so that pockets and
-/// collars are not blown up.
+/// The ends of an edge do not repel: the spring holds them apart. A pair that was nearer at the start
+/// than its reach keeps the distance of the start, so that pockets and collars are not blown up.
 #[derive(Debug)]
 pub(crate) struct Pairs {
-    /// Vertices within two edges of each and with a larger number: `[ring_starts[v]..]`.
-    rings: Vec<u32>,
+    /// Vertices within two edges of each and with a larger number, and how many edges away:
+    /// `[ring_starts[v]..]`.
+    rings: Vec<(u32, u8)>,
     ring_starts: Vec<u32>,
     /// Half the distance that each vertex keeps from another like it, m.
     radii: Vec<f32>,
@@ -20,7 +20,7 @@ pub(crate) struct Pairs {
     search: f32,
     start: Vec<Point3>,
     grid: Grid,
-    pairs: Vec<Pair>,
+    found: Vec<Pair>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +35,9 @@ struct Pair {
 /// the next refresh.
 const MARGIN: f32 = 1.5;
 
+/// A pair that was near at the start keeps at least this many times its reach.
+const LEAST: f32 = 0.5;
+
 /// Radii are cut at this many times the mean, so that one long edge does not widen the grid.
 const MAX_RADIUS: f32 = 2.0;
 
@@ -43,11 +46,12 @@ impl Pairs {
     pub(crate) fn new(cloth: &Cloth, start: &[Point3], factor: f32) -> Self {
         let topology = cloth.topology();
         let num_vertices = cloth.num_vertices();
-        let mut rings: Vec<[u32; 2]> = topology.edges().to_vec();
-        rings.extend(topology.two_ring_pairs());
+        let one_edge = topology.edges().iter().map(|&pair| (pair, 1));
+        let two_edges = topology.two_ring_pairs().into_iter().map(|pair| (pair, 2));
+        let mut rings: Vec<([u32; 2], u8)> = one_edge.chain(two_edges).collect();
         rings.sort_unstable();
         let mut ring_starts = vec![0; num_vertices + 1];
-        for &[vertex, _] in &rings {
+        for &([vertex, _], _) in &rings {
             ring_starts[vertex as usize + 1] += 1;
         }
         for vertex in 0..num_vertices {
@@ -67,13 +71,16 @@ impl Pairs {
         let radii: Vec<f32> = sums.iter().map(radius).collect();
         let widest = radii.iter().copied().fold(0.0, f32::max);
         Self {
-            rings: rings.into_iter().map(|[_, other]| other).collect(),
+            rings: rings
+                .into_iter()
+                .map(|([_, other], edges)| (other, edges))
+                .collect(),
             ring_starts,
             search: MARGIN * 2.0 * widest,
             radii,
             start: start.to_vec(),
             grid: Grid::default(),
-            pairs: Vec::new(),
+            found: Vec::new(),
         }
     }
 
@@ -89,11 +96,11 @@ impl Pairs {
         num_substeps: u32,
     ) {
         let points = &particles.bases[..particles.num_vertices()];
-        self.pairs.clear();
+        self.found.clear();
         self.grid.fill(points, self.search);
         let (rings, starts, radii, start) =
             (&self.rings, &self.ring_starts, &self.radii, &self.start);
-        let pairs = &mut self.pairs;
+        let pairs = &mut self.found;
         self.grid
             .for_near_pairs(points, self.search, |a, b, squared| {
                 let reach = radii[a] + radii[b];
@@ -102,10 +109,14 @@ impl Pairs {
                 }
                 let (a, b) = (a.min(b), a.max(b));
                 let ring = &rings[starts[a] as usize..starts[a + 1] as usize];
-                if is_out[a] || is_out[b] || ring.contains(&(b as u32)) {
+                let edges = ring.iter().find(|&&(other, _)| other == b as u32);
+                let edges = edges.map_or(u8::MAX, |&(_, edges)| edges);
+                if is_out[a] || is_out[b] || edges == 1 {
                     return;
                 }
-                let full = reach.min((start[a] - start[b]).norm());
+                let at_start = (start[a] - start[b]).norm();
+                let least = if edges == 2 { 0.0 } else { LEAST * reach };
+                let full = reach.min(at_start.max(least));
                 let missing = (full - squared.sqrt()).max(0.0);
                 pairs.push(Pair {
                     vertices: [a as u32, b as u32],
@@ -126,7 +137,7 @@ impl Pairs {
         friction: f32,
         substep: f32,
     ) {
-        for pair in &self.pairs {
+        for pair in &self.found {
             let [a, b] = pair.vertices.map(|vertex| vertex as usize);
             let (xa, xb) = (particles.offsets[a], particles.offsets[b]);
             let across = (particles.bases[a] - particles.bases[b]) + (xa - xb);

@@ -79,12 +79,6 @@ impl Particles {
             .collect()
     }
 
-    /// How far a vertex moved in the last substep.
-    #[cfg(test)]
-    pub(crate) fn displacement(&self, vertex: usize) -> Vector3 {
-        (self.offsets[vertex] - self.last[vertex]).xyz()
-    }
-
     /// Begins a substep: every vertex flies on. Returns Σ m u² over the displacements u of the
     /// substep before, kg m².
     #[inline(never)]
@@ -153,8 +147,8 @@ impl Particles {
     pub(crate) fn first_lost(&self, center: Vector3, reach: f32) -> Option<usize> {
         (0..self.num_vertices).find(|&vertex| {
             let from_center = self.position(vertex).coords - center;
-            // A comparison with NaN is false.
-            !(from_center.norm_squared() <= reach * reach)
+            let squared = from_center.norm_squared();
+            squared.is_nan() || squared > reach * reach
         })
     }
 }

@@ -1,5 +1,10 @@
 //! Four numbers side by side, written so that the compiler keeps them in one register.
 
+#![expect(
+    clippy::inline_always,
+    reason = "each is one instruction; a call would cost ten"
+)]
+
 use std::ops::{Add, AddAssign, Mul, Sub, SubAssign};
 
 use crate::Vector3;
