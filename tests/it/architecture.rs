@@ -47,7 +47,7 @@ const OWNERS: [(&str, &[&str]); 8] = [
     ("clap", &["garnet-cli"]),
     ("anyhow", &["garnet-cli"]),
     ("indicatif", &["garnet-cli"]),
-    ("faer", &["garnet-skin", "garnet-sim"]),
+    ("faer", &["garnet-skin", "garnet-sim", "garnet-benches"]),
     ("image", &["garnet-view"]),
 ];
 

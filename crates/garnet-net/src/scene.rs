@@ -318,10 +318,7 @@ fn check(
     };
     points("garment vertex", input.warped)?;
     points("body point", input.body)?;
-    first_stray(
-        "body normal",
-        normals.iter().map(|normal| normal.as_slice()),
-    )?;
+    first_stray("body normal", normals.iter().map(Vector3::as_slice))?;
     let turns = rotations.iter().map(|turn| turn.coords.as_slice());
     first_stray("skinning rotation", turns)?;
     first_stray(

@@ -1,4 +1,5 @@
 //! Weight files come back as they were, or are refused by name.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,4 +1,5 @@
 //! The machinery learns: a small network comes to know a few scenes by heart.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use burn::optim::{AdamConfig, GradientsParams};
 use burn::tensor::{Device, TensorData};

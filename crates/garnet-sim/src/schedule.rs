@@ -41,6 +41,9 @@ pub struct Schedule {
     pub contraction_frames: u32,
     /// Velocity lost to the air, 1/s.
     pub drag: f32,
+    /// Rate at which cloth within a few centimetres of skin that moves takes the velocity of the
+    /// skin, 1/s. Without it quick motion throws cloth into other folds for each body.
+    pub skin_drag: f32,
     /// No vertex becomes faster than this, m/s.
     pub max_speed: f32,
     /// Vertices are pushed apart and out of the skin at no more than this, m/s.
@@ -117,7 +120,7 @@ impl Schedule {
         };
         let stages = match quality {
             Quality::Fast => vec![stage(30, 17.0), stage(15, 34.0)],
-            Quality::Teacher => vec![stage(48, 34.0), stage(48, 68.0)],
+            Quality::Teacher => vec![stage(60, 34.0), stage(60, 68.0)],
             Quality::Reference => vec![stage(60, 68.0), stage(60, 136.0)],
         };
         Self {
@@ -128,7 +131,8 @@ impl Schedule {
             refreshes_per_frame: 1,
             bending_interval: 2,
             contraction_frames: 0,
-            drag: 0.5,
+            drag: 10.0,
+            skin_drag: 25.0,
             max_speed: 8.0,
             max_push_speed: 0.2,
             gravity: STANDARD_GRAVITY,
@@ -184,6 +188,7 @@ impl Schedule {
                 64.0,
             ),
             ("a drag of", self.drag, 0.0, 100.0),
+            ("a drag of skin of", self.skin_drag, 0.0, 1000.0),
             ("a greatest speed of", self.max_speed, 0.01, 1e4),
             (
                 "a greatest speed of pushes of",

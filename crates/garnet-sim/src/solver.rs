@@ -128,6 +128,7 @@ impl<'a> Solver<'a> {
                 step: self.step,
                 max_push_speed: self.schedule.max_push_speed,
                 num_substeps: self.num_substeps,
+                skin_drag: self.schedule.skin_drag,
                 may_change: self.may_change,
             };
             self.contacts
@@ -161,7 +162,7 @@ impl<'a> Solver<'a> {
             max_travel: schedule.max_speed * step,
         };
         let friction = self.cloth.fabric().friction;
-        self.kinetic += self.particles.fly(push);
+        self.kinetic += self.particles.fly(push, &self.contacts.carriers);
         if self.damping == Damping::Kinetic && self.substep.is_multiple_of(self.window) {
             self.damp(push);
         }

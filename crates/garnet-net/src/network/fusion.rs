@@ -30,8 +30,14 @@ impl Fusion {
     #[cfg(test)]
     pub(crate) fn awake(self, source: &mut WeightSource) -> Self {
         let [inputs, outputs] = self.translation.weight.dims();
+        let random = SharedLinear::new(inputs, outputs, source);
+        // The numbers of the weights stay: those of another source are taken in this network.
+        let translation = SharedLinear {
+            weight: (self.translation.weight).map(|_| random.weight.val()),
+            bias: self.translation.bias,
+        };
         Self {
-            translation: SharedLinear::new(inputs, outputs, source),
+            translation,
             ..self
         }
     }

@@ -183,7 +183,9 @@ fn record<C: CheckpointStrategy, const N: usize>(
 ) -> FloatTensor<Autodiff<Flex, C>> {
     // Guards keep the inputs' nodes until the step is registered.
     let guards = std::array::from_fn(|number| inputs[number].node());
-    let inputs = inputs.into_iter().map(|input| input.into_primitive());
+    let inputs = inputs
+        .into_iter()
+        .map(<FloatTensor<Autodiff<Flex, C>>>::into_primitive);
     let inputs = contiguous(inputs.collect());
     let mut trace = Vec::new();
     let output = run(&inputs, &call, Some(&mut trace));

@@ -8,8 +8,8 @@ use crate::xpbd::quad::Quad;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plane {
     vertex: u32,
-    /// Share of its travel along the skin that the vertex loses a substep even where nothing
-    /// presses it.
+    /// Share of its travel along the skin that the vertex loses a substep, instead of friction: two
+    /// planes that press a vertex from both sides say nothing about the force; 0 for friction.
     drag: f32,
     /// Unit normal away from the skin; the fourth number is the least normal component that the
     /// vertex's offset may have, m.
@@ -33,7 +33,8 @@ pub(crate) struct PlaneOptions {
     pub(crate) drift: Vector3,
     /// The plane comes out of the skin by no more than this a substep, m.
     pub(crate) max_rise: f32,
-    /// Share of its travel along the skin that the vertex loses a substep.
+    /// Share of its travel along the skin that the vertex loses a substep, instead of friction; 0 for
+    /// friction.
     pub(crate) drag: f32,
 }
 
@@ -79,10 +80,12 @@ pub(crate) fn project(planes: &[Plane], particles: &mut Particles, friction: f32
         let sliding = against_skin - normal * normal.dot3(against_skin);
         let squared = sliding.dot3(sliding);
         let grip = friction * push;
-        let share = if squared <= grip * grip {
+        let share = if plane.drag > 0.0 {
+            plane.drag
+        } else if squared <= grip * grip {
             1.0
         } else {
-            (grip / squared.sqrt()).max(plane.drag)
+            grip / squared.sqrt()
         };
         particles.offsets[vertex] = pushed - sliding * share;
     }

@@ -81,7 +81,9 @@ impl Track {
 
     /// Whether the vertex cannot have come near any skin since the skin was asked.
     pub(crate) fn is_free(&self, point: Point3, skin: &Skin) -> bool {
-        (point - self.asked_at).norm() + (skin.travel() - self.skin_travel) < self.slack
+        let is_carried = skin.is_moving() && self.own != NONE;
+        !is_carried
+            && (point - self.asked_at).norm() + (skin.travel() - self.skin_travel) < self.slack
     }
 }
 

@@ -256,6 +256,10 @@ impl Skin {
         self.interpolated(foot, &self.vertex_normals)
     }
 
+    pub(crate) fn is_moving(&self) -> bool {
+        !self.velocities.is_empty()
+    }
+
     /// How fast the skin moves at a place, m/s.
     pub(crate) fn velocity(&self, foot: &Foot) -> Vector3 {
         if self.velocities.is_empty() {

@@ -20,7 +20,7 @@ pub(crate) struct Pairs {
     search: f32,
     start: Vec<Point3>,
     grid: Grid,
-    found: Vec<Pair>,
+    near: Vec<Pair>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -80,7 +80,7 @@ impl Pairs {
             radii,
             start: start.to_vec(),
             grid: Grid::default(),
-            found: Vec::new(),
+            near: Vec::new(),
         }
     }
 
@@ -96,11 +96,11 @@ impl Pairs {
         num_substeps: u32,
     ) {
         let points = &particles.bases[..particles.num_vertices()];
-        self.found.clear();
+        self.near.clear();
         self.grid.fill(points, self.search);
         let (rings, starts, radii, start) =
             (&self.rings, &self.ring_starts, &self.radii, &self.start);
-        let pairs = &mut self.found;
+        let pairs = &mut self.near;
         self.grid
             .for_near_pairs(points, self.search, |a, b, squared| {
                 let reach = radii[a] + radii[b];
@@ -137,7 +137,7 @@ impl Pairs {
         friction: f32,
         substep: f32,
     ) {
-        for pair in &self.found {
+        for pair in &self.near {
             let [a, b] = pair.vertices.map(|vertex| vertex as usize);
             let (xa, xb) = (particles.offsets[a], particles.offsets[b]);
             let across = (particles.bases[a] - particles.bases[b]) + (xa - xb);

@@ -81,11 +81,15 @@ impl Particles {
 
     /// Begins a substep: every vertex flies on. Returns Σ m u² over the displacements u of the
     /// substep before, kg m².
+    ///
+    /// `carriers` `[vertex]`, if there are any, draw vertices along: a displacement a substep, m, and
+    /// the share of the difference to it that is lost.
     #[inline(never)]
-    pub(crate) fn fly(&mut self, push: Push) -> f32 {
+    pub(crate) fn fly(&mut self, push: Push, carriers: &[Quad]) -> f32 {
         let fall = Quad([0.0, -push.gravity, 0.0, 0.0]);
         let limit = push.max_travel * push.max_travel;
         let mut kinetic = 0.0;
+        let mut carriers = carriers.iter();
         let vertices = self
             .offsets
             .iter_mut()
@@ -93,13 +97,16 @@ impl Particles {
             .zip(&self.masses);
         for ((offset, last), &mass) in vertices {
             let mut travel = (*offset - *last) * push.keep;
+            if let Some(carrier) = carriers.next() {
+                travel += (carrier.vector() - travel) * carrier.0[3];
+            }
             let squared = travel.dot3(travel);
             if squared > limit {
                 travel = travel * (limit / squared).sqrt();
             }
             kinetic += mass * squared;
             *last = *offset;
-            *offset = *offset + travel + fall;
+            *offset += travel + fall;
         }
         self.hold_pins();
         kinetic

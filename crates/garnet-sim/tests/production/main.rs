@@ -1,0 +1,6 @@
+//! The production solver on small scenes with known answers.
+
+mod bad_input;
+mod body;
+mod free;
+mod stage;

@@ -1,0 +1,134 @@
+//! Drapes of the teacher on poses of the built-in body, in numbers and pictures:
+//! `cargo run --release -p garnet-tests --example sim_scene -- GARMENT VERTICES FOLDER POSE…`.
+//!
+//! Each pose is one line: time, strain, speeds, penetration, and the noise floor, which is how far
+//! the drape moves if one joint turns by 0.001 rad more.
+
+use std::{
+    env,
+    error::Error,
+    io::{self, Write},
+    path::Path,
+    sync::atomic::AtomicBool,
+    time::Instant,
+};
+
+use garnet::{
+    data::{BodyPath, Quality, Tailor, default_rest_body, usual_fabric, wearer_of},
+    pattern::GarmentKind,
+    poses::{Poser, SelfContact, SeparationOptions, key_pose},
+    shape::ParametricBody,
+    sim::Drape,
+};
+use garnet_mesh::{TriMesh, vertex_distances};
+use garnet_skin::{Body, Method, Pose};
+use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// The turn of the noise floor, in radians.
+const NOISE_TURN: f32 = 0.001;
+
+/// The joint that it turns.
+const NOISE_JOINT: &str = "left_shoulder";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let [garment, vertices, folder, poses @ ..] = arguments.as_slice() else {
+        return Err("usage: sim_scene tshirt|sweater|dress|jeans VERTICES FOLDER POSE…".into());
+    };
+    let kind: GarmentKind = garment.parse()?;
+    let stop = AtomicBool::new(false);
+    let body = ParametricBody::build(&default_rest_body())?.into_body();
+    let wearer = wearer_of(&body).ok_or("the built-in body has measures")??;
+    let tailor = Tailor::new(kind.parameters(), vertices.parse()?, usual_fabric(kind))?;
+    let worn = tailor.dress(&body, &wearer, &stop)?;
+    let teacher = tailor.teacher(&worn, &body)?;
+    let poser = Poser::new(body.skeleton())?;
+    let contact = SelfContact::new(&body)?;
+    let mut log = io::stdout().lock();
+    for name in poses {
+        let key = key_pose(name).ok_or_else(|| format!("there is no pose `{name}`"))?;
+        let pose = contact.separated(&poser.pose(&key.angles), &SeparationOptions::default())?;
+        let Some(pose) = pose.map(|separated| separated.pose) else {
+            writeln!(log, "{name}: the body cannot do this")?;
+            continue;
+        };
+        let run = |pose: &Pose| -> Result<Drape, Box<dyn Error>> {
+            let path = BodyPath::to_shape(&body, &body, pose)?;
+            Ok(teacher.drape(&path, Quality::Teacher, &stop, &mut |_| {})?)
+        };
+        let began = Instant::now();
+        let drape = run(&pose)?;
+        let seconds = began.elapsed().as_secs_f64();
+        let noise = match body.skeleton().find(NOISE_JOINT) {
+            Some(joint) => {
+                let mut turned = pose.clone();
+                let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), NOISE_TURN);
+                turned.rotations[joint] = turn * turned.rotations[joint];
+                mean(&vertex_distances(
+                    &drape.positions,
+                    &run(&turned)?.positions,
+                )?)
+            }
+            None => f64::NAN,
+        };
+        writeln!(
+            log,
+            "{name}: {seconds:.2} s | {} | noise {:.3} mm",
+            line(&drape),
+            1e3 * noise
+        )?;
+        let mesh = TriMesh::new(drape.positions, worn.sewn.faces.clone())?;
+        picture(
+            &body,
+            &pose,
+            &mesh,
+            &Path::new(folder).join(format!("{garment}_{name}.png")),
+        )?;
+    }
+    Ok(())
+}
+
+fn mean(values: &[f32]) -> f64 {
+    values.iter().map(|&value| f64::from(value)).sum::<f64>() / values.len().max(1) as f64
+}
+
+fn line(drape: &Drape) -> String {
+    let report = &drape.report;
+    let (strain, speeds, inside) = (report.strain, report.speeds, report.penetration);
+    format!(
+        "strain p50 {:.2} p99 {:.2} max {:.0} % | {:.2} % moving, at most {:.1} mm/s | {} inside, {} trapped, {} freed | {} crossings",
+        1e2 * strain.p50,
+        1e2 * strain.p99,
+        1e2 * strain.max,
+        1e2 * speeds.share_moving,
+        1e3 * speeds.max,
+        inside.num_inside,
+        inside.num_trapped,
+        report.num_freed,
+        report.num_self_intersections,
+    )
+}
+
+fn picture(body: &Body, pose: &Pose, garment: &TriMesh, path: &Path) -> Result<(), Box<dyn Error>> {
+    let posed = body.posed_positions(pose, Method::DualQuaternion)?;
+    let skin = body.rest().with_positions(posed)?;
+    let skin_layer = Layer {
+        paint: Paint::Plain(palette::SKIN),
+        ..Layer::new(&skin)
+    };
+    let cameras = [(0.0, 0.1), (0.7, 0.15), (2.4, 0.1), (3.9, 0.1)];
+    let views = cameras.map(|(around, above)| View {
+        framed: Some(vec![1]),
+        ..View::new(Camera::new(around, above))
+    });
+    let image = render(&Picture {
+        layers: vec![skin_layer, Layer::new(garment)],
+        views: views.to_vec(),
+        columns: Some(4),
+        supersampling: 2,
+        ..Picture::new(1800, 560)
+    })?;
+    image.write_png(path)?;
+    Ok(())
+}
