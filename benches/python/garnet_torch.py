@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """The network of garnet in PyTorch: checks that outputs agree and compares times.
 
-    cargo run --release -p garnet-net --example speed -- paper 10000 6890 /tmp/paper
-    python3 benches/python/garnet_torch.py /tmp/paper [--threads N] [--runs N] [--no-compile]
+    cargo run --release -p garnet-net --example speed -- paper 10000 6890 paper
+    python3 benches/python/garnet_torch.py paper [--threads N] [--runs N] [--no-compile]
 
-Reads /tmp/paper.weights.safetensors and /tmp/paper.case.safetensors, which the first command writes,
+Reads paper.weights.safetensors and paper.case.safetensors, which the first command writes,
 and prints the median time of a forward pass and of a training step (mean square, Adam), eager and with
 torch.compile, to be held against the times that the first command prints. Needs torch, safetensors
 and numpy; nothing else in this repository needs Python.

@@ -12,12 +12,13 @@ use std::{
     path::Path,
 };
 
-use garnet::shape::{BodyParameters, Measure, ParametricBody};
+use garnet::{
+    data::wearer_of,
+    shape::{BodyParameters, Measure, ParametricBody},
+};
 use garnet_knn::Surface;
 use garnet_mesh::{TriMesh, write_obj};
-use garnet_pattern::{
-    GarmentKind, Landmarks, Measures, PatternError, SewnGarment, Size, Template, Wearer,
-};
+use garnet_pattern::{GarmentKind, SewnGarment, Size, Template};
 use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -35,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .with(Measure::Stature, stature)
         .with_bmi(bmi);
     let body = ParametricBody::build(&parameters)?;
-    let wearer = wearer(&body)?;
+    let wearer = wearer_of(body.body()).ok_or("the built-in body has measures")??;
     let vertices = rest.iter().find_map(|word| word.parse().ok());
     let size: Option<Size> = rest.iter().find_map(|word| word.parse().ok());
     let cut = size.map_or(wearer.measures, Size::measures);
@@ -67,43 +68,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         report(&garment, body.body().rest())?;
     }
     Ok(())
-}
-
-/// What a tailor knows of a built-in body.
-fn wearer(body: &ParametricBody) -> Result<Wearer, PatternError> {
-    let tape = body.measures();
-    let joints = body.body().skeleton().joints();
-    let landmarks = Landmarks::from_joints(|name| {
-        let joint = joints.iter().find(|joint| joint.name == name)?;
-        Some(joint.rest_position.coords.map(f64::from).into())
-    })?;
-    let measures = Measures {
-        stature: tape[Measure::Stature],
-        chest: tape[Measure::Chest],
-        waist: tape[Measure::Waist],
-        hip: tape[Measure::Hip],
-        thigh: tape[Measure::Thigh],
-        knee: tape[Measure::Knee],
-        calf: tape[Measure::Calf],
-        ankle: tape[Measure::Ankle],
-        upper_arm: tape[Measure::UpperArm],
-        forearm: tape[Measure::Forearm],
-        wrist: tape[Measure::Wrist],
-        neck: tape[Measure::Neck],
-        shoulder_breadth: tape[Measure::ShoulderBreadth],
-        arm_length: tape[Measure::ArmLength],
-        inseam: tape[Measure::Inseam],
-        shoulder_height: tape[Measure::ShoulderHeight],
-        neck_height: landmarks.neck[1],
-        chest_height: tape[Measure::ChestHeight],
-        waist_height: tape[Measure::WaistHeight],
-        hip_height: tape[Measure::HipHeight],
-        knee_height: tape[Measure::KneeHeight],
-    };
-    Ok(Wearer {
-        measures,
-        landmarks,
-    })
 }
 
 fn report(garment: &SewnGarment, body: &TriMesh) -> Result<(), Box<dyn Error>> {

@@ -167,10 +167,4 @@ impl BodyPath {
         }
         frames
     }
-
-    /// The largest turn of a joint against its parent over the whole path, in radians.
-    pub fn largest_turn(&self) -> f32 {
-        let angles = self.rotations.iter().map(UnitQuaternion::angle);
-        angles.fold(0.0, f32::max)
-    }
 }
