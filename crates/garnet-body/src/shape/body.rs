@@ -20,7 +20,7 @@ const CONFLICT_TOLERANCE: f64 = 5e-3;
 /// What does not depend on the body.
 pub(super) struct Shared {
     pub(super) carrier: Carrier,
-    /// The share of an arm in the weight of each vertex of the whole.
+    /// How much of each vertex of the whole is arm.
     pub(super) arm_share: Vec<f64>,
     pub(super) weights: SkinWeights,
 }
@@ -31,28 +31,12 @@ pub(super) fn shared() -> &'static Shared {
         let template = Template::stored();
         Shared {
             carrier: Carrier::new(template, &BodySurface::template()),
-            arm_share: template
-                .influences()
-                .iter()
-                .map(|row| arm_share(row))
-                .collect(),
+            arm_share: template.arm_share(),
             weights: SkinWeights::from_influences(NUM_JOINTS, template.influences())
                 .expect("the stored weights are weights"),
         }
     })
 }
-
-/// How much of its weight a vertex has from shoulder, elbow and wrist.
-fn arm_share(influences: &[(usize, f32)]) -> f64 {
-    influences
-        .iter()
-        .filter(|(joint, _)| *joint >= FIRST_ARM_JOINT)
-        .map(|&(_, weight)| f64::from(weight))
-        .sum()
-}
-
-/// The joints from this one on are those of the arms.
-const FIRST_ARM_JOINT: usize = 16;
 
 /// A body built from measures: mesh, skeleton and weights.
 ///

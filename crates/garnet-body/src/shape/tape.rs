@@ -68,8 +68,8 @@ impl Region {
 
 /// The perimeter of the convex hull of the section by a plane, in metres.
 ///
-/// The tape goes below the armpits: where an arm has more than half of the weight
-/// (`arm_share[vertex]`) is no part of a trunk girth. No section gives zero.
+/// The tape goes below the armpits: what is more than half arm
+/// (`arm_share[vertex]` of the template) is no part of a trunk girth. No section gives zero.
 pub(crate) fn girth(
     positions: &[Vec3],
     faces: &[[u32; 3]],

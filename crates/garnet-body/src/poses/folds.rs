@@ -1,0 +1,68 @@
+//! Skin that posing turns over.
+
+use garnet_skin::{Body, Method, Point3, Pose, SkinError, blended_transforms};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+/// What posing does to the faces of a skin.
+///
+/// A face is *turned over* if its normal is more than 90° off from where the mean of the rotations
+/// that carry its corners would turn it: the skin lies folded on itself there. Weights that change
+/// faster than a bone turns do that.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SkinFolds {
+    /// Faces that are turned over, rising.
+    pub turned: Vec<u32>,
+    /// Area of those faces at rest, in m².
+    pub turned_area: f64,
+    /// The smallest area of a face over its area at rest.
+    pub least_area_ratio: f64,
+}
+
+/// Finds the faces that a pose turns over.
+///
+/// # Errors
+///
+/// Those of [`garnet_skin::Skeleton::transforms`].
+pub fn skin_folds(body: &Body, pose: &Pose) -> Result<SkinFolds, SkinError> {
+    let transforms = body.skeleton().transforms(pose)?;
+    let posed = body.transformed_positions(&transforms, Method::DualQuaternion);
+    let carried = blended_transforms(body.weights(), &transforms);
+    let rest = body.rest();
+    let mut folds = SkinFolds {
+        least_area_ratio: 1.0,
+        ..SkinFolds::default()
+    };
+    for (face, corners) in rest.faces().iter().enumerate() {
+        let before = doubled_area(rest.positions(), *corners);
+        let after = doubled_area(&posed, *corners);
+        let turned = mean_rotation(corners.map(|corner| carried[corner as usize].rotation));
+        if (turned * before).dot(&after) < 0.0 {
+            folds.turned.push(face as u32);
+            folds.turned_area += 0.5 * before.norm();
+        }
+        let ratio = after.norm() / before.norm().max(f64::MIN_POSITIVE);
+        folds.least_area_ratio = folds.least_area_ratio.min(ratio);
+    }
+    Ok(folds)
+}
+
+/// The normal of a face, as long as twice its area.
+fn doubled_area(positions: &[Point3], corners: [u32; 3]) -> Vector3<f64> {
+    let [a, b, c] = corners.map(|corner| positions[corner as usize].coords.cast::<f64>());
+    (b - a).cross(&(c - a))
+}
+
+/// The rotation half-way between three, all on the side of the first.
+fn mean_rotation(rotations: [UnitQuaternion<f32>; 3]) -> UnitQuaternion<f64> {
+    let first = rotations[0].into_inner().cast::<f64>();
+    let mut sum = Quaternion::new(0.0, 0.0, 0.0, 0.0);
+    for rotation in rotations {
+        let rotation = rotation.into_inner().cast::<f64>();
+        sum += if first.dot(&rotation) < 0.0 {
+            -rotation
+        } else {
+            rotation
+        };
+    }
+    UnitQuaternion::new_normalize(sum)
+}
