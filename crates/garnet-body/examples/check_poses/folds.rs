@@ -72,6 +72,8 @@ struct Tally {
     least_area_ratio: Vec<f64>,
     /// Crossing pairs of faces by the parts that they are on.
     crossings: BTreeMap<[Part; 2], (usize, usize)>,
+    /// How deep upper arm and trunk are in each other, in mm, armpits included.
+    arm_depths: Vec<f64>,
     /// Turned area at the shoulder in cm², crossing pairs there, name.
     worst: Vec<(f64, usize, String)>,
 }
@@ -115,6 +117,13 @@ impl Tally {
             sum.1 += count;
         }
         self.worst.push((areas[0], at_shoulder, name));
+        let contacts = subject.contact.report(pose)?.contacts;
+        let of_arm = contacts.iter().filter(|contact| {
+            let parts = contact.parts;
+            parts.contains(&Part::Trunk) && parts.iter().any(|p| matches!(p, Part::UpperArm(_)))
+        });
+        let depth = of_arm.map(|contact| contact.depth).fold(0.0, f32::max);
+        self.arm_depths.push(1e3 * f64::from(depth));
         Ok(())
     }
 
@@ -130,6 +139,12 @@ impl Tally {
         println!(
             "  smallest area of a face, median over poses: {:.1} % of rest",
             100.0 * median
+        );
+        self.arm_depths.sort_by(f64::total_cmp);
+        let [median, p95, most] =
+            [50, 95, 100].map(|percent| self.arm_depths[(self.num_poses - 1) * percent / 100]);
+        println!(
+            "  upper arm and trunk in each other: median {median:.0}, p95 {p95:.0}, most {most:.0} mm"
         );
         println!("  crossing pairs of faces by part: poses, pairs of all poses");
         for (parts, (poses, pairs)) in &self.crossings {

@@ -14,11 +14,11 @@ const DIFFUSION: f64 = 0.014;
 
 /// And over these around shoulders and hips: a ball joint turns by more than 100 degrees, and skin at
 /// distance `r` from it turns over where weights change faster than `1 / (r · angle)`.
-const SHOULDER_DIFFUSION: f64 = 0.050;
+const SHOULDER_DIFFUSION: f64 = 0.055;
 const HIP_DIFFUSION: f64 = 0.040;
 
 /// How far around a ball joint its diffusion reaches, and over what it fades, in metres.
-const SHOULDER_REACH: f64 = 0.16;
+const SHOULDER_REACH: f64 = 0.18;
 const HIP_REACH: f64 = 0.15;
 const REACH_FADE: f64 = 0.06;
 
@@ -229,7 +229,7 @@ impl Anatomy {
         weights[index("left_wrist")] += hand;
         // The girdle ends below the neck.
         let neck = self.at("neck").y + 0.020 + 0.3 * (point.x - 0.06).max(0.0);
-        let girdle = step(point.x - 0.43 * (collar.x + shoulder.x), 0.07)
+        let girdle = step(point.x - 0.70 * (collar.x + shoulder.x), 0.09)
             * step(point.y - (shoulder.y - 0.080), 0.09)
             * step(neck - point.y, 0.03);
         weights[index("left_collar")] += (1.0 - upper) * girdle;

@@ -3,6 +3,9 @@
 use garnet_skin::{Body, Method, Point3, Pose, SkinError, blended_transforms};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
+use super::SelfContact;
+use crate::motion::{Role, Side};
+
 /// What posing does to the faces of a skin.
 ///
 /// A face is *turned over* if its normal is more than 90° off from where the mean of the rotations
@@ -16,6 +19,37 @@ pub struct SkinFolds {
     pub turned_area: f64,
     /// The smallest area of a face over its area at rest.
     pub least_area_ratio: f64,
+}
+
+/// Least weight of collarbone and upper arm in the mean of a face at the shoulder.
+const SHOULDER_SHARE: f32 = 0.1;
+
+impl SelfContact {
+    /// Area at rest of the skin at both shoulders that a pose turns over, in m².
+    ///
+    /// # Errors
+    ///
+    /// Those of [`garnet_skin::Skeleton::transforms`].
+    pub fn turned_shoulder_area(&self, pose: &Pose) -> Result<f64, SkinError> {
+        let body = self.body();
+        let roles = Side::BOTH.map(|side| [Role::Collar(side), Role::Shoulder(side)]);
+        let joints = roles.as_flattened().iter();
+        let joints: Vec<usize> = joints
+            .filter_map(|role| self.figure().joint(*role))
+            .collect();
+        let share = |vertex: u32| -> f32 {
+            let weights = body.weights().vertex(vertex as usize);
+            let of_shoulder = weights.filter(|(joint, _)| joints.contains(joint));
+            of_shoulder.map(|(_, weight)| weight).sum()
+        };
+        let is_of_shoulder =
+            |corners: [u32; 3]| corners.into_iter().map(share).sum::<f32>() > 3.0 * SHOULDER_SHARE;
+        let turned = skin_folds(body, pose)?.turned.into_iter();
+        let corners = turned.map(|face| body.rest().faces()[face as usize]);
+        let at_shoulder = corners.filter(|corners| is_of_shoulder(*corners));
+        let areas = at_shoulder.map(|corners| doubled_area(body.rest().positions(), corners));
+        Ok(areas.map(|area| 0.5 * area.norm()).sum())
+    }
 }
 
 /// Finds the faces that a pose turns over.

@@ -22,9 +22,10 @@ type Rotation = nalgebra::UnitQuaternion<f64>;
 
 /// How the shoulder girdle goes along with the arm. Of the elevation beyond 30 degrees about a third
 /// is the girdle's (Inman, Saunders and Abbott 1944, figure 22: 60 of 180 degrees). Skeletons here
-/// have one joint for it, the collarbone's: it rises by 0.22 degrees for each degree and tilts
-/// backwards by 0.2 where the arm swings forwards, together 0.3.
-const GIRDLE_ELEVATION: f64 = 0.22;
+/// have one joint for it, the collarbone's: it rises by 0.18 degrees for each degree and tilts
+/// backwards by 0.20 where the arm swings forwards, together 0.27. More draws the chest up so far
+/// that it grows.
+const GIRDLE_ELEVATION: f64 = 0.18;
 const GIRDLE_TILT: f64 = 0.20;
 
 /// How far the girdle goes forwards with an arm that points forwards, in degrees; backwards alike.
