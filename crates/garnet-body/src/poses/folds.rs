@@ -100,3 +100,45 @@ fn mean_rotation(rotations: [UnitQuaternion<f32>; 3]) -> UnitQuaternion<f64> {
     }
     UnitQuaternion::new_normalize(sum)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::poses::{Poser, key_pose};
+    use crate::shape::{BodyParameters, ParametricBody};
+
+    /// Of an upper arm and its shoulder of 800 cm² each side, in m².
+    const MAX_TURNED_AREA: f64 = 15e-4;
+
+    #[test]
+    fn raised_arms_leave_the_skin_of_the_shoulders_outside() {
+        for sex in [0.0, 1.0] {
+            let built = ParametricBody::build(&BodyParameters::new(sex).with_bmi(23.0)).unwrap();
+            let body = built.into_body();
+            let poser = Poser::new(body.skeleton()).unwrap();
+            let contact = SelfContact::new(&body).unwrap();
+            for name in [
+                "reach_high",
+                "upward_salute",
+                "warrior_one",
+                "t_pose",
+                "stand",
+            ] {
+                let pose = poser.pose(&key_pose(name).unwrap().angles);
+                let area = contact.turned_shoulder_area(&pose).unwrap();
+                assert!(area < MAX_TURNED_AREA, "{name}: {:.1} cm²", 1e4 * area);
+            }
+        }
+    }
+
+    #[test]
+    fn a_body_that_turns_as_a_whole_folds_nowhere() {
+        let built = ParametricBody::build(&BodyParameters::new(1.0)).unwrap();
+        let body = built.into_body();
+        let mut pose = Pose::rest(body.skeleton().num_joints());
+        pose.rotations[0] = UnitQuaternion::from_euler_angles(1.0, 2.0, -0.5);
+        let folds = skin_folds(&body, &pose).unwrap();
+        assert_eq!(folds.turned, Vec::<u32>::new());
+        approx::assert_relative_eq!(folds.least_area_ratio, 1.0, epsilon = 0.02);
+    }
+}

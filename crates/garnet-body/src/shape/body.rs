@@ -259,6 +259,44 @@ mod tests {
     }
 
     #[test]
+    fn a_body_whose_skin_stays_folded_is_refused() {
+        // A huge trunk on narrow shoulders swallows the arms.
+        let parameters = BodyParameters::new(0.0)
+            .with(Measure::Stature, 1.65)
+            .with(Measure::ShoulderBreadth, 0.348)
+            .with(Measure::Chest, 1.427)
+            .with(Measure::Waist, 1.478);
+        let error = ParametricBody::build(&parameters).unwrap_err();
+        assert!(
+            matches!(error, ShapeError::SelfIntersecting { pairs } if pairs > 0),
+            "{error}"
+        );
+        assert!(error.to_string().contains("pairs of faces"));
+    }
+
+    #[test]
+    fn an_upper_arm_stays_round_where_the_armpit_reaches_its_tape() {
+        let heavy = BodyParameters::new(0.0)
+            .with(Measure::Stature, 1.80)
+            .with_bmi(36.0);
+        let body = ParametricBody::build(&heavy).unwrap().into_body();
+        let at = |name: &str| {
+            let joint = body.skeleton().find(name).unwrap();
+            body.skeleton().joints()[joint].rest_position
+        };
+        let [shoulder, elbow] = ["left_shoulder", "left_elbow"].map(at);
+        let bone = elbow - shoulder;
+        // The least distance of the skin from the bone, between armpit and elbow.
+        let radius = |share: f32| {
+            let center = shoulder + share * bone;
+            let skin = body.skin().closest(center);
+            skin.distance_squared.sqrt()
+        };
+        let [middle, below] = [0.55, 0.75].map(radius);
+        assert!(middle > 0.95 * below, "{middle} {below}");
+    }
+
+    #[test]
     fn changing_one_girth_leaves_the_others() {
         const STEP: f64 = 1.02;
         const MAX_MOVEMENT: f64 = 0.01;
