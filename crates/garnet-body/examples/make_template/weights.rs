@@ -217,7 +217,7 @@ impl Anatomy {
     fn share_arm(&self, point: &Vec3, share: f64, weights: &mut [f64; NUM_JOINTS]) {
         let [collar, shoulder, elbow, wrist] =
             ["left_collar", "left_shoulder", "left_elbow", "left_wrist"].map(|name| self.at(name));
-        let upper = share * step(self.along_arm(point) - 0.045, 0.085);
+        let upper = share * step(self.along_arm(point) - 0.015, 0.060);
         let fore = upper * step(Self::past(point, [shoulder, elbow, wrist]), 0.030);
         let hand = fore
             * step(

@@ -260,13 +260,13 @@ mod tests {
 
     #[test]
     fn a_body_whose_skin_stays_folded_is_refused() {
-        // A huge trunk on narrow shoulders swallows the arms.
+        // A huge belly over legs that are far too long for the trunk.
         let parameters = BodyParameters::new(0.0)
             .with(Measure::Stature, 1.65)
-            .with(Measure::ShoulderBreadth, 0.348)
-            .with(Measure::Chest, 1.427)
+            .with(Measure::Inseam, 0.877)
+            .with(Measure::UnderBust, 1.406)
             .with(Measure::Waist, 1.478);
-        let error = ParametricBody::build(&parameters).unwrap_err();
+        let error = ParametricBody::build(&parameters).err().unwrap();
         assert!(
             matches!(error, ShapeError::SelfIntersecting { pairs } if pairs > 0),
             "{error}"
