@@ -54,8 +54,8 @@ mod scene;
 pub use body_sampling::BodySampling;
 pub use checkpoint::{Checkpoint, CheckpointHeader, Precision};
 pub use config::{
-    BodyStreamConfig, Frame, GarNetConfig, GarmentStreamConfig, PoolingConfig, StnConfig, UNIT,
-    Variant, VertexInput,
+    BodyStreamConfig, Frame, GarNetConfig, GarmentStreamConfig, PoolingConfig, Start, StnConfig,
+    UNIT, Variant, VertexInput,
 };
 pub use cost::Cost;
 pub use error::{CheckpointError, NetError};
