@@ -13,6 +13,7 @@ mod garbage;
 mod readme;
 mod render;
 mod simulate;
+mod train;
 
 use fixtures::Fixture;
 

@@ -9,7 +9,8 @@ use garnet_mesh::Point3;
 use crate::network::Inputs;
 use crate::ops::{Buffer, SliceEngine};
 use crate::{
-    BodySampling, Checkpoint, CheckpointError, GarNet, GarmentGraph, NetError, Scene, SceneInput,
+    BodySampling, Checkpoint, CheckpointError, GarNet, GarNetConfig, GarmentGraph, NetError, Scene,
+    SceneInput,
 };
 
 /// A network bound to a garment and a body, without derivatives and without tensors.
@@ -45,6 +46,21 @@ impl Predictor {
             sampling,
             scene: Scene::default(),
         })
+    }
+
+    /// A network with random weights from a seed: it leaves the warp as it is, but takes as long as
+    /// a trained one.
+    ///
+    /// # Errors
+    ///
+    /// As [`GarNetConfig::init`] and [`Predictor::new`].
+    pub fn untrained(
+        config: &GarNetConfig,
+        seed: u64,
+        garment: GarmentGraph,
+        sampling: BodySampling,
+    ) -> Result<Self, NetError> {
+        Self::new(config.init(seed, &Device::flex())?, garment, sampling)
     }
 
     /// Reads a weight file and binds it to a garment that lies on a body at rest, in metres.

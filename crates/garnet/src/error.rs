@@ -1,6 +1,7 @@
 //! What can go wrong between files and a drape.
 
 use garnet_mesh::{Bounds, MeshError, ObjError};
+use garnet_net::{CheckpointError, NetError};
 use garnet_skin::{FileError, SkinError};
 use garnet_untangle::UntangleError;
 
@@ -23,6 +24,12 @@ pub enum Error {
     /// Untangling cannot start.
     #[error(transparent)]
     Untangle(#[from] UntangleError),
+    /// Weights of a network cannot be used.
+    #[error(transparent)]
+    Weights(#[from] CheckpointError),
+    /// A network cannot be run.
+    #[error(transparent)]
+    Net(#[from] NetError),
     /// The garment does not lie on the body.
     #[error(
         "the garment is {distance:.3} m from the rest body at its nearest vertex and does not lie \
