@@ -124,6 +124,7 @@ pub fn train(
         log: RunLog::new(&folder),
         folder,
         state,
+        skipped_in_a_row: 0,
     };
     trainer.begin(observer)?;
     trainer.run(observer, stop)?;
@@ -208,6 +209,8 @@ struct Trainer<'a> {
     folder: PathBuf,
     log: RunLog,
     state: State,
+    /// Scenes without a step since the last one with it.
+    skipped_in_a_row: u32,
 }
 
 impl Trainer<'_> {
@@ -325,13 +328,12 @@ impl Trainer<'_> {
         let rate = |step: u64| {
             config.learning_rate * config.schedule.share(step, num_steps, config.warm_up)
         };
-        let mut skipped_in_a_row = 0;
         let mut since_saved = 0;
         while self.state.progress.scene < order.len() {
             let scenes = order[self.state.progress.scene..].iter().take(batch);
             let scenes: Vec<usize> = scenes.copied().collect();
             let rate = rate(self.state.progress.step);
-            self.step(&scenes, rate, &mut skipped_in_a_row, observer)?;
+            self.step(&scenes, rate, observer)?;
             let progress = &mut self.state.progress;
             progress.scene += scenes.len();
             since_saved += scenes.len();
@@ -354,7 +356,6 @@ impl Trainer<'_> {
         &mut self,
         scenes: &[usize],
         rate: f64,
-        skipped_in_a_row: &mut u32,
         observer: &mut dyn FnMut(TrainEvent),
     ) -> Result<(), TrainError> {
         let mut sum = GradientsAccumulator::new();
@@ -368,7 +369,7 @@ impl Trainer<'_> {
             let sums = &mut self.state.progress.sums;
             match lesson(self.subject, example, model, &self.device, share)? {
                 Ok(lesson) => {
-                    *skipped_in_a_row = 0;
+                    self.skipped_in_a_row = 0;
                     is_empty = false;
                     let loss = lesson.report.total();
                     sums.count += 1;
@@ -388,12 +389,12 @@ impl Trainer<'_> {
                 }
                 Err(trouble) => {
                     sums.skipped += 1;
-                    *skipped_in_a_row += 1;
-                    if *skipped_in_a_row >= MAX_SKIPPED {
+                    self.skipped_in_a_row += 1;
+                    if self.skipped_in_a_row >= MAX_SKIPPED {
                         return Err(TrainError::Diverged {
                             epoch,
                             trouble,
-                            num_skipped: *skipped_in_a_row,
+                            num_skipped: self.skipped_in_a_row,
                         });
                     }
                     observer(TrainEvent::Skipped(trouble));
