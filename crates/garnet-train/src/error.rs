@@ -193,7 +193,7 @@ pub enum TrainError {
     Write(#[from] WriteError),
     /// Package or data set are not usable.
     #[error(transparent)]
-    Data(#[from] DataError),
+    Data(Box<DataError>),
     /// A network cannot be made or run.
     #[error(transparent)]
     Net(#[from] NetError),
@@ -278,6 +278,12 @@ impl std::fmt::Display for Trouble {
                 )
             }
         }
+    }
+}
+
+impl From<DataError> for TrainError {
+    fn from(source: DataError) -> Self {
+        Self::Data(Box::new(source))
     }
 }
 

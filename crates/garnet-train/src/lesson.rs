@@ -56,7 +56,9 @@ pub(crate) fn lesson(
         return trouble(TroubleKind::Derivative { vertex });
     }
     let mut gradient = prepared.scene.pulled_back(&report.gradient);
-    gradient.iter_mut().for_each(|value| *value *= share);
+    for value in &mut gradient {
+        *value *= share;
+    }
     let gradients = GradientsParams::from_grads(surrogate(output, gradient).backward(), model);
     match gradients::norm(model, &gradients) {
         Err(name) => trouble(TroubleKind::Weight { name }),

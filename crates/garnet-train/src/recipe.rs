@@ -14,11 +14,11 @@ const KINDS: [(&str, Variant); 4] = [
 ];
 
 /// Names of the curvature losses that a variant is fine-tuned with.
-const FINE_TUNINGS: [(&str, fn() -> LossConfig); 4] = [
-    ("rq", LossConfig::fine_tune_rq),
-    ("mc", LossConfig::fine_tune_mc),
-    ("mcrq", LossConfig::fine_tune_mcrq),
-    ("umc", LossConfig::fine_tune_umc),
+const FINE_TUNINGS: [(&str, LossConfig); 4] = [
+    ("rq", LossConfig::fine_tune_rq()),
+    ("mc", LossConfig::fine_tune_mc()),
+    ("mcrq", LossConfig::fine_tune_mcrq()),
+    ("umc", LossConfig::fine_tune_umc()),
 ];
 
 /// What the name of a variant asks for.
@@ -50,7 +50,7 @@ impl Recipe {
         }
         let fine_tuned = name.rsplit_once('-').and_then(|(base, ending)| {
             let found = FINE_TUNINGS.iter().find(|(name, _)| *name == ending);
-            found.map(|(_, losses)| (base.to_owned(), losses()))
+            found.map(|(_, losses)| (base.to_owned(), losses.clone()))
         });
         let kind = KINDS.iter().find(|(kind, _)| *kind == name);
         Ok(Self {

@@ -76,9 +76,10 @@ impl Subject {
             },
             warped: staged.warped(self.config.start)?,
             body: staged.posed.skin().positions().to_vec(),
-            parameters: match has_parameters {
-                true => worn.body.pose_and_shape(&staged.posed),
-                false => Vec::new(),
+            parameters: if has_parameters {
+                worn.body.pose_and_shape(&staged.posed)
+            } else {
+                Vec::new()
             },
             draped: staged.draped.clone(),
         })

@@ -102,17 +102,16 @@ pub fn train(
     let train = examples(&stage, &subject, Split::Train, observer)?;
     let valid = examples(&stage, &subject, Split::Valid, observer)?;
     fs::create_dir_all(&folder).map_err(|source| TrainError::folder(&folder, source))?;
-    let state = match state {
-        Some(state) => state,
-        None => {
-            let model = match base {
-                Some(model) => model,
-                None => subject.config.init(job.config.seed, &device)?,
-            };
-            let mut progress = Progress::new(&job.recipe.name, &job.config, data);
-            progress.base = base_name;
-            State::new(progress, model)
-        }
+    let state = if let Some(state) = state {
+        state
+    } else {
+        let model = match base {
+            Some(model) => model,
+            None => subject.config.init(job.config.seed, &device)?,
+        };
+        let mut progress = Progress::new(&job.recipe.name, &job.config, data);
+        progress.base = base_name;
+        State::new(progress, model)
     };
     let mut trainer = Trainer {
         stage: &stage,
@@ -300,7 +299,7 @@ impl Trainer<'_> {
         let progress = &self.state.progress;
         let patience = progress.config.patience;
         let best = progress.best().map_or(0, |best| best.epoch);
-        patience > 0 && progress.epoch - 1 >= best + patience
+        patience > 0 && progress.epoch > best + patience
     }
 
     /// The scenes of an epoch in a random order that depends on seed and epoch alone.

@@ -26,7 +26,7 @@ pub enum Error {
     Untangle(#[from] UntangleError),
     /// Weights of a network cannot be used.
     #[error(transparent)]
-    Weights(#[from] CheckpointError),
+    Weights(Box<CheckpointError>),
     /// A network cannot be run.
     #[error(transparent)]
     Net(#[from] NetError),
@@ -54,4 +54,10 @@ pub enum Error {
         /// Diagonal of the rest body's box, in metres.
         body_size: f32,
     },
+}
+
+impl From<CheckpointError> for Error {
+    fn from(source: CheckpointError) -> Self {
+        Self::Weights(Box::new(source))
+    }
 }

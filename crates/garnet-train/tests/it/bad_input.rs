@@ -7,10 +7,10 @@ use garnet_data::{DatasetManifest, Split};
 use garnet_mesh::Point3;
 use garnet_train::{Begin, TrainConfig, TrainError, TrainEvent, train};
 
-use crate::invented::{Invented, tiny};
+use crate::invented::{Invented, run, tiny};
 
 fn refused(invented: &Invented) -> String {
-    let error = invented.train(&invented.job("local", tiny(1))).unwrap_err();
+    let error = run(&invented.job("local", tiny(1))).unwrap_err();
     assert!(!invented.package().join("local.safetensors").exists());
     assert!(!invented.package().join("training").exists());
     error.to_string()
@@ -74,7 +74,7 @@ fn a_training_under_way_is_not_overwritten() {
     let invented = Invented::new();
     let mut job = invented.job("local", tiny(2));
     job.begin = Begin::WhereSaved;
-    let error = invented.train(&job).unwrap_err();
+    let error = run(&job).unwrap_err();
     assert!(
         matches!(error, TrainError::NothingToResume { .. }),
         "{error}"
@@ -84,7 +84,7 @@ fn a_training_under_way_is_not_overwritten() {
     job.begin = Begin::Anew;
     let error = train(&job, &mut |_| {}, &stop).unwrap_err();
     assert!(matches!(error, TrainError::Stopped), "{error}");
-    let error = invented.train(&job).unwrap_err();
+    let error = run(&job).unwrap_err();
     assert!(
         matches!(error, TrainError::UnderWay { epoch: 0, .. }),
         "{error}"
@@ -93,7 +93,7 @@ fn a_training_under_way_is_not_overwritten() {
     job.begin = Begin::WhereSaved;
     let mut other = job.clone();
     other.config.seed += 1;
-    let error = invented.train(&other).unwrap_err().to_string();
+    let error = run(&other).unwrap_err().to_string();
     assert!(
         error.ends_with("was begun with another configuration"),
         "{error}"
@@ -102,24 +102,24 @@ fn a_training_under_way_is_not_overwritten() {
     let state = invented.package().join("training/local/state.safetensors");
     let bytes = fs::read(&state).unwrap();
     fs::write(&state, &bytes[..bytes.len() / 2]).unwrap();
-    let error = invented.train(&job).unwrap_err();
+    let error = run(&job).unwrap_err();
     assert!(matches!(error, TrainError::State { .. }), "{error}");
     fs::write(&state, &bytes).unwrap();
-    invented.train(&job).unwrap();
+    run(&job).unwrap();
 }
 
 #[test]
 fn a_state_that_cannot_be_written_leaves_the_weights_as_they_were() {
     let invented = Invented::new();
     let job = invented.job("local", tiny(1));
-    invented.train(&job).unwrap();
+    run(&job).unwrap();
     let before = invented.bytes("local.safetensors");
     let state = invented.package().join("training/local/state.safetensors");
     fs::remove_file(&state).unwrap();
     // A folder of that name stands for a disk without room.
     fs::create_dir(&state).unwrap();
     let again = invented.job("local", TrainConfig { seed: 5, ..tiny(1) });
-    assert!(invented.train(&again).is_err());
+    assert!(run(&again).is_err());
     assert!(before == invented.bytes("local.safetensors"));
 }
 
@@ -158,9 +158,7 @@ fn a_training_that_diverges_stops_and_says_where() {
 #[test]
 fn there_is_nothing_to_fine_tune_before_a_training() {
     let invented = Invented::new();
-    let error = invented
-        .train(&invented.job("local-rq", tiny(1)))
-        .unwrap_err();
+    let error = run(&invented.job("local-rq", tiny(1))).unwrap_err();
     assert_eq!(
         error.to_string(),
         "the package has no variant `local`; it has none"

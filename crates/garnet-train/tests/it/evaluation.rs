@@ -4,12 +4,12 @@ use garnet_data::{Dataset, GarmentPackage, Split};
 use garnet_train::{Candidate, Finish, Stage, evaluate};
 use garnet_untangle::UntangleOptions;
 
-use crate::invented::{Invented, tiny};
+use crate::invented::{Invented, run, tiny};
 
 #[test]
 fn a_network_is_measured_as_its_training_measured_it() {
     let invented = Invented::new();
-    let trained = invented.train(&invented.job("local", tiny(10))).unwrap();
+    let trained = run(&invented.job("local", tiny(10))).unwrap();
     let package = GarmentPackage::read(&invented.package()).unwrap();
     let stage = Stage::new(package, Dataset::open(&invented.dataset()).unwrap()).unwrap();
     let candidates = [
@@ -34,7 +34,7 @@ fn a_network_is_measured_as_its_training_measured_it() {
         panic!("three rows");
     };
     // The arm keeps its shape, so both are one.
-    assert_eq!(dqs.scores.distance, warp.scores.distance);
+    assert_eq!(dqs.scores, warp.scores);
     assert_eq!(Some(local.scores), trained.test);
     assert!(local.flops > 0 && warp.flops == 0);
     assert!(local.seconds.network.median > 0.0);

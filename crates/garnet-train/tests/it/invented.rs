@@ -135,14 +135,15 @@ impl Invented {
         }
     }
 
-    pub(crate) fn train(&self, job: &TrainJob) -> Result<Trained, TrainError> {
-        train(job, &mut |_| {}, &AtomicBool::new(false))
-    }
-
     /// The bytes of a file of the package.
     pub(crate) fn bytes(&self, name: &str) -> Vec<u8> {
         std::fs::read(self.package().join(name)).unwrap()
     }
+}
+
+/// Trains without watching.
+pub(crate) fn run(job: &TrainJob) -> Result<Trained, TrainError> {
+    train(job, &mut |_| {}, &AtomicBool::new(false))
 }
 
 /// A tiny network for some epochs.

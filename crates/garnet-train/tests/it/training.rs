@@ -7,7 +7,7 @@ use garnet_data::GarmentPackage;
 use garnet_net::Checkpoint;
 use garnet_train::{Begin, TrainConfig, TrainError, TrainEvent, train};
 
-use crate::invented::{Invented, tiny};
+use crate::invented::{Invented, run, tiny};
 
 #[test]
 fn a_tiny_network_is_better_than_the_warp_on_poses_that_it_has_not_seen() {
@@ -47,7 +47,7 @@ fn a_tiny_network_is_better_than_the_warp_on_poses_that_it_has_not_seen() {
         trained.test.map(|test| test.distance)
     );
     let loaded = Checkpoint::load(&trained.weights, &Device::flex()).unwrap();
-    assert_eq!(loaded.scores["valid.distance_m"], valid);
+    assert!((loaded.scores["valid.distance_m"] - valid).abs() < 1e-15);
     assert_eq!(loaded.record["best_epoch"], trained.best.epoch);
 
     // The curves have a line for each epoch and one for the start.
@@ -71,9 +71,7 @@ fn an_interrupted_training_gives_the_same_numbers() {
         max_gradient: 0.5,
         ..tiny(3)
     };
-    straight
-        .train(&straight.job("local", config.clone()))
-        .unwrap();
+    run(&straight.job("local", config.clone())).unwrap();
 
     let stopped = Invented::new();
     let mut job = stopped.job("local", config);
@@ -90,7 +88,7 @@ fn an_interrupted_training_gives_the_same_numbers() {
         assert!(!stopped.package().join("local.safetensors").exists());
         job.begin = Begin::WhereSaved;
     }
-    stopped.train(&job).unwrap();
+    run(&job).unwrap();
     for file in ["local.safetensors", "training/local/losses.csv"] {
         assert!(
             straight.bytes(file) == stopped.bytes(file),
@@ -108,7 +106,7 @@ fn trainings_from_one_seed_are_one_and_from_another_are_others() {
             .build()
             .unwrap();
         let job = invented.job("local", TrainConfig { seed, ..tiny(2) });
-        pool.install(|| invented.train(&job)).unwrap();
+        pool.install(|| run(&job)).unwrap();
         invented.bytes("local.safetensors")
     };
     let first = in_pool(&one, 1, 7);
@@ -119,7 +117,7 @@ fn trainings_from_one_seed_are_one_and_from_another_are_others() {
 #[test]
 fn a_variant_is_fine_tuned_with_curvature_losses() {
     let invented = Invented::new();
-    invented.train(&invented.job("local", tiny(20))).unwrap();
+    run(&invented.job("local", tiny(20))).unwrap();
     for name in ["local-rq", "local-mc", "local-mcrq", "local-umc"] {
         let mut job = invented.job(name, tiny(3));
         job.config.learning_rate = 1e-3;
@@ -154,8 +152,6 @@ fn patience_ends_a_training_that_does_not_get_better() {
         patience: 2,
         ..tiny(50)
     };
-    let trained = invented
-        .train(&invented.job("global-params", config))
-        .unwrap();
+    let trained = run(&invented.job("global-params", config)).unwrap();
     assert!(trained.epochs < 50 && trained.epochs_asked == 50);
 }
