@@ -32,12 +32,15 @@ pub struct Worn {
     /// What a network knows of the garment, with its sewing parameters in the order of their names,
     /// lengths in metres.
     pub graph: GarmentGraph,
+    /// The garment at rest `[vertex]`, in metres.
+    pub rest: Arc<[Point3]>,
 }
 
 impl Worn {
     fn new(garment: BoundGarment, body: Body, parameters: &[f32]) -> Result<Self, TrainError> {
         Ok(Self {
             graph: GarmentGraph::new(garment.mesh(), parameters)?,
+            rest: garment.mesh().positions().into(),
             garment,
             body,
         })
@@ -251,6 +254,7 @@ impl Stage {
                     .graph
                     .clone()
                     .with_sewing_parameters(&parameters)?,
+                rest: Arc::clone(&self.template.rest),
             }),
         };
         Ok(Dressed {

@@ -1,11 +1,13 @@
 //! What a network and its losses know before any scene.
 
+use std::sync::Arc;
+
 use garnet_mesh::{Point3, TriMesh};
 use garnet_net::losses::{LossBody, LossConfig, LossTarget, Losses};
 use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, Variant};
 use garnet_skin::{Body, WarpedGarment};
 
-use crate::{Stage, StagedScene, TrainError};
+use crate::{SceneName, Stage, StagedScene, TrainError};
 
 /// What a network and its losses know before any scene.
 #[derive(Debug)]
@@ -20,16 +22,15 @@ pub(crate) struct Subject {
 /// What training keeps of a scene; the rest is computed anew each time.
 #[derive(Debug)]
 pub(crate) struct Example {
-    pub(crate) scene: StagedName,
+    pub(crate) scene: SceneName,
+    /// The garment at rest `[vertex]`, in metres.
+    pub(crate) rest: Arc<[Point3]>,
     pub(crate) graph: GarmentGraph,
     pub(crate) warped: WarpedGarment,
     pub(crate) body: Vec<Point3>,
     pub(crate) parameters: Vec<f32>,
     pub(crate) draped: Vec<Point3>,
 }
-
-/// The name of a scene.
-pub(crate) type StagedName = crate::SceneName;
 
 /// An example as a step of training takes it.
 #[derive(Debug)]
@@ -70,6 +71,7 @@ impl Subject {
         let has_parameters = self.config.variant == Variant::GlobalParams;
         Ok(Example {
             scene: staged.name,
+            rest: Arc::clone(&worn.rest),
             graph: match self.config.num_sewing_parameters {
                 0 => graph.with_sewing_parameters(&[])?,
                 _ => graph,

@@ -62,7 +62,7 @@ pub(crate) fn validate(
         tally.add(&Compared {
             predicted: &predicted,
             draped: &example.draped,
-            rest: mesh.positions(),
+            rest: &example.rest,
             faces: mesh.faces(),
             edges: topology.edges(),
             skin: &skin,
