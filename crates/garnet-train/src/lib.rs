@@ -6,6 +6,30 @@
 //! the variant to the package; [`evaluate`] compares networks with the skinning and the warp alone.
 //!
 //! Nothing is printed here: [`TrainEvent`]s tell how far a training is.
+//!
+//! ```no_run
+//! use std::sync::atomic::AtomicBool;
+//!
+//! use garnet_train::{Begin, Recipe, TrainConfig, TrainEvent, TrainJob, train};
+//!
+//! let job = TrainJob {
+//!     package: "models/tee".into(),
+//!     dataset: "data/tee".into(),
+//!     recipe: Recipe::of_name("local")?,
+//!     config: TrainConfig::parse("preset = \"small\"\nepochs = 50")?,
+//!     base: None,
+//!     begin: Begin::Anew,
+//! };
+//! let mut distances = Vec::new();
+//! let mut observer = |event| {
+//!     if let TrainEvent::Epoch(record) = event {
+//!         distances.push(record.valid.distance);
+//!     }
+//! };
+//! let trained = train(&job, &mut observer, &AtomicBool::new(false))?;
+//! println!("{} m from the teacher", trained.best.valid.distance);
+//! # Ok::<(), garnet_train::TrainError>(())
+//! ```
 
 #![allow(clippy::doc_markdown, reason = "GarNet and PyTorch are names")]
 

@@ -8,6 +8,9 @@ use crate::scores::{Compared, Tally};
 use crate::subject::{Example, Subject};
 use crate::{Scores, Stage, TrainError};
 
+/// Distance and loss of a network that has diverged; finite, because JSON knows no infinity.
+const DIVERGED: f64 = 1e9;
+
 /// What a validation finds.
 #[derive(Debug)]
 pub(crate) struct Validation {
@@ -18,7 +21,7 @@ pub(crate) struct Validation {
 
 /// Measures a network on examples; nothing is untangled.
 ///
-/// A network that has diverged gives infinite scores: any other is better.
+/// A network that has diverged is [`DIVERGED`] away from the teacher: any other is better.
 pub(crate) fn validate(
     stage: &Stage,
     subject: &Subject,
@@ -46,10 +49,10 @@ pub(crate) fn validate(
         };
         let Ok(predicted) = predictor.predict(&example.input()) else {
             let scores = Scores {
-                distance: f64::INFINITY,
+                distance: DIVERGED,
                 ..Scores::default()
             };
-            let loss = f64::INFINITY;
+            let loss = DIVERGED;
             return Ok(Validation { scores, loss });
         };
         let body = TriMesh::new(example.body.clone(), rest_body.faces().to_vec())?;
