@@ -205,7 +205,7 @@ impl Checkpoint {
             path: path.to_path_buf(),
             source,
         };
-        let model = header.config.init(0, device).map_err(unusable)?;
+        let model = header.config.blank(device).map_err(unusable)?;
         let mut filler = Filler {
             file: path,
             device,

@@ -28,7 +28,7 @@ impl GarNetConfig {
     /// [`NetError::Config`], also where there are no vertices or points.
     pub fn cost(&self, num_vertices: usize, num_points: usize) -> Result<Cost, NetError> {
         let config = self;
-        let net = config.init(0, &Device::flex())?;
+        let net = config.blank(&Device::flex())?;
         let engine = CostEngine::default();
         // The tables only lend their sizes: any garment and body of these counts will do.
         let most = if self.body.points == 0 {
