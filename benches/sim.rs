@@ -22,6 +22,8 @@ fn substeps(rate: f32) -> Schedule {
         stages: vec![Stage {
             frames: 60,
             rate,
+            extra_drag: 0.0,
+            friction: 1.0,
             damping: Damping::Kinetic,
         }],
         self_contact: SelfContact::Off,
@@ -70,7 +72,10 @@ fn sim(criterion: &mut Criterion) {
         // itself.
         group.bench_function(BenchmarkId::new("60_refreshes", size), |bencher| {
             let schedule = Schedule {
-                self_contact: SelfContact::Repulsion(0.75),
+                self_contact: SelfContact::Repulsion {
+                    distance: 0.75,
+                    least: 0.5,
+                },
                 ..substeps(60.0)
             };
             bencher.iter(|| run(&on_body, &schedule));

@@ -3,7 +3,12 @@
 use std::fs;
 use std::process::Output;
 
+use garnet::io::{ObjFile, write_rig_npz};
+use garnet::shape::{BodyParameters, ParametricBody};
+use garnet::{Body, Rig};
+
 use crate::fixtures::{Fixture, stderr};
+use crate::glb::glb_of;
 
 /// A walker of BVH in centimetres, two frames: standing, and the left thigh raised.
 const BVH: &str = "\
@@ -184,5 +189,53 @@ fn truncated_motions_are_refused_with_the_line() {
         assert_eq!(output.status.code(), Some(2), "{text}");
         assert!(text.contains("cut.bvh") && text.contains("line"), "{text}");
         assert!(!fixture.folder().join("none").exists());
+    }
+}
+
+fn mean_woman() -> Body {
+    let built = ParametricBody::build(&BodyParameters::new(1.0)).unwrap();
+    built.into_body()
+}
+
+/// Heights of the vertices of an OBJ, in metres.
+fn heights(fixture: &Fixture, name: &str) -> Vec<f32> {
+    let file = ObjFile::read(fixture.path(name)).unwrap();
+    file.positions().iter().map(|point| point.y).collect()
+}
+
+#[test]
+fn a_rigged_glb_is_posed_as_the_same_body_in_a_rig_file() {
+    let fixture = Fixture::new();
+    let body = mean_woman();
+    fixture.bytes("own.glb", &glb_of(&body));
+    write_rig_npz(fixture.path("own.rig.npz"), &Rig::from(body)).unwrap();
+    done(&fixture.garnet("body own.glb --pose reach_high -o of_glb.obj"));
+    done(&fixture.garnet("body own.rig.npz --pose reach_high -o of_rig.obj"));
+    let [of_glb, of_rig] = ["of_glb.obj", "of_rig.obj"].map(|name| heights(&fixture, name));
+    assert_eq!(of_glb.len(), of_rig.len());
+    for (of_glb, of_rig) in of_glb.iter().zip(&of_rig) {
+        // The GLB keeps four of as many as eight influences.
+        assert!((of_glb - of_rig).abs() < 0.02, "{of_glb} {of_rig}");
+    }
+    let tallest = of_glb.iter().copied().fold(0.0, f32::max);
+    assert!(tallest > 2.0, "the hands are overhead: {tallest}");
+}
+
+#[test]
+fn a_glb_without_a_skin_is_refused_by_name() {
+    let fixture = Fixture::new();
+    let bytes = glb_of(&mean_woman());
+    let name = b"\"skins\"";
+    let at = bytes.windows(name.len()).position(|window| window == name);
+    let mut without = bytes.clone();
+    without[at.unwrap()..][..name.len()].copy_from_slice(b"\"extra\"");
+    fixture.bytes("bare.glb", &without);
+    fixture.bytes("cut.glb", &bytes[..bytes.len() / 2]);
+    for name in ["bare.glb", "cut.glb"] {
+        let output = fixture.garnet(&format!("body {name} --pose reach_high -o none.obj"));
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(name), "{text}");
+        assert!(!fixture.path("none.obj").exists());
     }
 }

@@ -10,6 +10,7 @@ mod body;
 mod drape;
 mod fixtures;
 mod garbage;
+mod glb;
 mod readme;
 mod render;
 mod simulate;

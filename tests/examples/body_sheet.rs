@@ -14,7 +14,8 @@ use garnet::{
 };
 use garnet_mesh::TriMesh;
 use garnet_skin::{Body, Method};
-use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
+use garnet_tests::{Scene, Sheet};
+use garnet_view::{Camera, palette};
 
 /// Sex, stature in metres and body mass index of the bodies at rest.
 const BODIES: [(f64, f64, f64); 12] = [
@@ -68,19 +69,25 @@ const POSES: [&str; 24] = [
 ];
 
 const COLUMNS: usize = 12;
-const CELL: [usize; 2] = [140, 230];
+const CELL: [u32; 2] = [140, 230];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = env::args().skip(1).collect();
     let [kind, path] = words.as_slice() else {
         return Err("usage: body_sheet bodies|poses FILE.png".into());
     };
-    let mut meshes = Vec::new();
-    let mut captions = Vec::new();
+    let mut scenes = Vec::new();
+    let mut add = |mesh: TriMesh, caption: String| {
+        scenes.push(Scene {
+            caption,
+            meshes: vec![(mesh, palette::SKIN)],
+            framed: 0,
+        });
+    };
     if kind == "bodies" {
         for (sex, stature, bmi) in BODIES {
-            meshes.push(body(sex, stature, bmi)?.rest().clone());
-            captions.push(format!("{:.0} cm, {bmi:.0}", 100.0 * stature));
+            let mesh = body(sex, stature, bmi)?.rest().clone();
+            add(mesh, format!("{:.0} cm, {bmi:.0}", 100.0 * stature));
         }
     } else {
         let bodies: Vec<Body> = POSED
@@ -88,47 +95,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             .map(|(sex, stature, bmi)| body(sex, stature, bmi))
             .collect::<Result<_, _>>()?;
         for (index, name) in POSES.into_iter().enumerate() {
-            meshes.push(posed(&bodies[index % bodies.len()], name)?);
-            captions.push(name.replace('_', " "));
+            let mesh = posed(&bodies[index % bodies.len()], name)?;
+            add(mesh, name.replace('_', " "));
         }
     }
-    let mut views = Vec::new();
+    let mut sheet = Sheet::new(COLUMNS, CELL);
     let cameras = [Camera::new(0.0, 0.06), Camera::left(), Camera::back()];
-    for row in 0..meshes.len().div_ceil(COLUMNS) {
-        for (side, camera) in cameras.into_iter().enumerate() {
-            let names = captions
-                .iter()
-                .enumerate()
-                .skip(row * COLUMNS)
-                .take(COLUMNS);
-            for (index, name) in names {
-                let shown = vec![index];
-                views.push(View {
-                    caption: if side == 0 {
-                        name.clone()
-                    } else {
-                        String::new()
-                    },
-                    shown: Some(shown.clone()),
-                    framed: Some(shown),
-                    ..View::new(camera)
-                });
-            }
-        }
-    }
-    let rows = views.len() / COLUMNS;
-    let layers = meshes.iter().map(|mesh| Layer {
-        paint: Paint::Plain(palette::SKIN),
-        ..Layer::new(mesh)
-    });
-    let image = render(&Picture {
-        layers: layers.collect(),
-        views,
-        columns: Some(COLUMNS as u32),
-        supersampling: 2,
-        ..Picture::new((CELL[0] * COLUMNS) as u32, (CELL[1] * rows) as u32)
-    })?;
-    image.write_png(Path::new(path))?;
+    sheet.add_columns(scenes, &cameras);
+    sheet.write_png(Path::new(path))?;
     Ok(())
 }
 

@@ -9,9 +9,9 @@ use garnet::{
     data::{BodyRecord, Dataset, GarmentPackage, SceneRecord, Split},
     shape::ParametricBody,
 };
-use garnet_mesh::TriMesh;
 use garnet_skin::Method;
-use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
+use garnet_tests::{Scene, Sheet};
+use garnet_view::{Camera, palette};
 
 const COLUMNS: usize = 6;
 const ROWS: usize = 2;
@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let package = GarmentPackage::read(Path::new(package))?;
     let dataset = Dataset::open(Path::new(dataset))?;
     let wanted = split.first().map(String::as_str);
-    let mut scenes: Vec<(String, TriMesh, TriMesh)> = Vec::new();
+    let mut scenes = Vec::new();
     for split in Split::ALL {
         if wanted.is_some_and(|wanted| wanted != split.name()) {
             continue;
@@ -34,26 +34,26 @@ fn main() -> Result<(), Box<dyn Error>> {
             for scene in &shard.scenes {
                 let body = shard.bodies.iter().find(|body| body.number == scene.body);
                 let body = body.ok_or("a scene without body")?;
-                scenes.push(meshes(&package, body, scene, split)?);
+                scenes.push(drawn(&package, body, scene, split)?);
             }
         }
     }
     for (index, scenes) in scenes.chunks(COLUMNS * ROWS).enumerate() {
-        sheet(
-            scenes,
-            &Path::new(folder).join(format!("drapes_{index}.png")),
-        )?;
+        let mut sheet = Sheet::new(COLUMNS, [330, 360]);
+        let cameras = [Camera::new(0.5, 0.1), Camera::new(3.6, 0.1)];
+        sheet.add_columns(scenes.to_vec(), &cameras);
+        sheet.write_png(&Path::new(folder).join(format!("drapes_{index}.png")))?;
     }
     Ok(())
 }
 
-/// Caption, garment and body of a scene.
-fn meshes(
+/// Garment and body of a scene.
+fn drawn(
     package: &GarmentPackage,
     body: &BodyRecord,
     scene: &SceneRecord,
     split: Split,
-) -> Result<(String, TriMesh, TriMesh), Box<dyn Error>> {
+) -> Result<Scene, Box<dyn Error>> {
     let parameters = body.parameters.as_ref().ok_or("no built-in body")?;
     let built = ParametricBody::build(&parameters.parameters()?)?;
     let pose = scene.pose().ok_or("no pose")?;
@@ -66,48 +66,10 @@ fn meshes(
         scene.sequence
     );
     let garment = package.mesh.with_positions(scene.garment.clone())?;
-    Ok((caption, garment, built.body().rest().with_positions(posed)?))
-}
-
-fn sheet(scenes: &[(String, TriMesh, TriMesh)], path: &Path) -> Result<(), Box<dyn Error>> {
-    let mut views = Vec::new();
-    let cameras = [Camera::new(0.5, 0.1), Camera::new(3.6, 0.1)];
-    for row in 0..scenes.len().div_ceil(COLUMNS) {
-        for (side, camera) in cameras.into_iter().enumerate() {
-            for column in 0..COLUMNS {
-                let index = row * COLUMNS + column;
-                let shown = index.min(scenes.len() - 1);
-                views.push(View {
-                    caption: if side == 0 && index < scenes.len() {
-                        scenes[index].0.clone()
-                    } else {
-                        String::new()
-                    },
-                    shown: Some(vec![2 * shown, 2 * shown + 1]),
-                    framed: Some(vec![2 * shown]),
-                    ..View::new(camera)
-                });
-            }
-        }
-    }
-    let rows = views.len() / COLUMNS;
-    let layers = scenes.iter().flat_map(|(_, garment, body)| {
-        let paint = Paint::Plain(palette::SKIN);
-        [
-            Layer::new(garment),
-            Layer {
-                paint,
-                ..Layer::new(body)
-            },
-        ]
-    });
-    let image = render(&Picture {
-        layers: layers.collect(),
-        views,
-        columns: Some(COLUMNS as u32),
-        supersampling: 2,
-        ..Picture::new(330 * COLUMNS as u32, 360 * rows as u32)
-    })?;
-    image.write_png(path)?;
-    Ok(())
+    let body = built.body().rest().with_positions(posed)?;
+    Ok(Scene {
+        caption,
+        meshes: vec![(garment, palette::GARMENT), (body, palette::SKIN)],
+        framed: 0,
+    })
 }

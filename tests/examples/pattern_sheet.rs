@@ -19,7 +19,8 @@ use garnet::{
 use garnet_knn::Surface;
 use garnet_mesh::{TriMesh, write_obj};
 use garnet_pattern::{GarmentKind, SewnGarment, Size, Template};
-use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
+use garnet_tests::{Scene, Sheet};
+use garnet_view::{Camera, palette};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -110,44 +111,26 @@ fn report(garment: &SewnGarment, body: &TriMesh) -> Result<(), Box<dyn Error>> {
 }
 
 fn picture(garment: &SewnGarment, body: &TriMesh, path: &Path) -> Result<(), Box<dyn Error>> {
-    let start = garment.start_mesh();
-    let flat = garment.flat_mesh();
-    let layers = [
-        (body, palette::SKIN),
-        (&start, palette::GARMENT),
-        (&flat, palette::GARMENT),
-    ];
-    let on_body = [
+    let start = (garment.start_mesh(), palette::GARMENT);
+    let on_body = Scene {
+        caption: String::new(),
+        meshes: vec![(body.clone(), palette::SKIN), start],
+        framed: 0,
+    };
+    let flat = Scene {
+        caption: String::new(),
+        meshes: vec![(garment.flat_mesh(), palette::GARMENT)],
+        framed: 0,
+    };
+    let around = [
         Camera::front(),
         Camera::new(0.6, 0.2),
         Camera::left(),
         Camera::new(std::f32::consts::PI, 0.1),
     ];
-    let mut views: Vec<View> = on_body
-        .into_iter()
-        .map(|camera| View {
-            shown: Some(vec![0, 1]),
-            framed: Some(vec![1]),
-            ..View::new(camera)
-        })
-        .collect();
-    views.push(View {
-        shown: Some(vec![2]),
-        framed: Some(vec![2]),
-        ..View::new(Camera::front())
-    });
-    let image = render(&Picture {
-        layers: layers
-            .map(|(mesh, color)| Layer {
-                paint: Paint::Plain(color),
-                ..Layer::new(mesh)
-            })
-            .to_vec(),
-        views,
-        columns: Some(3),
-        supersampling: 2,
-        ..Picture::new(1500, 1100)
-    })?;
-    image.write_png(path)?;
+    let mut sheet = Sheet::new(3, [500, 550]);
+    sheet.add_row(on_body, &around);
+    sheet.add_row(flat, &[Camera::front()]);
+    sheet.write_png(path)?;
     Ok(())
 }

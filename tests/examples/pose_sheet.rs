@@ -16,9 +16,9 @@ use garnet::{
     poses::{GaitCycle, PoseSampler, Poser, SelfContact, SeparationOptions, key_poses},
     shape::{BodyParameters, Measure, ParametricBody},
 };
-use garnet_mesh::TriMesh;
 use garnet_skin::{Body, Method, Pose, read_rig};
-use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
+use garnet_tests::{Scene, Sheet};
+use garnet_view::{Camera, palette};
 
 const COLUMNS: usize = 6;
 const ROWS: usize = 2;
@@ -142,46 +142,17 @@ fn poses_of(
 }
 
 fn sheet(body: &Body, names: &[String], poses: &[Pose], path: &Path) -> Result<(), Box<dyn Error>> {
-    let mut meshes: Vec<TriMesh> = Vec::new();
-    let mut captions = Vec::new();
+    let mut scenes = Vec::new();
     for (name, pose) in names.iter().zip(poses) {
         let positions = body.posed_positions(pose, Method::DualQuaternion)?;
-        captions.push(name.clone());
-        meshes.push(body.rest().with_positions(positions)?);
+        scenes.push(Scene {
+            caption: name.clone(),
+            meshes: vec![(body.rest().with_positions(positions)?, palette::SKIN)],
+            framed: 0,
+        });
     }
-    let mut views = Vec::new();
-    let cameras = [Camera::new(0.5, 0.15), Camera::left()];
-    for row in 0..meshes.len().div_ceil(COLUMNS) {
-        for (side, camera) in cameras.into_iter().enumerate() {
-            for column in 0..COLUMNS {
-                let index = row * COLUMNS + column;
-                let is_there = index < meshes.len();
-                let shown = vec![index.min(meshes.len() - 1)];
-                views.push(View {
-                    caption: if side == 0 && is_there {
-                        captions[index].clone()
-                    } else {
-                        String::new()
-                    },
-                    shown: Some(shown.clone()),
-                    framed: Some(shown),
-                    ..View::new(camera)
-                });
-            }
-        }
-    }
-    let rows = views.len() / COLUMNS;
-    let layers = meshes.iter().map(|mesh| Layer {
-        paint: Paint::Plain(palette::SKIN),
-        ..Layer::new(mesh)
-    });
-    let image = render(&Picture {
-        layers: layers.collect(),
-        views,
-        columns: Some(COLUMNS as u32),
-        supersampling: 2,
-        ..Picture::new(300 * COLUMNS as u32, 330 * rows as u32)
-    })?;
-    image.write_png(path)?;
+    let mut sheet = Sheet::new(COLUMNS, [300, 330]);
+    sheet.add_columns(scenes, &[Camera::new(0.5, 0.15), Camera::left()]);
+    sheet.write_png(path)?;
     Ok(())
 }

@@ -22,7 +22,8 @@ use garnet::{
 };
 use garnet_mesh::{TriMesh, vertex_distances};
 use garnet_skin::{Body, Method, Pose};
-use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
+use garnet_tests::{Scene, Sheet};
+use garnet_view::{Camera, palette};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// The turn of the noise floor, in radians.
@@ -82,7 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         picture(
             &body,
             &pose,
-            &mesh,
+            mesh,
             &Path::new(folder).join(format!("{garment}_{name}.png")),
         )?;
     }
@@ -110,25 +111,20 @@ fn line(drape: &Drape) -> String {
     )
 }
 
-fn picture(body: &Body, pose: &Pose, garment: &TriMesh, path: &Path) -> Result<(), Box<dyn Error>> {
+fn picture(body: &Body, pose: &Pose, garment: TriMesh, path: &Path) -> Result<(), Box<dyn Error>> {
     let posed = body.posed_positions(pose, Method::DualQuaternion)?;
     let skin = body.rest().with_positions(posed)?;
-    let skin_layer = Layer {
-        paint: Paint::Plain(palette::SKIN),
-        ..Layer::new(&skin)
+    let scene = Scene {
+        caption: String::new(),
+        meshes: vec![(skin, palette::SKIN), (garment, palette::GARMENT)],
+        framed: 1,
     };
     let cameras = [(0.0, 0.1), (0.7, 0.15), (2.4, 0.1), (3.9, 0.1)];
-    let views = cameras.map(|(around, above)| View {
-        framed: Some(vec![1]),
-        ..View::new(Camera::new(around, above))
-    });
-    let image = render(&Picture {
-        layers: vec![skin_layer, Layer::new(garment)],
-        views: views.to_vec(),
-        columns: Some(4),
-        supersampling: 2,
-        ..Picture::new(1800, 560)
-    })?;
-    image.write_png(path)?;
+    let mut sheet = Sheet::new(4, [450, 560]);
+    sheet.add_row(
+        scene,
+        &cameras.map(|(around, above)| Camera::new(around, above)),
+    );
+    sheet.write_png(path)?;
     Ok(())
 }

@@ -192,7 +192,7 @@ const CONTRACTION_FRAMES: u32 = 45;
 
 /// The schedule for putting a garment on a body that stands still.
 fn wearing(edge_length: f32) -> Schedule {
-    let mut schedule = Schedule::for_quality(Quality::Teacher, edge_length);
+    let mut schedule = Schedule::for_quality(Quality::Teacher, edge_length).of_one_layer();
     schedule.motion_frames = 0;
     schedule.contraction_frames = CONTRACTION_FRAMES;
     if let Some(first) = schedule.stages.first_mut() {

@@ -41,6 +41,8 @@ pub struct Teacher {
     start: Vec<Point3>,
     collider: Collider,
     allowed: Option<Vec<u32>>,
+    /// Whether the garment was cut from a pattern.
+    is_sewn: bool,
 }
 
 impl Teacher {
@@ -97,6 +99,7 @@ impl Teacher {
         let allowed = allowed_parts(body, garment.weights());
         let allowed = allowed.map(|all| nodes.iter().map(|&node| all[node as usize]).collect());
         Ok(Self {
+            is_sewn: matches!(rest, RestShape::Flat { .. }),
             cloth: Cloth::new(&faces, nodes.len(), &rest, fabric)?,
             carried: carried(&garment, &nodes),
             collider: collider(body)?,
@@ -128,6 +131,11 @@ impl Teacher {
         observer: &mut dyn FnMut(Event<'_>),
     ) -> Result<Drape, DataError> {
         let schedule = Schedule::for_quality(quality, self.cloth.mean_edge_length());
+        let schedule = if self.is_sewn {
+            schedule.of_one_layer()
+        } else {
+            schedule
+        };
         let motion = |time: f32| path.positions(time);
         let scene = Scene {
             cloth: &self.cloth,

@@ -140,9 +140,10 @@ mod tests {
         let tshirt = GarmentKind::Tshirt.parameters();
         let cut = Size::M.measures();
         let mut wearer = cut;
-        for (girth, fits) in [(0.82, false), (0.85, true), (1.08, true), (1.10, false)] {
-            wearer.chest = girth;
-            assert_eq!(tshirt.fit(&cut, &wearer).fits(), fits, "{girth}");
+        let garment = cut.chest * (1.0 + tshirt.at("chest-ease"));
+        for (ease, fits) in [(-0.05, false), (-0.03, true), (0.24, true), (0.26, false)] {
+            wearer.chest = garment / (1.0 + ease);
+            assert_eq!(tshirt.fit(&cut, &wearer).fits(), fits, "{ease}");
         }
     }
 

@@ -73,7 +73,7 @@ const TSHIRT: &[Spec] = &[
     ),
     Spec::share(
         "chest-ease",
-        0.10,
+        0.20,
         [-0.05, 0.50],
         "how much wider than the chest",
     ),
@@ -85,7 +85,7 @@ const TSHIRT: &[Spec] = &[
     ),
     Spec::share(
         "hem-flare",
-        0.0,
+        0.03,
         [-0.10, 0.30],
         "how much wider at the hem than at the chest",
     ),
@@ -97,13 +97,13 @@ const TSHIRT: &[Spec] = &[
     ),
     Spec::share(
         "sleeve-ease",
-        0.25,
+        0.50,
         [0.05, 0.70],
         "how much wider than the upper arm at the armhole, at least",
     ),
     Spec::share(
         "cuff-ease",
-        0.15,
+        0.45,
         [0.0, 0.60],
         "how much wider than the upper arm at the cuff",
     ),
@@ -116,13 +116,13 @@ const TSHIRT: &[Spec] = &[
     ),
     Spec::metres(
         "shoulder",
-        0.0,
+        0.02,
         [-0.03, 0.05],
         "how far the shoulder seam runs beyond the acromion",
     ),
     Spec::metres(
         "armhole",
-        0.03,
+        0.05,
         [0.01, 0.09],
         "how far the armhole reaches below the armpit",
     ),
@@ -137,7 +137,7 @@ const SWEATER: &[Spec] = &[
     ),
     Spec::share(
         "chest-ease",
-        0.20,
+        0.30,
         [0.0, 0.60],
         "how much wider than the chest",
     ),
@@ -155,19 +155,19 @@ const SWEATER: &[Spec] = &[
     ),
     Spec::metres(
         "sleeve",
-        0.60,
+        0.63,
         [0.48, 0.68],
         "length of the sleeve's top from the shoulder, with its rib",
     ),
     Spec::share(
         "sleeve-ease",
-        0.35,
+        0.65,
         [0.10, 0.80],
         "how much wider than the upper arm at the armhole, at least",
     ),
     Spec::share(
         "cuff-ease",
-        0.35,
+        0.70,
         [0.10, 0.90],
         "how much wider than the wrist at the cuff",
     ),
@@ -180,13 +180,13 @@ const SWEATER: &[Spec] = &[
     ),
     Spec::metres(
         "shoulder",
-        0.01,
+        0.03,
         [-0.03, 0.06],
         "how far the shoulder seam runs beyond the acromion",
     ),
     Spec::metres(
         "armhole",
-        0.04,
+        0.06,
         [0.01, 0.10],
         "how far the armhole reaches below the armpit",
     ),
@@ -201,19 +201,19 @@ const DRESS: &[Spec] = &[
     ),
     Spec::share(
         "chest-ease",
-        0.07,
+        0.12,
         [-0.03, 0.30],
         "how much wider than the chest",
     ),
     Spec::share(
         "waist-ease",
-        0.10,
+        0.15,
         [0.0, 0.40],
         "how much wider than the waist",
     ),
     Spec::share(
         "hip-ease",
-        0.15,
+        0.20,
         [0.04, 0.60],
         "how much wider than the hip, at least",
     ),
@@ -238,14 +238,14 @@ const DRESS: &[Spec] = &[
     ),
     Spec::metres(
         "armhole",
-        0.02,
+        0.03,
         [0.01, 0.06],
         "how far the armhole reaches below the armpit",
     ),
 ];
 
 const JEANS: &[Spec] = &[
-    Spec::metres("inseam", 0.76, [0.35, 0.84], "length of the inner leg"),
+    Spec::metres("inseam", 0.74, [0.35, 0.84], "length of the inner leg"),
     Spec::metres(
         "rise",
         0.23,
@@ -260,22 +260,22 @@ const JEANS: &[Spec] = &[
     ),
     Spec::share(
         "hip-ease",
-        0.06,
+        0.13,
         [0.02, 0.25],
         "how much wider than the hip",
     ),
     Spec::share(
         "thigh-ease",
-        0.12,
+        0.36,
         [0.04, 0.40],
         "how much wider than the thigh",
     ),
     Spec::share(
         "knee-ease",
-        0.18,
+        0.55,
         [0.06, 0.70],
         "how much wider than the knee",
     ),
-    Spec::metres("leg-opening", 0.42, [0.34, 0.70], "girth of the hem"),
+    Spec::metres("leg-opening", 0.45, [0.34, 0.70], "girth of the hem"),
     Spec::metres("waistband", 0.04, [0.025, 0.06], "height of the waistband"),
 ];

@@ -9,7 +9,7 @@ use crate::wearer::Measures;
 use crate::{Parameters, PatternError, Wearer};
 
 /// Rest lengths of the waistband over those of its pattern.
-const WAISTBAND_SHRINK: f32 = 0.97;
+const WAISTBAND_SHRINK: f32 = 0.93;
 /// The back panel is wider than the front panel by this, in metres.
 const BACK_WIDER: f64 = 0.02;
 /// Share of the crotch's fork that the front takes.

@@ -181,6 +181,18 @@ impl Cloth {
         &self.is_shrunk
     }
 
+    /// Whether a vertex belongs to a shrunk face `[vertex]`.
+    pub(crate) fn is_rib(&self) -> Vec<bool> {
+        let mut is_rib = vec![false; self.num_vertices()];
+        let edges = self.springs.iter().zip(&self.is_shrunk);
+        for (spring, _) in edges.filter(|&(_, &is_shrunk)| is_shrunk) {
+            for vertex in spring.vertices {
+                is_rib[vertex as usize] = true;
+            }
+        }
+        is_rib
+    }
+
     /// The hinges, one an edge with two faces, in the order of [`Topology::hinges`].
     pub fn hinges(&self) -> &[BendingHinge] {
         &self.hinges

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::contact::Skin;
 use crate::report::{Penetration, Speeds, Strain, free, self_intersections};
 use crate::solver::Solver;
-use crate::{DrapeReport, Energy, MovingBody, Point3, Scene, Schedule, SimError};
+use crate::{Damping, DrapeReport, Energy, MovingBody, Point3, Scene, Schedule, SimError, Stage};
 
 /// A draped garment.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,27 +105,26 @@ pub fn drape(
         .transpose()?;
     let mut solver = Solver::new(scene, schedule);
     let mut clock = Clock::new(schedule);
-    let stages = schedule
-        .stages
-        .iter()
-        .map(|stage| (stage.frames, stage.rate, stage.damping));
-    let motion = (
-        schedule.motion_frames,
-        schedule.motion_rate,
-        crate::Damping::Drag,
-    );
-    for (stage, (frames, rate, damping)) in std::iter::once(motion).chain(stages).enumerate() {
-        let num_substeps = schedule.substeps(rate);
-        solver.begin_stage(rate, damping);
-        if stage > 1 && stage == schedule.stages.len() {
+    let motion = Stage {
+        frames: schedule.motion_frames,
+        rate: schedule.motion_rate,
+        extra_drag: 0.0,
+        friction: schedule.motion_friction,
+        damping: Damping::Drag,
+    };
+    let stages = std::iter::once(&motion).chain(&schedule.stages);
+    for (index, stage) in stages.enumerate() {
+        let num_substeps = schedule.substeps(stage.rate);
+        solver.begin_stage(*stage);
+        if index > 1 {
             solver.keep_contacts();
         }
-        for frame in 0..frames {
-            if let (0, Some(skin)) = (stage, &mut skin) {
+        for frame in 0..stage.frames {
+            if let (0, Some(skin)) = (index, &mut skin) {
                 skin.begin_frame(frame)?;
             }
             for refresh in 0..schedule.refreshes_per_frame {
-                if let (0, Some(skin)) = (stage, &mut skin) {
+                if let (0, Some(skin)) = (index, &mut skin) {
                     skin.begin_interval(refresh)?;
                 }
                 solver.refresh(skin.as_ref().map(|skin| &skin.skin), clock.frames_done);
@@ -145,7 +144,7 @@ pub fn drape(
             }
             clock.remember(positions);
         }
-        if let (0, Some(skin)) = (stage, &mut skin) {
+        if let (0, Some(skin)) = (index, &mut skin) {
             skin.arrive()?;
         }
     }

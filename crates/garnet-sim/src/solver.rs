@@ -5,7 +5,7 @@ use crate::xpbd::bending::Bending;
 use crate::xpbd::pairs::Pairs;
 use crate::xpbd::particles::{Particles, Push};
 use crate::xpbd::springs::Springs;
-use crate::{Cloth, Damping, Point3, Scene, Schedule, SelfContact, SimError, Vector3};
+use crate::{Cloth, Damping, Point3, Scene, Schedule, SelfContact, SimError, Stage, Vector3};
 
 /// The state of one run.
 #[derive(Debug)]
@@ -25,6 +25,10 @@ pub(crate) struct Solver<'a> {
     step: f32,
     num_substeps: u32,
     damping: Damping,
+    /// Velocity lost, 1/s.
+    drag: f32,
+    /// Share of the friction against skin that acts.
+    friction_share: f32,
     may_change: bool,
     /// Kinetic energy summed over a window, and over the one before.
     kinetic: f32,
@@ -67,16 +71,20 @@ impl<'a> Solver<'a> {
             particles: Particles::new(cloth, scene.start),
             springs,
             bending: Bending::new(cloth),
-            contacts: Contacts::new(scene.masks(), cloth.fabric().thickness),
+            contacts: Contacts::new(scene.masks(), cloth.is_rib(), cloth.fabric().thickness),
             pairs: match schedule.self_contact {
                 SelfContact::Off => None,
-                SelfContact::Repulsion(factor) => Some(Pairs::new(cloth, scene.start, factor)),
+                SelfContact::Repulsion { distance, least } => {
+                    Some(Pairs::new(cloth, scene.start, distance, least))
+                }
             },
             start_lengths,
             center: (sum / scene.start.len().max(1) as f64).cast(),
             step: 0.0,
             num_substeps: 1,
             damping: Damping::Drag,
+            drag: schedule.drag,
+            friction_share: 1.0,
             may_change: true,
             kinetic: 0.0,
             last_kinetic: 0.0,
@@ -95,16 +103,18 @@ impl<'a> Solver<'a> {
         self.may_change = false;
     }
 
-    /// Begins a stage of so many substeps a second.
-    pub(crate) fn begin_stage(&mut self, rate: f32, damping: Damping) {
+    /// Begins a stage; its number of frames is the caller's.
+    pub(crate) fn begin_stage(&mut self, stage: Stage) {
         let refreshes = self.schedule.refreshes_per_frame;
-        self.num_substeps = self.schedule.substeps(rate);
+        self.num_substeps = self.schedule.substeps(stage.rate);
         let step = self.schedule.frame_seconds / (self.num_substeps * refreshes) as f32;
         if self.step > 0.0 {
             self.particles.rescale(step / self.step);
         }
         self.step = step;
-        self.damping = damping;
+        self.damping = stage.damping;
+        self.drag = self.schedule.drag + stage.extra_drag;
+        self.friction_share = stage.friction;
         self.window = ((DAMPING_WINDOW / step) as u32).max(1);
         self.kinetic = 0.0;
         self.last_kinetic = 0.0;
@@ -129,6 +139,8 @@ impl<'a> Solver<'a> {
                 max_push_speed: self.schedule.max_push_speed,
                 num_substeps: self.num_substeps,
                 skin_drag: self.schedule.skin_drag,
+                friction: self.cloth.fabric().friction,
+                friction_share: self.friction_share,
                 may_change: self.may_change,
             };
             self.contacts
@@ -158,7 +170,7 @@ impl<'a> Solver<'a> {
         let (schedule, step) = (self.schedule, self.step);
         let push = Push {
             gravity: schedule.gravity * step * step,
-            keep: (-schedule.drag * step).exp(),
+            keep: (-self.drag * step).exp(),
             max_travel: schedule.max_speed * step,
         };
         let friction = self.cloth.fabric().friction;
@@ -176,12 +188,7 @@ impl<'a> Solver<'a> {
         if let Some(pairs) = &self.pairs {
             pairs.project(&mut self.particles, &self.inverse_masses, friction, substep);
         }
-        contact::project(
-            &self.contacts.planes,
-            &mut self.particles,
-            friction,
-            substep,
-        );
+        contact::project(&self.contacts.planes, &mut self.particles, substep);
     }
 
     /// Stops the cloth if it had less kinetic energy in this window than in the one before.

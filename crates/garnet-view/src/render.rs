@@ -33,8 +33,18 @@ pub fn render(picture: &Picture<'_>) -> Result<Image, ViewError> {
     for (view, &rect) in picture.views.iter().zip(&layout.views) {
         draw_view(&mut image, picture, &layers, view, rect);
     }
-    for (view, &rect) in picture.views.iter().zip(&layout.captions) {
-        draw_caption(&mut image, &view.caption, rect, layout.text_scale);
+    // All captions of a picture have one size, in which the longest is whole.
+    let captions = picture.views.iter().zip(&layout.captions);
+    let is_whole = |scale: u32| {
+        let mut captions = captions.clone();
+        captions.all(|(view, rect)| text::width(&view.caption, scale) <= rect.width)
+    };
+    let caption_scale = (1..=layout.text_scale)
+        .rev()
+        .find(|&scale| is_whole(scale))
+        .unwrap_or(1);
+    for (view, &rect) in captions.clone() {
+        draw_caption(&mut image, &view.caption, rect, caption_scale);
     }
     for (legend, &rect) in legends.iter().zip(&layout.bars) {
         color_bar::draw(&mut image, legend, rect, layout.text_scale);

@@ -7,6 +7,8 @@
 //! The surface half-way between the mean man and the mean woman is sampled (surface nets), remeshed
 //! to even triangles on its left half, coarsened to a subset of the vertices, and given skinning
 //! weights by heat diffusion. The right half is the mirror image.
+//!
+//! `… -- PATH weights` keeps the mesh that is stored at the path and makes its weights anew.
 
 mod remesh;
 mod store;
@@ -18,6 +20,7 @@ use std::error::Error;
 use garnet_body::shape::BodySurface;
 
 use remesh::Mesh;
+use store::{Stored, Weights};
 
 /// A point or vector, in metres.
 type Vec3 = nalgebra::Vector3<f64>;
@@ -62,6 +65,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         .nth(1)
         .ok_or("give the path of the template to write")?;
     let surface = BodySurface::template();
+    if std::env::args()
+        .nth(2)
+        .is_some_and(|word| word == "weights")
+    {
+        let bytes = std::fs::read(&path)?;
+        let mut stored = Stored::new(&bytes).ok_or("no template, or a truncated one")?;
+        let mesh = Mesh::new(std::mem::take(&mut stored.half));
+        std::fs::write(
+            &path,
+            store::reweighted(&stored, &weights_of(&surface, &mesh)?),
+        )?;
+        return Ok(());
+    }
     // Where the samples leave open how the surface runs, others do not.
     let mut fine = (0..24)
         .map(|attempt| 0.006 - 0.000_11 * f64::from(attempt))
@@ -74,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("remeshing left a mesh that is no manifold".into());
     }
     let coarse = fine.coarsened(|point| 2.3 * edge_length(&surface, point));
-    let weights = weights::heat(&surface, &fine)?;
+    let weights = weights_of(&surface, &fine)?;
     std::fs::write(&path, store::bytes(&fine, &coarse, &weights))?;
     #[expect(clippy::print_stderr, reason = "the program tells what it made")]
     {
@@ -88,4 +104,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     Ok(())
+}
+
+fn weights_of(surface: &BodySurface, half: &Mesh) -> Result<Weights, Box<dyn Error>> {
+    Ok(Weights {
+        arm_shares: weights::arm_shares(surface, half)?,
+        influences: weights::heat(surface, half)?,
+    })
 }

@@ -12,6 +12,16 @@ use super::remesh::Mesh;
 /// Weights die out over this length, in metres.
 const DIFFUSION: f64 = 0.014;
 
+/// And over these around shoulders and hips: a ball joint turns by more than 100 degrees, and skin at
+/// distance `r` from it turns over where weights change faster than `1 / (r · angle)`.
+const SHOULDER_DIFFUSION: f64 = 0.055;
+const HIP_DIFFUSION: f64 = 0.040;
+
+/// How far around a ball joint its diffusion reaches, and over what it fades, in metres.
+const SHOULDER_REACH: f64 = 0.18;
+const HIP_REACH: f64 = 0.15;
+const REACH_FADE: f64 = 0.06;
+
 /// The most influences that are kept, and the least weight.
 const MAX_INFLUENCES: usize = 8;
 const MIN_WEIGHT: f64 = 0.004;
@@ -21,19 +31,8 @@ pub(crate) type Influences = Vec<(usize, f64)>;
 
 /// Joint and weight of each vertex of the left half.
 pub(crate) fn heat(surface: &BodySurface, half: &Mesh) -> Result<Vec<Influences>, Box<dyn Error>> {
-    let (positions, faces, mirror) = whole(half);
-    let topology = Topology::new(positions.len(), &faces);
-    let graph = ClothGraph::new(&positions, &faces, &topology, &[]);
-    let mut area = vec![0.0; positions.len()];
-    for face in &faces {
-        let [a, b, c] = face.map(|corner| positions[corner as usize]);
-        for &corner in face {
-            area[corner as usize] += f64::from((b - a).cross(&(c - a)).norm()) / 6.0;
-        }
-    }
-    let screening = area.iter().map(|area| area / DIFFUSION.powi(2)).collect();
-    let system = ScreenedPoisson::new(&graph, screening)?;
     let anatomy = Anatomy::new(surface);
+    let (positions, faces, mirror) = whole(half);
     let mut columns = vec![vec![0.0; positions.len()]; NUM_JOINTS];
     for vertex in 0..half.positions.len() {
         let weights = anatomy.weights(surface, &half.positions[vertex]);
@@ -45,7 +44,8 @@ pub(crate) fn heat(surface: &BodySurface, half: &Mesh) -> Result<Vec<Influences>
             }
         }
     }
-    let smooth = system.smoothed(&columns);
+    let length = |point: &Point3| anatomy.diffusion(point);
+    let smooth = diffused(&positions, &faces, length, &columns)?;
     Ok((0..half.positions.len())
         .map(|vertex| {
             let value = |joint: usize| smooth[joint][vertex];
@@ -60,6 +60,47 @@ pub(crate) fn heat(surface: &BodySurface, half: &Mesh) -> Result<Vec<Influences>
             kept((0..NUM_JOINTS).map(|joint| (joint, even(joint))).collect())
         })
         .collect())
+}
+
+/// How much of each vertex of the left half is arm, for the tape: with a narrower border than the
+/// weights have.
+pub(crate) fn arm_shares(surface: &BodySurface, half: &Mesh) -> Result<Vec<f64>, Box<dyn Error>> {
+    let anatomy = Anatomy::new(surface);
+    let (positions, faces, mirror) = whole(half);
+    let mut column = vec![0.0; positions.len()];
+    for (vertex, point) in half.positions.iter().enumerate() {
+        let [trunk, head, arm, _] = surface.part_distances((*point).into());
+        let is_side = f64::from(point.x > 0.1);
+        let share = step(trunk.min(head) - arm, 0.030) * is_side;
+        column[vertex] = share * step(anatomy.along_arm(point) - 0.005, 0.045);
+        column[mirror[vertex]] = column[vertex];
+    }
+    let smooth = diffused(&positions, &faces, |_| DIFFUSION, &[column])?;
+    Ok(smooth[0][..half.positions.len()].to_vec())
+}
+
+/// Values `[column][vertex]`, diffused over a length that depends on the place.
+fn diffused(
+    positions: &[Point3],
+    faces: &[[u32; 3]],
+    length: impl Fn(&Point3) -> f64,
+    columns: &[Vec<f64>],
+) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
+    let topology = Topology::new(positions.len(), faces);
+    let graph = ClothGraph::new(positions, faces, &topology, &[]);
+    let mut area = vec![0.0; positions.len()];
+    for face in faces {
+        let [a, b, c] = face.map(|corner| positions[corner as usize]);
+        for &corner in face {
+            area[corner as usize] += f64::from((b - a).cross(&(c - a)).norm()) / 6.0;
+        }
+    }
+    let screening = area
+        .iter()
+        .zip(positions)
+        .map(|(area, point)| area / length(point).powi(2))
+        .collect();
+    Ok(ScreenedPoisson::new(&graph, screening)?.smoothed(columns))
 }
 
 fn kept(mut weights: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
@@ -144,10 +185,26 @@ impl Anatomy {
         (point - joint).dot(&direction.normalize())
     }
 
+    /// How far a point lies past the shoulder joint, along the upper arm.
+    fn along_arm(&self, point: &Vec3) -> f64 {
+        let [shoulder, elbow] = ["left_shoulder", "left_elbow"].map(|name| self.at(name));
+        (point - shoulder).dot(&(elbow - shoulder).normalize())
+    }
+
+    /// Over what length weights die out at a point, in metres.
+    fn diffusion(&self, point: &Point3) -> f64 {
+        let point = Vec3::new(f64::from(point.x).abs(), point.y.into(), point.z.into());
+        let near =
+            |joint: &str, reach: f64| step(reach - (point - self.at(joint)).norm(), REACH_FADE);
+        DIFFUSION
+            + near("left_shoulder", SHOULDER_REACH) * (SHOULDER_DIFFUSION - DIFFUSION)
+            + near("left_hip", HIP_REACH) * (HIP_DIFFUSION - DIFFUSION)
+    }
+
     fn weights(&self, surface: &BodySurface, point: &Vec3) -> [f64; NUM_JOINTS] {
         let [trunk, head, arm, leg] = surface.part_distances((*point).into());
         let mut weights = [0.0; NUM_JOINTS];
-        let arm_share = step(trunk.min(head) - arm, 0.030) * f64::from(point.x > 0.1);
+        let arm_share = step(trunk.min(head) - arm - 0.030, 0.060) * f64::from(point.x > 0.1);
         let leg_share = self.leg_share(point, trunk - leg);
         self.share_arm(point, arm_share, &mut weights);
         let rest = 1.0 - weights.iter().sum::<f64>();
@@ -160,8 +217,7 @@ impl Anatomy {
     fn share_arm(&self, point: &Vec3, share: f64, weights: &mut [f64; NUM_JOINTS]) {
         let [collar, shoulder, elbow, wrist] =
             ["left_collar", "left_shoulder", "left_elbow", "left_wrist"].map(|name| self.at(name));
-        let direction = (elbow - shoulder).normalize();
-        let upper = share * step((point - shoulder).dot(&direction) - 0.005, 0.045);
+        let upper = share * step(self.along_arm(point) - 0.015, 0.060);
         let fore = upper * step(Self::past(point, [shoulder, elbow, wrist]), 0.030);
         let hand = fore
             * step(
@@ -171,8 +227,11 @@ impl Anatomy {
         weights[index("left_shoulder")] += upper - fore;
         weights[index("left_elbow")] += fore - hand;
         weights[index("left_wrist")] += hand;
-        let girdle = step(point.x - 0.55 * (collar.x + shoulder.x), 0.06)
-            * step(point.y - (shoulder.y - 0.055), 0.05);
+        // The girdle ends below the neck.
+        let neck = self.at("neck").y + 0.020 + 0.3 * (point.x - 0.06).max(0.0);
+        let girdle = step(point.x - 0.70 * (collar.x + shoulder.x), 0.09)
+            * step(point.y - (shoulder.y - 0.080), 0.09)
+            * step(neck - point.y, 0.03);
         weights[index("left_collar")] += (1.0 - upper) * girdle;
     }
 

@@ -43,7 +43,7 @@ pub struct Leg {
 pub struct Arm {
     /// The collarbone rises, beyond what raising the arm does by itself.
     pub shrug: f64,
-    /// The collarbone turns forwards.
+    /// The collarbone turns forwards, beyond what swinging the arm forwards does by itself.
     pub protraction: f64,
     /// The upper arm swings forwards, against the chest. Together with `abduction` it is a
     /// direction, as for the leg: straight up is (180, 0) or (0, 180).

@@ -25,6 +25,7 @@
 mod angles;
 mod bent;
 mod contact;
+mod folds;
 mod gait;
 mod key_pose;
 mod library;
@@ -38,6 +39,7 @@ mod sequences;
 pub use angles::{Arm, Bend, BodyAngles, Leg, NUM_ANGLES};
 pub use bent::{BentError, BentRing, Hinge, bent_ring};
 pub use contact::{Contact, ContactKind, ContactReport, SelfContact};
+pub use folds::{SkinFolds, skin_folds};
 pub use gait::GaitCycle;
 pub use key_pose::{KeyPose, key_pose, key_poses};
 pub use parts::{Part, parts_of_vertices};

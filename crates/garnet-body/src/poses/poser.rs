@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The upper arm turns against the chest, not against the collarbone: an abduction of 90 degrees is
-//! level whatever the shoulder does. The collarbone rises by itself with the arm.
+//! level whatever the shoulder does. The shoulder girdle goes along with the arm by itself.
 
 use garnet_skin::{Pose, Skeleton, Vector3};
 use nalgebra::Vector3 as Vector;
@@ -20,11 +20,18 @@ use crate::motion::{Figure, RetargetError, Role, Side, smallest_rotation};
 
 type Rotation = nalgebra::UnitQuaternion<f64>;
 
-/// Elevation of the collarbone per degree of the arm's beyond 30: 25 degrees at full elevation
-/// (Inman, Saunders and Abbott 1944, figure 22, less what the scapula does on its own).
-const COLLARBONE_RHYTHM: f64 = 0.16;
+/// How the shoulder girdle goes along with the arm. Of the elevation beyond 30 degrees about a third
+/// is the girdle's (Inman, Saunders and Abbott 1944, figure 22: 60 of 180 degrees). Skeletons here
+/// have one joint for it, the collarbone's: it rises by 0.18 degrees for each degree and tilts
+/// backwards by 0.20 where the arm swings forwards, together 0.27. More draws the chest up so far
+/// that it grows.
+const GIRDLE_ELEVATION: f64 = 0.18;
+const GIRDLE_TILT: f64 = 0.20;
 
-/// Where the collarbone begins to rise, in degrees of elevation of the arm.
+/// How far the girdle goes forwards with an arm that points forwards, in degrees; backwards alike.
+const GIRDLE_PROTRACTION: f64 = 12.0;
+
+/// Where the girdle begins to rise, in degrees of elevation of the arm.
 const RHYTHM_START: f64 = 30.0;
 
 /// Share of the forearm's rotation that the elbow joint takes; the wrist takes the rest.
@@ -257,8 +264,12 @@ impl Poser {
         let sign = side.sign();
         let [upper_arm_hangs, forearm_hangs, _, _] = self.hanging[side.index()];
         let elevation = arm.flexion.hypot(arm.abduction);
-        let shrug = arm.shrug + COLLARBONE_RHYTHM * (elevation - RHYTHM_START).max(0.0);
-        let collar = Vector::new(0.0, -sign * arm.protraction, sign * shrug).map(f64::to_radians);
+        let raised = (elevation - RHYTHM_START).max(0.0);
+        let elevated = arm.shrug + GIRDLE_ELEVATION * raised;
+        let tilted = GIRDLE_TILT * raised * arm.flexion / elevation.max(1.0);
+        let forward = -(ball([arm.flexion, arm.abduction, 0.0], side) * Vector::y()).z;
+        let protracted = arm.protraction + GIRDLE_PROTRACTION * forward;
+        let collar = Vector::new(-tilted, -sign * protracted, sign * elevated).map(f64::to_radians);
         let turned = |rotation: Rotation, axis: Vector<f64>, degrees: f64| {
             rotation * Rotation::from_scaled_axis(axis * degrees.to_radians())
         };

@@ -1,6 +1,6 @@
 //! Drawing poses.
 
-use garnet_skin::{Body, Pose};
+use garnet_skin::Pose;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -12,6 +12,10 @@ use crate::motion::{Ground, RetargetError, put_on_ground};
 
 /// How often a pose is drawn anew before the sampler gives up.
 const MAX_TRIES: u32 = 8;
+
+/// The largest area of skin that a drawn pose may turn over at the shoulders, in m²: there it traps
+/// cloth. An arm that hangs on a heavy body turns 15 cm² in the armpit.
+const MAX_TURNED_AREA: f64 = 30e-4;
 
 /// Draws poses: by group in the shares of [`Group::percent`], within a group any sequence of its
 /// set, within a sequence any phase, left and right exchanged in half of them, with noise inside the
@@ -127,7 +131,8 @@ impl PoseSampler {
     }
 
     /// The pose of a number on a body: corrected if its parts run into each other, drawn anew from
-    /// the same sequence if that does not help, and put on the ground.
+    /// the same sequence if that does not help or the shoulders' skin is turned over (30 cm² at most,
+    /// else the least of all draws), and put on the ground.
     ///
     /// # Errors
     ///
@@ -139,6 +144,7 @@ impl PoseSampler {
         index: u64,
     ) -> Result<SoundPose, SampleError> {
         let mut name = "";
+        let mut best: Option<(f64, SoundPose)> = None;
         for try_index in 0..MAX_TRIES {
             let drawn = self.draw(index, try_index);
             name = drawn.sequence;
@@ -147,13 +153,15 @@ impl PoseSampler {
             let Some(separated) = separated.map_err(RetargetError::from)? else {
                 continue;
             };
-            let mut poses = [separated.pose];
-            on_ground(contact.body(), &mut poses)?;
-            let [pose] = poses;
-            return Ok(SoundPose {
+            let turned_area = contact.turned_shoulder_area(&separated.pose);
+            let turned_area = turned_area.map_err(RetargetError::from)?;
+            if best.as_ref().is_some_and(|(area, _)| *area <= turned_area) {
+                continue;
+            }
+            let sound = SoundPose {
                 sequence: drawn.sequence,
                 phase: drawn.phase,
-                pose,
+                pose: separated.pose,
                 outcome: match separated.num_steps {
                     0 => Outcome::Sound,
                     _ => Outcome::Corrected {
@@ -162,13 +170,22 @@ impl PoseSampler {
                 },
                 num_rejected: try_index,
                 depths: separated.depths,
-            });
+            };
+            best = Some((turned_area, sound));
+            if turned_area <= MAX_TURNED_AREA {
+                break;
+            }
         }
-        Err(SampleError::NoSoundPose {
-            index,
-            sequence: name,
-            tries: MAX_TRIES,
-        })
+        let Some((_, mut sound)) = best else {
+            return Err(SampleError::NoSoundPose {
+                index,
+                sequence: name,
+                tries: MAX_TRIES,
+            });
+        };
+        let poses = std::slice::from_mut(&mut sound.pose);
+        put_on_ground(contact.body(), poses, Ground::EachPose).map_err(RetargetError::from)?;
+        Ok(sound)
     }
 
     fn draw(&self, index: u64, try_index: u32) -> SampledPose {
@@ -231,10 +248,6 @@ fn draw_of(sequence: &'static Sequence, source: &mut ChaCha8Rng, noise: f64) -> 
         is_mirrored,
         angles: angles.moved_within_ranges(&shifts),
     }
-}
-
-fn on_ground(body: &Body, poses: &mut [Pose]) -> Result<(), RetargetError> {
-    Ok(put_on_ground(body, poses, Ground::EachPose)?)
 }
 
 /// A number from 0 to 1, without 1.

@@ -20,7 +20,7 @@ const CONFLICT_TOLERANCE: f64 = 5e-3;
 /// What does not depend on the body.
 pub(super) struct Shared {
     pub(super) carrier: Carrier,
-    /// The share of an arm in the weight of each vertex of the whole.
+    /// How much of each vertex of the whole is arm.
     pub(super) arm_share: Vec<f64>,
     pub(super) weights: SkinWeights,
 }
@@ -31,28 +31,12 @@ pub(super) fn shared() -> &'static Shared {
         let template = Template::stored();
         Shared {
             carrier: Carrier::new(template, &BodySurface::template()),
-            arm_share: template
-                .influences()
-                .iter()
-                .map(|row| arm_share(row))
-                .collect(),
+            arm_share: template.arm_share(),
             weights: SkinWeights::from_influences(NUM_JOINTS, template.influences())
                 .expect("the stored weights are weights"),
         }
     })
 }
-
-/// How much of its weight a vertex has from shoulder, elbow and wrist.
-fn arm_share(influences: &[(usize, f32)]) -> f64 {
-    influences
-        .iter()
-        .filter(|(joint, _)| *joint >= FIRST_ARM_JOINT)
-        .map(|&(_, weight)| f64::from(weight))
-        .sum()
-}
-
-/// The joints from this one on are those of the arms.
-const FIRST_ARM_JOINT: usize = 16;
 
 /// A body built from measures: mesh, skeleton and weights.
 ///
@@ -272,6 +256,44 @@ mod tests {
                 approx::assert_relative_eq!(again[measure], value, max_relative = 1e-4);
             }
         }
+    }
+
+    #[test]
+    fn a_body_whose_skin_stays_folded_is_refused() {
+        // A huge belly over legs that are far too long for the trunk.
+        let parameters = BodyParameters::new(0.0)
+            .with(Measure::Stature, 1.65)
+            .with(Measure::Inseam, 0.877)
+            .with(Measure::UnderBust, 1.406)
+            .with(Measure::Waist, 1.478);
+        let error = ParametricBody::build(&parameters).err().unwrap();
+        assert!(
+            matches!(error, ShapeError::SelfIntersecting { pairs } if pairs > 0),
+            "{error}"
+        );
+        assert!(error.to_string().contains("pairs of faces"));
+    }
+
+    #[test]
+    fn an_upper_arm_stays_round_where_the_armpit_reaches_its_tape() {
+        let heavy = BodyParameters::new(0.0)
+            .with(Measure::Stature, 1.80)
+            .with_bmi(36.0);
+        let body = ParametricBody::build(&heavy).unwrap().into_body();
+        let at = |name: &str| {
+            let joint = body.skeleton().find(name).unwrap();
+            body.skeleton().joints()[joint].rest_position
+        };
+        let [shoulder, elbow] = ["left_shoulder", "left_elbow"].map(at);
+        let bone = elbow - shoulder;
+        // The least distance of the skin from the bone, between armpit and elbow.
+        let radius = |share: f32| {
+            let center = shoulder + share * bone;
+            let skin = body.skin().closest(center);
+            skin.distance_squared.sqrt()
+        };
+        let [middle, below] = [0.55, 0.75].map(radius);
+        assert!(middle > 0.95 * below, "{middle} {below}");
     }
 
     #[test]

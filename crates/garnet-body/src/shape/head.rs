@@ -54,46 +54,14 @@ impl Head {
             ],
             nose: Capsule::new(
                 place(0.0, 0.112, 0.083),
-                place(0.0, 0.151, 0.101),
-                [0.007 * h, 0.0115 * h],
+                place(0.0, 0.147, 0.099),
+                [0.007 * h, 0.0105 * h],
             ),
             ear: [
                 place(0.077, 0.128, -0.012),
                 Vec3::new(0.009, 0.030, 0.018) * h,
             ],
-            bumps: vec![
-                // Eye sockets, brow, lips, temples and cheeks.
-                Bump::new(
-                    -0.010 * h,
-                    place(0.033, 0.114, 0.088).into(),
-                    [0.019 * h, 0.012 * h, 0.022 * h],
-                ),
-                Bump::new(
-                    0.003 * h * brow,
-                    place(0.026, 0.096, 0.086).into(),
-                    [0.026 * h, 0.008 * h, 0.02 * h],
-                ),
-                Bump::new(
-                    0.003 * h,
-                    place(0.0, 0.178, 0.082).into(),
-                    [0.018 * h, 0.008 * h, 0.02 * h],
-                ),
-                Bump::new(
-                    -0.004 * h,
-                    place(0.0, 0.194, 0.088).into(),
-                    [0.018 * h, 0.006 * h, 0.02 * h],
-                ),
-                Bump::new(
-                    -0.004 * h,
-                    place(0.070, 0.095, 0.045).into(),
-                    [0.02 * h, 0.03 * h, 0.025 * h],
-                ),
-                Bump::new(
-                    0.003 * h,
-                    place(0.055, 0.135, 0.06).into(),
-                    [0.02 * h, 0.014 * h, 0.02 * h],
-                ),
-            ],
+            bumps: features(&place, h, brow),
             scale: h,
             bottom: top - 0.30 * h,
         }
@@ -123,4 +91,45 @@ impl Head {
             0.008 * h,
         )
     }
+}
+
+/// Eye sockets, brow, upper jaw, lips, the hollow above the chin, temples and cheeks.
+fn features(place: &dyn Fn(f64, f64, f64) -> Vec3, h: f64, brow: f64) -> Vec<Bump> {
+    vec![
+        Bump::new(
+            -0.010 * h,
+            place(0.033, 0.114, 0.088).into(),
+            [0.019 * h, 0.012 * h, 0.022 * h],
+        ),
+        Bump::new(
+            0.003 * h * brow,
+            place(0.026, 0.096, 0.086).into(),
+            [0.026 * h, 0.008 * h, 0.02 * h],
+        ),
+        Bump::new(
+            0.005 * h,
+            place(0.0, 0.166, 0.086).into(),
+            [0.026 * h, 0.014 * h, 0.02 * h],
+        ),
+        Bump::new(
+            0.005 * h,
+            place(0.0, 0.177, 0.086).into(),
+            [0.018 * h, 0.009 * h, 0.02 * h],
+        ),
+        Bump::new(
+            -0.002 * h,
+            place(0.0, 0.193, 0.088).into(),
+            [0.018 * h, 0.006 * h, 0.02 * h],
+        ),
+        Bump::new(
+            -0.004 * h,
+            place(0.070, 0.095, 0.045).into(),
+            [0.02 * h, 0.03 * h, 0.025 * h],
+        ),
+        Bump::new(
+            0.003 * h,
+            place(0.055, 0.135, 0.06).into(),
+            [0.02 * h, 0.014 * h, 0.02 * h],
+        ),
+    ]
 }

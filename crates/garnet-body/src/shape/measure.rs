@@ -25,7 +25,8 @@ pub enum Measure {
     Calf,
     /// Smallest girth of the shank: 0.88 of the way from knee to ankle joint.
     Ankle,
-    /// Girth of the relaxed upper arm: half-way from shoulder to elbow joint.
+    /// Girth of the relaxed upper arm: half-way from shoulder to elbow joint. Flesh of the armpit
+    /// that reaches there is pressed in.
     UpperArm,
     /// Girth of the relaxed forearm: 0.2 of the way from elbow to wrist joint.
     Forearm,

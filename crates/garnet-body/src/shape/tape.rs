@@ -68,8 +68,8 @@ impl Region {
 
 /// The perimeter of the convex hull of the section by a plane, in metres.
 ///
-/// The tape goes below the armpits: where an arm has more than half of the weight
-/// (`arm_share[vertex]`) is no part of a trunk girth. No section gives zero.
+/// The tape goes below the armpits: what is more than half arm
+/// (`arm_share[vertex]` of the template) is no part of a trunk girth. No section gives zero.
 pub(crate) fn girth(
     positions: &[Vec3],
     faces: &[[u32; 3]],
@@ -122,7 +122,20 @@ pub(crate) fn girth(
             points.extend(ends.map(|(point, _)| point));
         }
     }
+    if plane.measure == Measure::UpperArm {
+        press_armpit(&mut points);
+    }
     hull_perimeter(points)
+}
+
+/// The flesh of a heavy body's armpit reaches half-way down the arm, into the plane of its girth.
+/// The tape presses it in: the arm is hardly thicker towards the trunk than away from it, where
+/// nothing hides it. The first coordinate points away from the trunk.
+fn press_armpit(points: &mut [[f64; 2]]) {
+    let outer = points.iter().map(|point| point[0]).fold(0.0, f64::max);
+    for point in points {
+        point[0] = point[0].max(-ARM_ASYMMETRY * outer);
+    }
 }
 
 /// Adds the ends of a segment of a section, less what has a positive share of the arm: cutting it
@@ -284,6 +297,10 @@ pub(crate) fn measured(
 /// is taken no higher.
 const ARMPIT_DROP: f64 = 0.074;
 
+/// How much farther an upper arm reaches towards the trunk than away from it, at most: 1.02 on
+/// bodies whose armpits are clear of the tape.
+const ARM_ASYMMETRY: f64 = 1.06;
+
 /// Joints of the trunk from below; the tape looks for the middle of the trunk on the line of them.
 const SPINE: [usize; 5] = [0, 3, 6, 9, 12];
 
@@ -328,6 +345,14 @@ mod tests {
             &plane,
         );
         approx::assert_relative_eq!(round, std::f64::consts::TAU * 0.1, max_relative = 2e-3);
+    }
+
+    #[test]
+    fn an_armpit_is_no_part_of_the_arm() {
+        let mut section = vec![[0.05, 0.0], [0.0, 0.05], [0.0, -0.05], [-0.12, 0.0]];
+        press_armpit(&mut section);
+        approx::assert_relative_eq!(section[3][0], -ARM_ASYMMETRY * 0.05);
+        approx::assert_relative_eq!(section[0][0], 0.05);
     }
 
     #[test]

@@ -3,10 +3,11 @@
 //! Only the left half is stored; the right half is its mirror image. Little-endian:
 //!
 //! ```text
-//! magic "GBT1"
+//! magic "GBT2"
 //! u32 vertices, middle vertices, faces, coarse vertices, coarse faces     (of the half)
 //! f32 position[vertex][3]           the middle vertices come first and have x = 0
 //! u16 face[face][3]
+//! u16 arm share[vertex] / 65535
 //! u8 influences[vertex], then for each influence u8 joint, u16 weight / 65535
 //! u16 coarse vertex[..]             numbers of vertices of the half, rising
 //! u16 coarse face[..][3]            in numbers of coarse vertices
@@ -27,6 +28,8 @@ pub(crate) struct Template {
     /// Positions of the left half; the first `num_middle` lie in the middle plane.
     pub(crate) half: Vec<[f64; 3]>,
     pub(crate) num_middle: usize,
+    /// How much of a vertex is arm, 0 to 1, `[vertex of the half]`: where the tape ends.
+    pub(crate) half_arm_share: Vec<f64>,
     /// Influences `[vertex of the half]`.
     pub(crate) half_influences: Vec<Influences>,
     /// Faces of the whole.
@@ -47,13 +50,16 @@ impl Template {
     fn read(bytes: &[u8]) -> Self {
         let mut reader = Reader { bytes };
         let magic: [u8; 4] = reader.array();
-        assert_eq!(&magic, b"GBT1", "the stored template is one");
+        assert_eq!(&magic, b"GBT2", "the stored template is one");
         let [vertices, num_middle, faces, coarse, coarse_faces] =
             std::array::from_fn(|_| u32::from_le_bytes(reader.array()) as usize);
         let half: Vec<[f64; 3]> = (0..vertices)
             .map(|_| std::array::from_fn(|_| f64::from(f32::from_le_bytes(reader.array()))))
             .collect();
         let half_faces = reader.faces(faces);
+        let half_arm_share = (0..vertices)
+            .map(|_| f64::from(reader.short()) / f64::from(u16::MAX))
+            .collect();
         let counts: Vec<u8> = (0..vertices).map(|_| reader.array::<1>()[0]).collect();
         let half_influences = counts
             .iter()
@@ -75,6 +81,7 @@ impl Template {
         Self {
             half,
             num_middle,
+            half_arm_share,
             half_influences,
             faces: with_mirror_image(&half_faces, mirror),
             coarse_faces: with_mirror_image(&coarse_half_faces, mirror_coarse),
@@ -91,6 +98,11 @@ impl Template {
     pub(crate) fn whole<T: Clone>(&self, half: &[T], mirror: impl Fn(&T) -> T) -> Vec<T> {
         let right = half[self.num_middle..].iter().map(mirror);
         half.iter().cloned().chain(right).collect()
+    }
+
+    /// How much of each vertex of the whole is arm.
+    pub(crate) fn arm_share(&self) -> Vec<f64> {
+        self.whole(&self.half_arm_share, |share| *share)
     }
 
     /// Influences of every vertex of the whole.

@@ -1,6 +1,6 @@
 //! The contacts of a garment between one refresh and the next.
 
-use crate::contact::plane::{Plane, PlaneOptions};
+use crate::contact::plane::{Brake, Plane, PlaneOptions};
 use crate::contact::seeker::{FACING, Near, Reach, Seeker, Track};
 use crate::contact::skin::{Skin, unit};
 use crate::xpbd::particles::Particles;
@@ -16,6 +16,8 @@ use crate::{Point3, Vector3};
 pub(crate) struct Contacts {
     tracks: Vec<Track>,
     masks: Vec<u32>,
+    /// Whether a vertex is of a rib or waistband.
+    grips: Vec<bool>,
     reach: Reach,
     turn: u32,
     /// 1 if the faces of the cloth look away from the skin, −1 if towards it, 0 if not yet known.
@@ -44,6 +46,10 @@ const CARRIED: [f32; 2] = [0.01, 0.05];
 /// Between two skins without room cloth loses velocity at this rate, 1/s: it is caught there.
 const SQUEEZED_DRAG: f32 = 300.0;
 
+/// Ribs and waistbands hold to the skin by more than their fabric's friction, by this factor: they are
+/// elastic, buttoned or belted.
+const GRIP: f32 = 3.0;
+
 /// The time from one refresh to the next.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Interval {
@@ -54,6 +60,9 @@ pub(crate) struct Interval {
     pub(crate) max_push_speed: f32,
     /// Rate at which cloth near moving skin takes its velocity, 1/s.
     pub(crate) skin_drag: f32,
+    /// Coefficient of friction of the fabric on skin, and the share of it that acts; ribs keep all.
+    pub(crate) friction: f32,
+    pub(crate) friction_share: f32,
     /// Whether vertices near the skin may change to other skin than that which they can walk to.
     pub(crate) may_change: bool,
 }
@@ -72,8 +81,12 @@ impl Interval {
         1.0 - (-share * self.skin_drag * self.step).exp()
     }
 
-    fn drag(self) -> f32 {
-        1.0 - (-SQUEEZED_DRAG * self.step).exp()
+    fn brake(self, is_squeezed: bool, grips: bool) -> Brake {
+        match (is_squeezed, grips) {
+            (true, _) => Brake::Drag(1.0 - (-SQUEEZED_DRAG * self.step).exp()),
+            (false, true) => Brake::Friction(GRIP * self.friction),
+            (false, false) => Brake::Friction(self.friction_share * self.friction),
+        }
     }
 }
 
@@ -85,8 +98,9 @@ struct Hold {
 }
 
 impl Contacts {
-    /// `masks` says which parts each vertex may touch; 0 for vertices that touch none.
-    pub(crate) fn new(masks: Vec<u32>, thickness: f32) -> Self {
+    /// `masks` says which parts each vertex may touch; 0 for vertices that touch none. `grips` are the
+    /// vertices of ribs and waistbands.
+    pub(crate) fn new(masks: Vec<u32>, grips: Vec<bool>, thickness: f32) -> Self {
         Self {
             tracks: vec![Track::new(); masks.len()],
             planes: Vec::with_capacity(2 * masks.len()),
@@ -94,6 +108,7 @@ impl Contacts {
             normals: Vec::new(),
             carriers: Vec::new(),
             masks,
+            grips,
             reach: Reach::of(thickness),
             turn: 0,
             orientation: 0.0,
@@ -143,7 +158,6 @@ impl Contacts {
             let mut held = holds.iter().flatten();
             self.is_squeezed[vertex] = held.any(|hold| hold.clearance < thickness);
             for Hold { near, clearance } in holds.into_iter().flatten() {
-                let is_squeezed = clearance < thickness;
                 self.planes.push(Plane::new(&PlaneOptions {
                     vertex: vertex as u32,
                     normal: near.normal,
@@ -151,7 +165,7 @@ impl Contacts {
                     clearance,
                     drift: skin.velocity(&near.foot) * interval.step,
                     max_rise: interval.max_rise(clearance - near.distance),
-                    drag: if is_squeezed { interval.drag() } else { 0.0 },
+                    brake: interval.brake(clearance < thickness, self.grips[vertex]),
                 }));
             }
         }

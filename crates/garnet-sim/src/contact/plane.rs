@@ -8,9 +8,7 @@ use crate::xpbd::quad::Quad;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plane {
     vertex: u32,
-    /// Share of its travel along the skin that the vertex loses a substep, instead of friction: two
-    /// planes that press a vertex from both sides say nothing about the force; 0 for friction.
-    drag: f32,
+    brake: Brake,
     /// Unit normal away from the skin; the fourth number is the least normal component that the
     /// vertex's offset may have, m.
     normal: Quad,
@@ -33,9 +31,17 @@ pub(crate) struct PlaneOptions {
     pub(crate) drift: Vector3,
     /// The plane comes out of the skin by no more than this a substep, m.
     pub(crate) max_rise: f32,
-    /// Share of its travel along the skin that the vertex loses a substep, instead of friction; 0 for
-    /// friction.
-    pub(crate) drag: f32,
+    pub(crate) brake: Brake,
+}
+
+/// What slows a vertex down that slides along the skin.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Brake {
+    /// Coulomb's, with this coefficient.
+    Friction(f32),
+    /// The vertex loses this share of its travel a substep: two planes that press a vertex from both
+    /// sides say nothing about the force.
+    Drag(f32),
 }
 
 impl Plane {
@@ -52,7 +58,7 @@ impl Plane {
         };
         Self {
             vertex: options.vertex,
-            drag: options.drag,
+            brake: options.brake,
             normal: Quad::new(options.normal, least),
             drift: Quad::new(options.drift, options.normal.dot(&options.drift) + rise),
         }
@@ -64,13 +70,13 @@ impl Plane {
 /// `substep` counts from the refresh that made the planes. Friction: a vertex that was pushed by p
 /// keeps no tangential displacement against the skin up to μ p, and loses μ p beyond.
 #[inline(never)]
-pub(crate) fn project(planes: &[Plane], particles: &mut Particles, friction: f32, substep: f32) {
+pub(crate) fn project(planes: &[Plane], particles: &mut Particles, substep: f32) {
     for plane in planes {
         let vertex = plane.vertex as usize;
         let offset = particles.offsets[vertex];
         let least = plane.normal.0[3] + substep * plane.drift.0[3];
         let push = least - plane.normal.dot3(offset);
-        if push <= 0.0 && plane.drag == 0.0 {
+        if push <= 0.0 && matches!(plane.brake, Brake::Friction(_)) {
             continue;
         }
         let push = push.max(0.0);
@@ -79,13 +85,16 @@ pub(crate) fn project(planes: &[Plane], particles: &mut Particles, friction: f32
         let against_skin = pushed - particles.last[vertex] - plane.drift.vector();
         let sliding = against_skin - normal * normal.dot3(against_skin);
         let squared = sliding.dot3(sliding);
-        let grip = friction * push;
-        let share = if plane.drag > 0.0 {
-            plane.drag
-        } else if squared <= grip * grip {
-            1.0
-        } else {
-            grip / squared.sqrt()
+        let share = match plane.brake {
+            Brake::Drag(share) => share,
+            Brake::Friction(coefficient) => {
+                let grip = coefficient * push;
+                if squared <= grip * grip {
+                    1.0
+                } else {
+                    grip / squared.sqrt()
+                }
+            }
         };
         particles.offsets[vertex] = pushed - sliding * share;
     }

@@ -19,6 +19,7 @@ pub(crate) struct Pairs {
     /// The largest distance at which two vertices become a pair, m.
     search: f32,
     start: Vec<Point3>,
+    least: f32,
     grid: Grid,
     near: Vec<Pair>,
 }
@@ -35,15 +36,13 @@ struct Pair {
 /// the next refresh.
 const MARGIN: f32 = 1.5;
 
-/// A pair that was near at the start keeps at least this many times its reach.
-const LEAST: f32 = 0.5;
-
 /// Radii are cut at this many times the mean, so that one long edge does not widen the grid.
 const MAX_RADIUS: f32 = 2.0;
 
 impl Pairs {
-    /// `factor` times the mean rest length of the edges around is what vertices keep from another.
-    pub(crate) fn new(cloth: &Cloth, start: &[Point3], factor: f32) -> Self {
+    /// `factor` times the mean rest length of the edges around is what vertices keep from another,
+    /// `least` the share of it that pairs keep that were nearer at the start.
+    pub(crate) fn new(cloth: &Cloth, start: &[Point3], factor: f32, least: f32) -> Self {
         let topology = cloth.topology();
         let num_vertices = cloth.num_vertices();
         let one_edge = topology.edges().iter().map(|&pair| (pair, 1));
@@ -79,12 +78,13 @@ impl Pairs {
             search: MARGIN * 2.0 * widest,
             radii,
             start: start.to_vec(),
+            least,
             grid: Grid::default(),
             near: Vec::new(),
         }
     }
 
-    /// Finds the pairs anew, but for vertices `is_out` `[vertex]`.
+    /// Finds the pairs anew, but for those of two vertices `is_out` `[vertex]`.
     ///
     /// Pairs that are too near begin at their distance and come apart by no more than `max_rise`
     /// metres a substep, in `num_substeps` if they can: none is thrown.
@@ -100,6 +100,7 @@ impl Pairs {
         self.grid.fill(points, self.search);
         let (rings, starts, radii, start) =
             (&self.rings, &self.ring_starts, &self.radii, &self.start);
+        let share = self.least;
         let pairs = &mut self.near;
         self.grid
             .for_near_pairs(points, self.search, |a, b, squared| {
@@ -111,11 +112,11 @@ impl Pairs {
                 let ring = &rings[starts[a] as usize..starts[a + 1] as usize];
                 let edges = ring.iter().find(|&&(other, _)| other == b as u32);
                 let edges = edges.map_or(u8::MAX, |&(_, edges)| edges);
-                if is_out[a] || is_out[b] || edges == 1 {
+                if (is_out[a] && is_out[b]) || edges == 1 {
                     return;
                 }
                 let at_start = (start[a] - start[b]).norm();
-                let least = if edges == 2 { 0.0 } else { LEAST * reach };
+                let least = if edges == 2 { 0.0 } else { share * reach };
                 let full = reach.min(at_start.max(least));
                 let missing = (full - squared.sqrt()).max(0.0);
                 pairs.push(Pair {

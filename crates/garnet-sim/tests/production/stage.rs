@@ -20,9 +20,12 @@ pub(crate) fn undamped(frames: u32, rate: f32) -> Schedule {
         frame_seconds: 1.0 / 60.0,
         motion_frames: 0,
         motion_rate: rate,
+        motion_friction: 1.0,
         stages: vec![Stage {
             frames,
             rate,
+            extra_drag: 0.0,
+            friction: 1.0,
             damping: Damping::Drag,
         }],
         refreshes_per_frame: 1,

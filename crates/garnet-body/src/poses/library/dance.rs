@@ -133,7 +133,7 @@ pub(in super::super) const DANCE: &[KeyPose] = &[
         .arms(OPEN, HIGH),
     pose("cambre_back")
         .pelvis(-8.0, 0.0, 0.0)
-        .spine(-42.0, 0.0, 0.0)
+        .spine(-22.0, 0.0, 0.0)
         .neck(-24.0, 0.0, 12.0)
         .both_legs(leg(-8.0, 5.0, 46.0).sole())
         .both_arms(HIGH),

@@ -1,7 +1,8 @@
 //! Measures what posing does to the built-in bodies, over sampled bodies and poses:
 //! `cargo run --release -p garnet-body --example check_poses -- [POSES]`.
 //!
-//! `… -- bends [BODIES]` measures elbows and knees bent to 140 degrees instead.
+//! `… -- bends [BODIES]` measures elbows and knees bent to 140 degrees instead, `… -- folds [POSES]`
+//! where skin is turned over or crosses itself.
 //!
 //! Tells how much the volume changes, how many poses were corrected or thrown away for
 //! self-contact, how deep the contacts left are, and the time of a posed body.
@@ -10,6 +11,8 @@
     clippy::print_stdout,
     reason = "an example that prints what it measures"
 )]
+
+mod folds;
 
 use std::time::Instant;
 
@@ -31,6 +34,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if std::env::args().nth(1).is_some_and(|word| word == "bends") {
         let count = std::env::args().nth(2).map_or(Ok(20), |text| text.parse());
         return bends(count?);
+    }
+    if std::env::args().nth(1).is_some_and(|word| word == "folds") {
+        let count = std::env::args().nth(2).map_or(Ok(200), |text| text.parse());
+        return folds::folds(count?, POSES_PER_BODY, SEED);
     }
     let num_poses = std::env::args()
         .nth(1)
