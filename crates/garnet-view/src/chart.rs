@@ -112,12 +112,13 @@ impl Chart {
         [x_range, y_range]: [[f64; 2]; 2],
     ) -> Result<(), String> {
         let area = SVGBackend::with_string(svg, SIZE).into_drawing_area();
+        let ink = color(palette::INK);
         area.fill(&color(palette::BACKGROUND)).map_err(told)?;
         let mut chart = ChartBuilder::on(&area)
-            .caption(&self.title, ("sans-serif", 20, &color(palette::INK)))
+            .caption(&self.title, ("sans-serif", 22, &ink))
             .margin(12)
-            .x_label_area_size(42)
-            .y_label_area_size(68)
+            .x_label_area_size(48)
+            .y_label_area_size(78)
             .build_cartesian_2d(x_range[0]..x_range[1], y_range[0]..y_range[1])
             .map_err(told)?;
         chart
@@ -127,6 +128,8 @@ impl Chart {
             .x_label_formatter(&|value| self.x.label_of(*value))
             .y_label_formatter(&|value| self.y.label_of(*value))
             .light_line_style(TRANSPARENT)
+            .label_style(("sans-serif", 15, &ink))
+            .axis_desc_style(("sans-serif", 17, &ink))
             .draw()
             .map_err(told)?;
         for (number, (series, points)) in self.series.iter().zip(shown).enumerate() {
@@ -140,6 +143,7 @@ impl Chart {
         chart
             .configure_series_labels()
             .position(SeriesLabelPosition::UpperRight)
+            .label_font(("sans-serif", 16, &ink))
             .background_style(color(palette::BACKGROUND))
             .border_style(color(palette::SKIN))
             .draw()
