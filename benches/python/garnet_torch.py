@@ -4,6 +4,12 @@
     cargo run --release -p garnet-net --example speed -- paper 10000 6890 paper
     python3 benches/python/garnet_torch.py paper [--threads N] [--runs N] [--no-compile]
 
+The reference values of crates/garnet-net/tests/torch.rs are made by
+
+    cd crates/garnet-net/tests/data
+    cargo run -p garnet-net --example speed -- tiny 60 80 network
+    python3 ../../../../benches/python/garnet_torch.py network --save network.torch.json
+
 Reads paper.weights.safetensors and paper.case.safetensors, which the first command writes,
 and prints the median time of a forward pass and of a training step (mean square, Adam), eager and with
 torch.compile, to be held against the times that the first command prints. Needs torch, safetensors
@@ -44,8 +50,9 @@ class Net(torch.nn.Module):
         # Neighbors padded to the longest ring, with shares of zero: the fastest eager form measured.
         self.ring = torch.arange(count)[:, None].repeat(1, int(degree.max()))
         self.ring[row, column] = ring
-        self.share = torch.zeros(count, int(degree.max()), 1)
-        self.share[row, column] = 1 / degree[row][:, None].float()
+        dtype = case["vertices"].dtype
+        self.share = torch.zeros(count, int(degree.max()), 1, dtype=dtype)
+        self.share[row, column] = 1 / degree[row][:, None].to(dtype)
 
     def weight(self, name):
         return getattr(self, self.names[name])
@@ -68,7 +75,7 @@ class Net(torch.nn.Module):
     def stn(self, at, points):
         pooled = self.mlp(f"{at}.points", [points]).max(0, keepdim=True)[0]
         row = self.linear(f"{at}.matrix", [self.mlp(f"{at}.head", [pooled])])
-        return points @ (row.view(3, 3) + torch.eye(3))
+        return points @ (row.view(3, 3) + torch.eye(3, dtype=row.dtype))
 
     def convolution(self, at, places, features, residual):
         x = torch.cat([features, places], 1)
@@ -134,6 +141,7 @@ def main():
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--runs", type=int, default=7)
     parser.add_argument("--no-compile", action="store_true")
+    parser.add_argument("--save", help="write the translations, in double precision, and stop")
     arguments = parser.parse_args()
     torch.set_num_threads(arguments.threads)
 
@@ -142,6 +150,16 @@ def main():
         weights = {name: file.get_tensor(name).float() for name in file.keys()}
     with safe_open(f"{arguments.case}.case.safetensors", "pt") as file:
         case = {name: file.get_tensor(name) for name in file.keys()}
+
+    if arguments.save:
+        double = {name: x.double() if x.is_floating_point() else x for name, x in case.items()}
+        net = Net({name: x.double() for name, x in weights.items()}, config, double)
+        with torch.no_grad():
+            rows = [[float(f"{x:.9g}") for x in row] for row in net(double).tolist()]
+        with open(arguments.save, "w") as file:
+            json.dump({"translations": rows}, file)
+            file.write("\n")
+        return
 
     net = Net(weights, config, case)
     with torch.no_grad():

@@ -21,8 +21,15 @@ pub(crate) struct Fixture {
 /// What a pose file says: the elbow bent by 60 degrees.
 const BEND: &str = r#"{"schema": "garnet.pose/1", "joints": {"elbow": [0.5, 0, 0, 0.866025]}}"#;
 
+/// What an import takes: drapes on the straight and on the bent body.
+const SCENES: &str = r#"{"schema": "garnet.import/1", "units": "m", "scenes": [
+  {"split": "train", "body": "a", "sequence": "bend", "body_mesh": "body.obj", "garment_mesh": "md_straight.obj"},
+  {"split": "train", "body": "a", "sequence": "bend", "body_mesh": "bent.obj", "garment_mesh": "md_bent.obj"},
+  {"split": "valid", "body": "b", "sequence": "turn", "body_mesh": "bent.obj", "garment_mesh": "md_bent.obj"},
+  {"split": "test", "body": "c", "sequence": "walk", "body_mesh": "bent.obj", "garment_mesh": "md_bent.obj"}]}"#;
+
 impl Fixture {
-    /// `body.obj` with `body.rig.npz`, `bent.obj`, `bend.json`, and `sleeve.obj`.
+    /// `body.obj` with `body.rig.npz`, `bent.obj`, `bend.json`, `scenes.json` and `sleeve.obj`.
     pub(crate) fn new() -> Self {
         let fixture = Self {
             folder: tempfile::tempdir().unwrap(),
@@ -36,6 +43,7 @@ impl Fixture {
         write_rig_npz(fixture.path("body.rig.npz"), &Rig::from(body)).unwrap();
         fixture.mesh("sleeve.obj", &tube(0.13, 0.8, 40, 30));
         fixture.text("bend.json", BEND);
+        fixture.text("scenes.json", SCENES);
         fixture
     }
 

@@ -14,6 +14,7 @@ mod glb;
 mod readme;
 mod render;
 mod simulate;
+mod train;
 
 use fixtures::Fixture;
 

@@ -40,7 +40,7 @@ const ARROWS: [(&str, &[&str]); 14] = [
 ];
 
 /// Third parties that only some crates may name.
-const OWNERS: [(&str, &[&str]); 8] = [
+const OWNERS: [(&str, &[&str]); 9] = [
     ("tobj", &["garnet-mesh"]),
     ("kiddo", &["garnet-knn"]),
     ("burn", &["garnet-net", "garnet-train"]),
@@ -49,6 +49,7 @@ const OWNERS: [(&str, &[&str]); 8] = [
     ("indicatif", &["garnet-cli"]),
     ("faer", &["garnet-skin", "garnet-sim", "garnet-benches"]),
     ("image", &["garnet-view"]),
+    ("plotters", &["garnet-view"]),
 ];
 
 /// Packages that may use any crate: they are used by none.

@@ -3,8 +3,8 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::{
-    body::BodyArgs, dataset::DatasetArgs, drape::DrapeArgs, garment::GarmentArgs, info::InfoArgs,
-    render::RenderArgs, simulate::SimulateArgs,
+    body::BodyArgs, dataset::DatasetArgs, drape::DrapeArgs, eval::EvalArgs, garment::GarmentArgs,
+    info::InfoArgs, render::RenderArgs, simulate::SimulateArgs, train::TrainArgs,
 };
 
 /// Drapes garment meshes on body meshes.
@@ -33,6 +33,10 @@ pub(crate) enum Command {
     Simulate(Box<SimulateArgs>),
     /// Simulate many scenes of a garment, for training and tests.
     Dataset(Box<DatasetArgs>),
+    /// Train a network on a data set, and add it to its garment package.
+    Train(Box<TrainArgs>),
+    /// Compare the networks of a package with the warp, on a data set.
+    Eval(Box<EvalArgs>),
     /// Tell what is in a file, and what is unusual about a mesh.
     Info(InfoArgs),
     /// Draw a shaded picture of meshes.

@@ -57,13 +57,16 @@ pub(crate) trait Hint<T> {
 
 impl<T, E: Into<anyhow::Error>> Hint<T> for Result<T, E> {
     fn hint(self, hint: impl FnOnce() -> String) -> anyhow::Result<T> {
-        self.map_err(|error| {
-            anyhow::Error::new(Hinted {
-                error: error.into(),
-                hint: hint(),
-            })
-        })
+        self.map_err(|error| with_hint(error, hint()))
     }
+}
+
+/// An error with advice.
+pub(crate) fn with_hint(error: impl Into<anyhow::Error>, hint: String) -> anyhow::Error {
+    anyhow::Error::new(Hinted {
+        error: error.into(),
+        hint,
+    })
 }
 
 /// An error with a cause and advice.

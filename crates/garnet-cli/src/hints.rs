@@ -3,7 +3,7 @@
 use std::{error::Error as StdError, io};
 
 use garnet::{
-    Error, MeshError, SkinError,
+    CheckpointError, Error, MeshError, SkinError,
     io::{
         ArrayProblem, FileError, FileProblem, ObjError, ObjLineProblem, ObjParseError, WriteError,
     },
@@ -45,6 +45,9 @@ fn for_link(link: &(dyn StdError + 'static)) -> Option<&'static str> {
     if let Some(error) = link.downcast_ref::<MeshError>() {
         return for_mesh(error);
     }
+    if let Some(error) = link.downcast_ref::<CheckpointError>() {
+        return for_weights(error);
+    }
     if let Some(error) = link.downcast_ref::<WriteError>() {
         return for_write(error);
     }
@@ -57,6 +60,7 @@ fn for_garnet(error: &Error) -> Option<&'static str> {
         Error::File(error) => for_file(&error.problem),
         Error::Mesh(error) => for_mesh(error),
         Error::Skin(error) => for_skin(error),
+        Error::Weights(error) => for_weights(error),
         Error::NotOnBody { .. } => Some(
             "the garment must lie on the rest body; `garnet info` shows both boxes; `--units` and \
              `--up` override what was detected",
@@ -65,6 +69,21 @@ fn for_garnet(error: &Error) -> Option<&'static str> {
             Some("`garnet info` shows both boxes; `--units GARMENT,BODY` names the units of both")
         }
         _ => None,
+    }
+}
+
+fn for_weights(error: &CheckpointError) -> Option<&'static str> {
+    match error {
+        CheckpointError::Io { source, .. } => for_io(source),
+        CheckpointError::Write(error) => for_write(error),
+        CheckpointError::Schema { .. } => {
+            Some("train the variant anew with this version, or use the version that wrote it")
+        }
+        CheckpointError::Unfit { .. } => Some(
+            "a network drapes the garment that it was trained for: train one with `garnet train`, or \
+             choose `--method warp`",
+        ),
+        _ => Some("copy the file again, or train the variant anew with `garnet train`"),
     }
 }
 

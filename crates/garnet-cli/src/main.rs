@@ -8,6 +8,7 @@ mod body;
 mod console;
 mod dataset;
 mod drape;
+mod eval;
 mod failure;
 mod garment;
 mod hints;
@@ -17,6 +18,7 @@ mod posing;
 mod render;
 mod sidecar;
 mod simulate;
+mod train;
 
 use std::process::ExitCode;
 
@@ -53,6 +55,8 @@ fn run(command: Command, console: &Console) -> anyhow::Result<ExitStatus> {
         Command::Garment(args) => garment::run(&args, console),
         Command::Simulate(args) => simulate::run(*args, console),
         Command::Dataset(args) => dataset::run(&args, console),
+        Command::Train(args) => train::run(&args, console),
+        Command::Eval(args) => eval::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Render(args) => render::run(&args, console),
     }

@@ -44,7 +44,8 @@ fn time(preset: &str, num_vertices: usize, num_points: usize, case: Option<&str>
     let body = capsule(0.2, 0.8, meridians, meridians / 3);
     let garment = GarmentGraph::new(&template, &[]).unwrap();
     let config = garment.configured(GarNetConfig::preset(preset).unwrap());
-    let sampling = BodySampling::new(body.positions(), None, &config.pooling).unwrap();
+    let (rest, places) = (body.positions(), template.positions());
+    let sampling = BodySampling::for_garment(rest, places, &config).unwrap();
     let normals = vertex_normals(body.positions(), body.faces());
     let rotations = vec![UnitQuaternion::identity(); template.num_vertices()];
     let input = SceneInput {
@@ -99,7 +100,7 @@ fn time(preset: &str, num_vertices: usize, num_points: usize, case: Option<&str>
         "{preset}: {} vertices, {} points, {:.2} GFLOP, {:.2} M weights, {} threads: \
          predict {whole:.1} ms, network {network:.1} ms ({:.0} GFLOP/s), step {step:.1} ms, kept {:.0} MB",
         template.num_vertices(),
-        body.num_vertices(),
+        predictor.num_body_points(),
         cost.flops as f64 / 1e9,
         cost.parameters as f64 / 1e6,
         rayon::current_num_threads(),

@@ -6,7 +6,7 @@ use garnet_kernel::NeighborTable;
 use garnet_knn::VertexTree;
 use garnet_mesh::Point3;
 
-use crate::{NetError, PoolingConfig};
+use crate::{GarNetConfig, NetError, PoolingConfig};
 
 /// The used points of a body, those kept for local pooling, and the points averaged into each.
 ///
@@ -22,6 +22,42 @@ pub struct BodySampling {
 }
 
 impl BodySampling {
+    /// The points that a network looks at: those near the template, spread evenly.
+    ///
+    /// Hands, feet and head never touch a T-shirt, and body points are nearer to each other than
+    /// the features of a body (`body.reach` and `body.points` of the configuration).
+    ///
+    /// # Errors
+    ///
+    /// As [`BodySampling::new`]; [`NetError::Missing`] also if no point is near the template.
+    pub fn for_garment(
+        rest_body: &[Point3],
+        template: &[Point3],
+        config: &GarNetConfig,
+    ) -> Result<Self, NetError> {
+        let mut used: Vec<u32> = (0..rest_body.len() as u32).collect();
+        let reach = config.body.reach;
+        if reach > 0.0 {
+            let nearest = VertexTree::new(template)?.k_nearest_all(rest_body, 1);
+            used.retain(|&point| {
+                let near = nearest.row(point as usize).first();
+                near.is_some_and(|&vertex| {
+                    (rest_body[point as usize] - template[vertex as usize]).norm() <= reach
+                })
+            });
+        }
+        if (1..used.len()).contains(&config.body.points) {
+            let points: Vec<Point3> = used
+                .iter()
+                .map(|&point| rest_body[point as usize])
+                .collect();
+            let mut chosen = farthest_points(&points, config.body.points);
+            chosen.sort_unstable();
+            used = chosen.iter().map(|&number| used[number as usize]).collect();
+        }
+        Self::new(rest_body, Some(&used), &config.pooling)
+    }
+
     /// Of all points of a body, or of those numbered in `used`: a crop, a thinning.
     ///
     /// # Errors
@@ -137,6 +173,30 @@ mod tests {
                 assert!((points[0] - points[1]).norm() > 0.2);
             }
         }
+    }
+
+    #[test]
+    fn a_garment_sees_the_body_near_it_evenly() {
+        let sphere = icosphere(4, 1.0);
+        let cap: Vec<Point3> = (sphere.positions().iter())
+            .filter(|point| point.y > 0.9)
+            .copied()
+            .collect();
+        let mut config = GarNetConfig::preset("tiny").unwrap();
+        (config.body.reach, config.body.points) = (0.3, 0);
+        let near = BodySampling::for_garment(sphere.positions(), &cap, &config).unwrap();
+        let height = |index: &u32| sphere.positions()[*index as usize].y;
+        let lowest = near.used().iter().map(height).fold(1.0, f32::min);
+        assert!((0.6..0.9).contains(&lowest), "{lowest}");
+        config.body.points = 100;
+        let few = BodySampling::for_garment(sphere.positions(), &cap, &config).unwrap();
+        assert_eq!(few.used().len(), 100);
+        assert!(
+            few.used().is_sorted() && few.used().iter().all(|index| near.used().contains(index))
+        );
+        config.body.reach = 1e-3;
+        let far = [Point3::new(0.0, 9.0, 0.0)];
+        assert!(BodySampling::for_garment(sphere.positions(), &far, &config).is_err());
     }
 
     #[test]

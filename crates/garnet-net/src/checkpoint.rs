@@ -30,16 +30,20 @@
 //! `0.1 / config.mean_edge_length` before use. `benches/python/garnet_torch.py` is the whole
 //! network in PyTorch and checks that both agree.
 
+mod tensors;
+
 use std::collections::{BTreeMap, HashMap};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use burn::module::{Module, ModuleMapper, ModuleVisitor, Param};
-use burn::tensor::{DType, Device, Tensor, TensorData, f16};
+use burn::module::Module;
+use burn::tensor::Device;
 use garnet_mesh::{Fingerprint, write_atomically};
+use safetensors::SafeTensors;
 use safetensors::tensor::TensorView;
-use safetensors::{Dtype, SafeTensors};
 use serde::{Deserialize, Serialize};
+
+use tensors::{Filler, Tensors};
 
 use crate::{CheckpointError, GarNet, GarNetConfig, GarmentGraph, NetError, UNIT};
 
@@ -116,6 +120,16 @@ impl Checkpoint {
         precision: Precision,
     ) -> Result<(), CheckpointError> {
         let path = path.as_ref();
+        let bytes = self.to_bytes(path, precision)?;
+        Ok(write_atomically(path, |writer| writer.write_all(&bytes))?)
+    }
+
+    /// The bytes of the file `path`.
+    ///
+    /// # Errors
+    ///
+    /// [`CheckpointError::NotFinite`] for weights that are no numbers.
+    pub fn to_bytes(&self, path: &Path, precision: Precision) -> Result<Vec<u8>, CheckpointError> {
         let mut tensors = Tensors {
             precision,
             path: Vec::new(),
@@ -147,8 +161,7 @@ impl Checkpoint {
         })?;
         let metadata = HashMap::from([(KEY.to_owned(), text)]);
         let bytes = safetensors::serialize(views, Some(metadata));
-        let bytes = bytes.map_err(|source| not_safetensors(path, source))?;
-        Ok(write_atomically(path, |writer| writer.write_all(&bytes))?)
+        bytes.map_err(|source| not_safetensors(path, source))
     }
 
     /// Reads a file and makes its network on a device.
@@ -159,8 +172,16 @@ impl Checkpoint {
     /// version.
     pub fn load(path: impl AsRef<Path>, device: &Device) -> Result<Self, CheckpointError> {
         let path = path.as_ref();
-        let bytes = read(path)?;
-        let (header, tensors) = parse(path, &bytes)?;
+        Self::from_bytes(path, &read(path)?, device)
+    }
+
+    /// Reads the bytes of the file `path`.
+    ///
+    /// # Errors
+    ///
+    /// As [`Checkpoint::load`].
+    pub fn from_bytes(path: &Path, bytes: &[u8], device: &Device) -> Result<Self, CheckpointError> {
+        let (header, tensors) = parse(path, bytes)?;
         let altered = |expected: Fingerprint, found| CheckpointError::Altered {
             path: path.to_path_buf(),
             found,
@@ -184,7 +205,7 @@ impl Checkpoint {
             path: path.to_path_buf(),
             source,
         };
-        let model = header.config.init(0, device).map_err(unusable)?;
+        let model = header.config.blank(device).map_err(unusable)?;
         let mut filler = Filler {
             file: path,
             device,
@@ -280,128 +301,4 @@ fn checksum<'a>(tensors: impl Iterator<Item = (&'a str, &'a [u8])>) -> Fingerpri
         sums.extend_from_slice(Fingerprint::of_bytes(bytes).to_string().as_bytes());
     }
     Fingerprint::of_bytes(&sums)
-}
-
-/// A tensor on its way into a file.
-struct Stored {
-    dtype: Dtype,
-    shape: Vec<usize>,
-    bytes: Vec<u8>,
-    is_finite: bool,
-}
-
-/// Collects the weights of a network by name.
-struct Tensors {
-    precision: Precision,
-    path: Vec<String>,
-    found: BTreeMap<String, Stored>,
-}
-
-impl ModuleVisitor for Tensors {
-    fn enter_module(&mut self, name: &str, _: &str) {
-        self.path.push(name.to_owned());
-    }
-
-    fn exit_module(&mut self, _: &str, _: &str) {
-        self.path.pop();
-    }
-
-    fn visit_float<const D: usize>(&mut self, param: &Param<Tensor<D>>) {
-        let tensor = param.val();
-        let shape = tensor.dims().to_vec();
-        let data = tensor.into_data().convert_dtype(DType::F32);
-        let numbers: Vec<f32> = data.try_into_vec().expect("the data was converted to f32");
-        let (dtype, bytes, is_finite) = match self.precision {
-            Precision::F32 => (
-                Dtype::F32,
-                numbers
-                    .iter()
-                    .flat_map(|value| value.to_le_bytes())
-                    .collect(),
-                numbers.iter().all(|value| value.is_finite()),
-            ),
-            Precision::F16 => {
-                let halves: Vec<f16> = numbers.into_iter().map(f16::from_f32).collect();
-                (
-                    Dtype::F16,
-                    halves
-                        .iter()
-                        .flat_map(|value| value.to_le_bytes())
-                        .collect(),
-                    halves.iter().all(|value| value.is_finite()),
-                )
-            }
-        };
-        let stored = Stored {
-            dtype,
-            shape,
-            bytes,
-            is_finite,
-        };
-        self.found.insert(self.path.join("."), stored);
-    }
-}
-
-/// Puts weights from a file into a network.
-struct Filler<'a> {
-    file: &'a Path,
-    device: &'a Device,
-    numbers: BTreeMap<&'a str, TensorView<'a>>,
-    path: Vec<String>,
-    problem: Option<CheckpointError>,
-}
-
-impl ModuleMapper for Filler<'_> {
-    fn enter_module(&mut self, name: &str, _: &str) {
-        self.path.push(name.to_owned());
-    }
-
-    fn exit_module(&mut self, _: &str, _: &str) {
-        self.path.pop();
-    }
-
-    fn map_float<const D: usize>(&mut self, param: Param<Tensor<D>>) -> Param<Tensor<D>> {
-        let name = self.path.join(".");
-        let shape = param.dims().to_vec();
-        let Some(view) = self.numbers.remove(name.as_str()) else {
-            return self.refuse(param, name, "missing".to_owned(), format!("{shape:?}"));
-        };
-        if view.shape() != shape {
-            let found = format!("{:?}", view.shape());
-            return self.refuse(param, name, found, format!("{shape:?}"));
-        }
-        let numbers: Vec<f32> = match view.dtype() {
-            Dtype::F32 => (view.data().as_chunks::<4>().0.iter())
-                .map(|&bytes| f32::from_le_bytes(bytes))
-                .collect(),
-            Dtype::F16 => (view.data().as_chunks::<2>().0.iter())
-                .map(|&bytes| f16::from_le_bytes(bytes).to_f32())
-                .collect(),
-            other => {
-                let found = format!("of type {other:?}");
-                return self.refuse(param, name, found, "F32 or F16".to_owned());
-            }
-        };
-        if !numbers.iter().all(|value| value.is_finite()) {
-            (self.problem).get_or_insert(CheckpointError::NotFinite { name });
-            return param;
-        }
-        let tensor = Tensor::from_data(TensorData::new(numbers, shape), self.device);
-        // A plain device records no derivatives; the parameter remembers that training wants them.
-        param.map(|_| tensor.set_require_grad(self.device.is_autodiff()))
-    }
-}
-
-impl Filler<'_> {
-    /// Keeps the first problem.
-    fn refuse<P>(&mut self, param: P, name: String, found: String, expected: String) -> P {
-        let path: PathBuf = self.file.to_path_buf();
-        (self.problem).get_or_insert(CheckpointError::Tensor {
-            path,
-            name,
-            found,
-            expected,
-        });
-        param
-    }
 }

@@ -37,6 +37,18 @@ pub enum Frame {
     Skin,
 }
 
+/// How the garment M was brought to the target body before the network sees it.
+///
+/// The network does not do it; whoever uses a model has to do it in the same way as in training.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Start {
+    /// Dual-quaternion skinning, as in the paper: pose only.
+    DualQuaternion,
+    /// Dual-quaternion skinning and the change of the body's shape.
+    Shape,
+}
+
 /// What a garment vertex brings along, besides its place, into the first layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -72,7 +84,7 @@ pub struct StnConfig {
 }
 
 /// Widths of the body stream.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyStreamConfig {
     /// The transformer of the points.
@@ -86,6 +98,11 @@ pub struct BodyStreamConfig {
     pub global: usize,
     /// Whether points bring their normals along.
     pub normals: bool,
+    /// Body points that are looked at, spread evenly; 0 for all.
+    pub points: usize,
+    /// Body points farther from the template than this at rest are left out, in metres; 0 keeps
+    /// all.
+    pub reach: f32,
     /// Layers from parameters to global features, in place of all else; [`Variant::GlobalParams`].
     pub parameters: Vec<usize>,
 }
@@ -130,6 +147,8 @@ pub struct PoolingConfig {
 pub struct GarNetConfig {
     /// Which parts there are.
     pub variant: Variant,
+    /// How M comes about.
+    pub start: Start,
     /// The frame of prediction.
     pub frame: Frame,
     /// The body stream.
@@ -167,6 +186,18 @@ impl GarNetConfig {
                 max: max as f64,
             })
         };
+        let length = |field, value: f32, min: f64| {
+            let value = f64::from(value);
+            if (min..=10.0).contains(&value) {
+                return Ok(());
+            }
+            Err(NetError::Config {
+                field,
+                value,
+                min,
+                max: 10.0,
+            })
+        };
         let widths = |field, widths: &[usize], min_layers: usize| {
             count(field, widths.len(), min_layers, 8)?;
             widths
@@ -195,16 +226,9 @@ impl GarNetConfig {
         count("num_sewing_parameters", self.num_sewing_parameters, 0, 1024)?;
         let least = usize::from(self.variant == Variant::GlobalParams);
         count("num_body_parameters", self.num_body_parameters, least, 4096)?;
-        let edge = self.mean_edge_length;
-        if (1e-6..=10.0).contains(&edge) {
-            return Ok(());
-        }
-        Err(NetError::Config {
-            field: "mean_edge_length",
-            value: f64::from(edge),
-            min: 1e-6,
-            max: 10.0,
-        })
+        count("body.points", self.body.points, 0, 1 << 20)?;
+        length("body.reach", self.body.reach, 0.0)?;
+        length("mean_edge_length", self.mean_edge_length, 1e-6)
     }
 
     /// Whether the garment stream has mesh convolutions.

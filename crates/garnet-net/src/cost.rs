@@ -20,17 +20,23 @@ pub struct Cost {
 }
 
 impl GarNetConfig {
-    /// Counts weights, and work for `num_vertices` garment vertices and `num_points` body points.
+    /// Counts weights, and work for `num_vertices` garment vertices and a body of `num_points`
+    /// points, of which the network looks at as many as the configuration says.
     ///
     /// # Errors
     ///
     /// [`NetError::Config`], also where there are no vertices or points.
     pub fn cost(&self, num_vertices: usize, num_points: usize) -> Result<Cost, NetError> {
         let config = self;
-        let net = config.init(0, &Device::flex())?;
+        let net = config.blank(&Device::flex())?;
         let engine = CostEngine::default();
         // The tables only lend their sizes: any garment and body of these counts will do.
-        let points = vec![Point3::origin(); num_points.max(1)];
+        let most = if self.body.points == 0 {
+            num_points
+        } else {
+            num_points.min(self.body.points)
+        };
+        let points = vec![Point3::origin(); most.max(1)];
         let vertices = vec![Point3::origin(); num_vertices.max(3)];
         let garment = GarmentGraph::new(&TriMesh::new(vertices, vec![[0, 1, 2]])?, &[])?;
         let sampling = BodySampling::new(&points, None, &self.pooling)?;

@@ -150,6 +150,14 @@ pub enum CheckpointError {
         /// Checksum in the metadata.
         expected: Fingerprint,
     },
+    /// The weights do not fit what they are to be used for.
+    #[error("weights `{}` do not fit", path.display())]
+    Unfit {
+        /// The file.
+        path: PathBuf,
+        /// What differs.
+        source: NetError,
+    },
     /// The configuration in the file is not usable.
     #[error("weights `{}` hold an unusable configuration", path.display())]
     Config {

@@ -17,7 +17,7 @@ use crate::{GarNetConfig, NetError, UNIT};
 pub struct GarmentGraph {
     fingerprint: Fingerprint,
     rings: Arc<Adjacency>,
-    template: Vec<f32>,
+    template: Arc<[f32]>,
     sewing_parameters: Vec<f32>,
     mean_edge_length: f32,
 }
@@ -30,25 +30,33 @@ impl GarmentGraph {
     /// [`NetError::NotFinite`] for a sewing parameter that is no number, [`NetError::Kernel`] for
     /// more edges than can be numbered.
     pub fn new(template: &TriMesh, sewing_parameters: &[f32]) -> Result<Self, NetError> {
-        if let Some(index) = sewing_parameters
-            .iter()
-            .position(|value| !value.is_finite())
-        {
-            return Err(NetError::NotFinite {
-                what: "sewing parameter",
-                index,
-            });
-        }
         let topology = Topology::new(template.num_vertices(), template.faces());
-        Ok(Self {
+        let graph = Self {
             fingerprint: Fingerprint::of_topology(template),
             rings: Arc::new(rings(template.positions(), &topology)?),
             template: (template.positions().iter())
                 .flat_map(|point| (point.coords / UNIT).data.0[0])
                 .collect(),
-            sewing_parameters: sewing_parameters.to_vec(),
+            sewing_parameters: Vec::new(),
             mean_edge_length: mean_edge_length(template.positions(), topology.edges()),
-        })
+        };
+        graph.with_sewing_parameters(sewing_parameters)
+    }
+
+    /// The same garment with other sewing parameters.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::NotFinite`] for one that is no number.
+    pub fn with_sewing_parameters(mut self, parameters: &[f32]) -> Result<Self, NetError> {
+        if let Some(index) = parameters.iter().position(|value| !value.is_finite()) {
+            return Err(NetError::NotFinite {
+                what: "sewing parameter",
+                index,
+            });
+        }
+        self.sewing_parameters = parameters.to_vec();
+        Ok(self)
     }
 
     /// Which garment it is.

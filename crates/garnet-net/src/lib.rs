@@ -10,7 +10,6 @@
 //! gives points. Both call the kernels of `garnet-kernel`, so their results are equal.
 //!
 //! ```
-//! use burn::tensor::Device;
 //! use garnet_mesh::primitives::{icosphere, tube};
 //! use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput};
 //! use nalgebra::{Isometry3, UnitQuaternion};
@@ -18,10 +17,9 @@
 //! let (template, body) = (tube(0.2, 0.3, 16, 8), icosphere(3, 0.18));
 //! let garment = GarmentGraph::new(&template, &[])?;
 //! let config = garment.configured(GarNetConfig::preset("tiny")?);
-//! let sampling = BodySampling::new(body.positions(), None, &config.pooling)?;
+//! let sampling = BodySampling::for_garment(body.positions(), template.positions(), &config)?;
 //!
-//! let untrained = config.init(7, &Device::flex())?;
-//! let mut predictor = Predictor::new(untrained, garment, sampling)?;
+//! let mut predictor = Predictor::untrained(&config, 7, garment, sampling)?;
 //! let normals = garnet_mesh::vertex_normals(body.positions(), body.faces());
 //! let draped = predictor.predict(&SceneInput {
 //!     warped: template.positions(),
@@ -54,8 +52,8 @@ mod scene;
 pub use body_sampling::BodySampling;
 pub use checkpoint::{Checkpoint, CheckpointHeader, Precision};
 pub use config::{
-    BodyStreamConfig, Frame, GarNetConfig, GarmentStreamConfig, PoolingConfig, StnConfig, UNIT,
-    Variant, VertexInput,
+    BodyStreamConfig, Frame, GarNetConfig, GarmentStreamConfig, PoolingConfig, Start, StnConfig,
+    UNIT, Variant, VertexInput,
 };
 pub use cost::Cost;
 pub use error::{CheckpointError, NetError};

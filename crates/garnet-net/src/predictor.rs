@@ -1,12 +1,17 @@
 //! Inference: bind once, predict many times.
 
+use std::path::Path;
 use std::sync::Arc;
 
+use burn::tensor::Device;
 use garnet_mesh::Point3;
 
 use crate::network::Inputs;
 use crate::ops::{Buffer, SliceEngine};
-use crate::{BodySampling, GarNet, GarmentGraph, NetError, Scene, SceneInput};
+use crate::{
+    BodySampling, Checkpoint, CheckpointError, GarNet, GarNetConfig, GarmentGraph, NetError, Scene,
+    SceneInput,
+};
 
 /// A network bound to a garment and a body, without derivatives and without tensors.
 ///
@@ -33,17 +38,7 @@ impl Predictor {
         garment: GarmentGraph,
         sampling: BodySampling,
     ) -> Result<Self, NetError> {
-        let (found, expected) = (
-            garment.sewing_parameters().len(),
-            model.config().num_sewing_parameters,
-        );
-        if found != expected {
-            return Err(NetError::Count {
-                what: "sewing parameters",
-                found,
-                expected,
-            });
-        }
+        check_sewing_parameters(&model, &garment)?;
         Ok(Self {
             engine: SliceEngine::new(&model),
             model,
@@ -53,9 +48,76 @@ impl Predictor {
         })
     }
 
+    /// A network with random weights from a seed: it leaves the warp as it is, but takes as long as
+    /// a trained one.
+    ///
+    /// # Errors
+    ///
+    /// As [`GarNetConfig::init`] and [`Predictor::new`].
+    pub fn untrained(
+        config: &GarNetConfig,
+        seed: u64,
+        garment: GarmentGraph,
+        sampling: BodySampling,
+    ) -> Result<Self, NetError> {
+        Self::new(config.init(seed, &Device::flex())?, garment, sampling)
+    }
+
+    /// Reads a weight file and binds it to a garment that lies on a body at rest, in metres.
+    ///
+    /// # Errors
+    ///
+    /// [`CheckpointError`] by name: the file is truncated, altered, foreign or of another version,
+    /// or, as [`CheckpointError::Unfit`], of another garment.
+    pub fn load(
+        path: impl AsRef<Path>,
+        garment: GarmentGraph,
+        template: &[Point3],
+        rest_body: &[Point3],
+    ) -> Result<Self, CheckpointError> {
+        let path = path.as_ref();
+        let checkpoint = Checkpoint::load(path, &Device::flex())?;
+        let bind = || {
+            checkpoint.accepts(&garment)?;
+            let config = checkpoint.model.config();
+            let sampling = BodySampling::for_garment(rest_body, template, config)?;
+            // More is known of a garment than every network asks for.
+            let garment = match config.num_sewing_parameters {
+                0 => garment.with_sewing_parameters(&[])?,
+                _ => garment,
+            };
+            Self::new(checkpoint.model, garment, sampling)
+        };
+        bind().map_err(|source| CheckpointError::Unfit {
+            path: path.to_path_buf(),
+            source,
+        })
+    }
+
+    /// Goes on with another garment of the same topology: other places at rest, other sewing
+    /// parameters.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::OtherGarment`], or [`NetError::Count`] for another number of sewing parameters.
+    pub fn rebind(&mut self, garment: GarmentGraph) -> Result<(), NetError> {
+        let (expected, found) = (self.garment.fingerprint(), garment.fingerprint());
+        if expected != found {
+            return Err(NetError::OtherGarment { expected, found });
+        }
+        check_sewing_parameters(&self.model, &garment)?;
+        self.garment = garment;
+        Ok(())
+    }
+
     /// The model.
     pub fn model(&self) -> &GarNet {
         &self.model
+    }
+
+    /// Body points that the network looks at.
+    pub fn num_body_points(&self) -> usize {
+        self.sampling.used().len()
     }
 
     /// Drapes: the vertices of a scene `[vertex]`, in metres.
@@ -100,4 +162,19 @@ impl Predictor {
         let inputs = Inputs::new(config, &self.garment, &self.sampling, &self.scene, matrix);
         self.model.run(&self.engine, &inputs)
     }
+}
+
+fn check_sewing_parameters(model: &GarNet, garment: &GarmentGraph) -> Result<(), NetError> {
+    let (found, expected) = (
+        garment.sewing_parameters().len(),
+        model.config().num_sewing_parameters,
+    );
+    if found == expected {
+        return Ok(());
+    }
+    Err(NetError::Count {
+        what: "sewing parameters",
+        found,
+        expected,
+    })
 }

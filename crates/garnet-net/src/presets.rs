@@ -1,8 +1,8 @@
 //! Named configurations, from the paper's size down.
 
 use crate::{
-    BodyStreamConfig, Frame, GarNetConfig, GarmentStreamConfig, NetError, PoolingConfig, StnConfig,
-    Variant, VertexInput,
+    BodyStreamConfig, Frame, GarNetConfig, GarmentStreamConfig, NetError, PoolingConfig, Start,
+    StnConfig, Variant, VertexInput,
 };
 
 /// Names of the presets, largest first.
@@ -23,6 +23,8 @@ struct Widths {
     global: usize,
     fusion: &'static [usize],
     neighbors: usize,
+    body_points: usize,
+    reach: f32,
 }
 
 const PAPER: Widths = Widths {
@@ -39,6 +41,8 @@ const PAPER: Widths = Widths {
     global: 512,
     fusion: &[512, 256, 128],
     neighbors: 15,
+    body_points: 0,
+    reach: 0.0,
 };
 
 const MEDIUM: Widths = Widths {
@@ -55,6 +59,8 @@ const MEDIUM: Widths = Widths {
     global: 256,
     fusion: &[128, 128, 64],
     neighbors: 15,
+    body_points: 0,
+    reach: 0.4,
 };
 
 const SMALL: Widths = Widths {
@@ -71,6 +77,8 @@ const SMALL: Widths = Widths {
     global: 128,
     fusion: &[128, 64, 32],
     neighbors: 8,
+    body_points: 1700,
+    reach: 0.4,
 };
 
 const LIGHT: Widths = Widths {
@@ -87,6 +95,8 @@ const LIGHT: Widths = Widths {
     global: 128,
     fusion: &[96, 64, 32],
     neighbors: 8,
+    body_points: 1000,
+    reach: 0.4,
 };
 
 const TINY: Widths = Widths {
@@ -103,13 +113,16 @@ const TINY: Widths = Widths {
     global: 16,
     fusion: &[32, 16],
     neighbors: 4,
+    body_points: 500,
+    reach: 0.4,
 };
 
 impl GarNetConfig {
     /// A named configuration of [`PRESET_NAMES`]; all are [`Variant::Local`].
     ///
-    /// `paper` is the reconstruction of the lost widths: places in the root frame are all that a
-    /// vertex brings along. The others predict in each vertex's skinning frame and feed it what is
+    /// `paper` is the reconstruction of the lost widths: it starts from dual-quaternion skinning,
+    /// and places in the root frame are all that a vertex brings along. The others start from the
+    /// shape-aware warp, predict in each vertex's skinning frame and feed it what is
     /// known of its surroundings at no cost: the offset to the nearest body point, its normal, the
     /// rotation, the place on the template.
     ///
@@ -145,6 +158,7 @@ impl GarNetConfig {
 
     /// Predicts in skinning frames and feeds what is known of each vertex's surroundings.
     fn with_surroundings(mut self) -> Self {
+        self.start = Start::Shape;
         self.frame = Frame::Skin;
         self.body.normals = true;
         self.garment.inputs = vec![
@@ -163,6 +177,7 @@ impl GarNetConfig {
         };
         Self {
             variant: Variant::Local,
+            start: Start::DualQuaternion,
             frame: Frame::Root,
             body: BodyStreamConfig {
                 stn: stn.clone(),
@@ -170,6 +185,8 @@ impl GarNetConfig {
                 second: widths.body_second.to_vec(),
                 global: widths.body_global,
                 normals: false,
+                points: widths.body_points,
+                reach: widths.reach,
                 parameters: vec![widths.body_global],
             },
             garment: GarmentStreamConfig {

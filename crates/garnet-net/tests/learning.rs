@@ -75,7 +75,9 @@ impl School {
                 let gradient = scene.pulled_back(&report.gradient);
                 let gradients = surrogate(output, gradient).backward();
                 let gradients = GradientsParams::from_grads(gradients, &net);
-                let rate = if round < 2 * rounds / 3 { 5e-3 } else { 1e-3 };
+                // Half a cosine: at a constant rate the last millimetres are noise of the steps.
+                let progress = (round as f64 + 0.5) / rounds as f64;
+                let rate = 7e-3 * f64::midpoint(1.0, (std::f64::consts::PI * progress).cos());
                 net = adam.step(rate, net, gradients);
             }
             totals.push(total / prepared.len() as f64);
@@ -141,18 +143,21 @@ fn example(template: &TriMesh, number: f32) -> Example {
 }
 
 #[test]
-fn a_tiny_network_learns_four_scenes_by_heart() {
-    let config = GarNetConfig::preset("tiny").unwrap();
-    let school = School::new(config, &LossConfig::paper(), 4);
-    let (net, totals) = school.train(150);
+fn a_tiny_network_learns_eight_scenes_by_heart() {
+    let mut config = GarNetConfig::preset("tiny").unwrap();
+    config.fusion = vec![64, 64];
+    let school = School::new(config, &LossConfig::paper(), 8);
+    // The folds of a scene are told apart only after some thousand steps.
+    let rounds = 600;
+    let (net, totals) = school.train(rounds);
     let [error, of_warp] = school.errors(net);
-    println!("loss {:.2e} to {:.2e}", totals[0], totals[149]);
+    println!("loss {:.2e} to {:.2e}", totals[0], totals[rounds - 1]);
     println!(
         "error {:.2} mm, of the warp {:.2} mm",
         error * 1e3,
         of_warp * 1e3
     );
-    assert!(error < 1e-3 && error < 0.15 * of_warp);
+    assert!(error < 1e-3 && error < 0.1 * of_warp);
 }
 
 #[test]

@@ -43,6 +43,7 @@ mod rigid;
 mod screened_poisson;
 mod shape;
 mod transfer;
+mod warped;
 mod weld;
 
 mod skeleton;
@@ -67,5 +68,6 @@ pub use screened_poisson::ScreenedPoisson;
 pub use skeleton::{Joint, Skeleton};
 pub use skinning::{Method, blended_transforms, skin_dual_quaternion, skin_linear};
 pub use transfer::TransferOptions;
+pub use warped::WarpedGarment;
 pub use weights::{MAX_INFLUENCES, SkinWeights};
 pub use weld::Weld;

@@ -80,6 +80,18 @@ pub enum ViewError {
         /// What would be accepted.
         expected: &'static str,
     },
+    /// A chart without a point that can be shown.
+    #[error("the chart `{title}` has no point to show")]
+    NoPoints {
+        /// Its title.
+        title: String,
+    },
+    /// A chart could not be drawn.
+    #[error("the chart could not be drawn: {reason}")]
+    Chart {
+        /// What the plotter says.
+        reason: String,
+    },
     /// More triangles than can be numbered.
     #[error(
         "{count} triangles in all, expected fewer than {}",

@@ -1,4 +1,4 @@
-//! Pictures: shaded PNG of meshes.
+//! Pictures: shaded PNG of meshes, and charts as SVG.
 //!
 //! A small software renderer for looking at cloth on bodies: several meshes from several sides in
 //! one picture, lit like clay, with creases darkened so that folds, contact and skin that pokes
@@ -27,6 +27,7 @@
 //! ```
 
 mod camera;
+mod chart;
 mod clip;
 mod color_bar;
 mod color_map;
@@ -53,6 +54,7 @@ mod text;
 mod shapes;
 
 pub use camera::{Camera, Projection};
+pub use chart::{Axis, Chart, Scale, Series};
 pub use color_map::ColorMap;
 pub use error::ViewError;
 pub use image::Image;

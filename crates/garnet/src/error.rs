@@ -1,6 +1,7 @@
 //! What can go wrong between files and a drape.
 
 use garnet_mesh::{Bounds, MeshError, ObjError};
+use garnet_net::{CheckpointError, NetError};
 use garnet_skin::{FileError, SkinError};
 use garnet_untangle::UntangleError;
 
@@ -23,6 +24,12 @@ pub enum Error {
     /// Untangling cannot start.
     #[error(transparent)]
     Untangle(#[from] UntangleError),
+    /// Weights of a network cannot be used.
+    #[error(transparent)]
+    Weights(Box<CheckpointError>),
+    /// A network cannot be run.
+    #[error(transparent)]
+    Net(#[from] NetError),
     /// The garment does not lie on the body.
     #[error(
         "the garment is {distance:.3} m from the rest body at its nearest vertex and does not lie \
@@ -47,4 +54,10 @@ pub enum Error {
         /// Diagonal of the rest body's box, in metres.
         body_size: f32,
     },
+}
+
+impl From<CheckpointError> for Error {
+    fn from(source: CheckpointError) -> Self {
+        Self::Weights(Box::new(source))
+    }
 }

@@ -39,6 +39,7 @@ pub mod io;
 mod draper;
 mod error;
 mod garment;
+mod network;
 mod penetration;
 
 pub use draper::{Drape, DrapeOptions, Draper, Warped};
@@ -53,16 +54,20 @@ pub use garnet_mesh::{
     Vector3, diagnose, edge_stretch, edge_stretches, guess_body_unit, guess_up_axis, primitives,
     vertex_distances,
 };
+pub use garnet_net::{CheckpointError, CheckpointHeader, NetError};
 #[cfg(feature = "train")]
 pub use garnet_pattern as pattern;
 #[cfg(feature = "train")]
 pub use garnet_sim as sim;
 pub use garnet_skin::{
     Body, Joint, Method, Pose, PosedBody, Rig, Skeleton, SkinError, SkinWeights, TransferOptions,
-    Warp,
+    Warp, WarpedGarment,
 };
+#[cfg(feature = "train")]
+pub use garnet_train as train;
 pub use garnet_untangle::{UntangleOptions, UntangleReport};
 pub use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
+pub use network::Network;
 pub use penetration::{Penetration, penetration};
 
 /// Compiles the program of the README.

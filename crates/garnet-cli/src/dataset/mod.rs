@@ -42,7 +42,8 @@ pub(crate) fn run(args: &DatasetArgs, console: &Console) -> anyhow::Result<ExitS
     Ok(ExitStatus::Done)
 }
 
-fn read_package(path: &Path) -> anyhow::Result<GarmentPackage> {
+/// Reads a garment package, or tells how to make one.
+pub(crate) fn read_package(path: &Path) -> anyhow::Result<GarmentPackage> {
     if GarmentPackage::is_at(path) {
         return Ok(GarmentPackage::read(path)?);
     }

@@ -28,8 +28,9 @@ pub(crate) struct DrapeArgs {
     /// Write the posed body, as OBJ; a folder for several.
     #[arg(long, value_name = "OBJ", requires = "pose")]
     body_out: Option<PathBuf>,
-    /// How the garment is brought to the body.
-    #[arg(long, value_name = "METHOD", default_value = "auto")]
+    /// How the garment is brought to the body: auto (the network of the package, else warp), lbs,
+    /// dqs, warp, sim, or a network of the package by its name (naive, global, local, params …).
+    #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = MethodName::parse)]
     method: MethodName,
     /// Smallest distance between cloth and skin, in millimetres.
     #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres)]
@@ -92,9 +93,9 @@ Motions are carried over by the names of the joints. A pose file is JSON: {\"sch
 world at rest; with \"frames\", a list of such poses.";
 
 /// How the garment is brought to the body before penetrations are removed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum MethodName {
-    /// The best there is: warp.
+    /// The default network of the package, else the warp.
     Auto,
     /// Linear blend skinning.
     Lbs,
@@ -104,6 +105,19 @@ pub(crate) enum MethodName {
     Warp,
     /// The physics-based simulation that networks learn from; see `garnet simulate`.
     Sim,
+    /// A network of the package.
+    Network(String),
+}
+
+/// Which network drapes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum NetworkChoice {
+    /// None.
+    None,
+    /// That which the package names first, if it has any.
+    Default,
+    /// The one of this name.
+    Named(String),
 }
 
 /// The axis that points up.
@@ -154,6 +168,8 @@ pub(crate) struct Job {
     pub(crate) options: DrapeOptions,
     /// How the garment is simulated; none if it is warped.
     pub(crate) simulation: Option<Simulation>,
+    /// Which network moves the warped garment.
+    pub(crate) network: NetworkChoice,
     /// In metres.
     pub(crate) max_penetration: Option<f32>,
     pub(crate) repeat: u32,
@@ -213,6 +229,7 @@ impl Job {
             fabric: None,
             frames: None,
         });
+        job.network = args.method.network();
         job.body_out = args.body_out;
         job.max_penetration = args.max_penetration;
         job.repeat = args.repeat;
@@ -243,6 +260,7 @@ impl Job {
             prints_report: false,
             options: DrapeOptions::default(),
             simulation: None,
+            network: NetworkChoice::None,
             max_penetration: None,
             repeat: 1,
         })
@@ -325,11 +343,31 @@ fn ensure_posed(is_posed: bool) -> anyhow::Result<()> {
 }
 
 impl MethodName {
-    fn warp(self) -> Warp {
+    fn parse(text: &str) -> Result<Self, String> {
+        Ok(match text {
+            "auto" => Self::Auto,
+            "lbs" => Self::Lbs,
+            "dqs" => Self::Dqs,
+            "warp" => Self::Warp,
+            "sim" => Self::Sim,
+            "" => return Err("expected the name of a method".to_owned()),
+            name => Self::Network(name.to_owned()),
+        })
+    }
+
+    fn warp(&self) -> Warp {
         match self {
             Self::Lbs => Warp::Linear,
             Self::Dqs => Warp::DualQuaternion,
-            Self::Auto | Self::Warp | Self::Sim => Warp::Shape,
+            Self::Auto | Self::Warp | Self::Sim | Self::Network(_) => Warp::Shape,
+        }
+    }
+
+    fn network(&self) -> NetworkChoice {
+        match self {
+            Self::Auto => NetworkChoice::Default,
+            Self::Network(name) => NetworkChoice::Named(name.clone()),
+            Self::Lbs | Self::Dqs | Self::Warp | Self::Sim => NetworkChoice::None,
         }
     }
 }

@@ -3,6 +3,7 @@
 mod args;
 mod files;
 mod frame;
+mod learned;
 mod placement;
 mod prepared;
 mod report;
@@ -24,6 +25,7 @@ use garnet::{
 pub(crate) use args::DrapeArgs;
 pub(crate) use args::{InputArgs, Job, Simulation};
 pub(crate) use frame::Frame;
+use learned::{Found, Learned};
 use prepared::{Prepared, RestBody, Target};
 use report::{
     BodyReport, DrapeOutput, DrapeReport, DrapeSeconds, GarmentReport, OnceSeconds,
@@ -63,6 +65,13 @@ pub(crate) fn do_job(
         if let Some(simulation) = &job.simulation {
             bound.teacher = Some(Teaching::new(&bound, simulation, &job.source)?);
         }
+        match Learned::find(&bound, &job.network, &job.source)? {
+            Found::Network(learned) => bound.learned = Some(*learned),
+            Found::NotAsked => {}
+            Found::NoneInPackage => console.summary(
+                &"note: the package has no trained network: the garment is warped and untangled",
+            ),
+        }
         let drapes = drape_all(&mut bound, &job, console)?;
         let seconds = OnceSeconds {
             read,
@@ -90,6 +99,8 @@ struct Bound {
     pose: Option<crate::posing::PoseSource>,
     /// The simulation, if that is the method.
     teacher: Option<Teaching>,
+    /// The network, if one drapes.
+    learned: Option<Learned>,
     warnings: Vec<Warning>,
 }
 
@@ -135,6 +146,7 @@ impl Bound {
             targets,
             pose,
             teacher: None,
+            learned: None,
         })
     }
 }
@@ -171,12 +183,15 @@ fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<
     if let Some(folder) = job.body_out.as_ref().filter(|_| !named.is_empty()) {
         output::make_folder(folder)?;
     }
-    let draper = Draper::with_options(job.options);
+    let mut way = Way {
+        draper: Draper::with_options(job.options),
+        learned: bound.learned.take(),
+    };
     let bar = console.progress(bound.targets.len());
     let mut drapes = Vec::with_capacity(bound.targets.len());
     for (target, output) in bound.targets.iter().zip(outputs) {
         bar.set_message(target.path.display().to_string());
-        let (drape, problems) = drape_one(bound, &draper, target, output, job, console)?;
+        let (drape, problems) = drape_one(bound, &mut way, target, output, job, console)?;
         let warnings = problems.into_iter().map(|problem| Warning {
             path: output.clone(),
             problem,
@@ -185,24 +200,31 @@ fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<
         bar.inc(1);
     }
     bar.finish_and_clear();
+    bound.learned = way.learned;
     let (drapes, warnings): (Vec<_>, Vec<_>) = drapes.into_iter().unzip();
     bound.warnings.extend(warnings.into_iter().flatten());
     Ok(drapes)
 }
 
+/// What drapes.
+struct Way {
+    draper: Draper,
+    learned: Option<Learned>,
+}
+
 fn drape_one(
     bound: &Bound,
-    draper: &Draper,
+    way: &mut Way,
     target: &Target,
     output: &Path,
     job: &Job,
     console: &Console,
 ) -> anyhow::Result<(DrapeOutput, Vec<Problem>)> {
     let mut times = Vec::with_capacity(job.repeat as usize);
-    let mut draped = drape_timed(bound, draper, target, console)?;
+    let mut draped = drape_timed(bound, way, target, console)?;
     times.push(draped.time);
     for _ in 1..job.repeat {
-        draped = drape_timed(bound, draper, target, console)?;
+        draped = drape_timed(bound, way, target, console)?;
         times.push(draped.time);
     }
     let Draped {
@@ -282,7 +304,7 @@ struct Draped {
 
 fn drape_timed(
     bound: &Bound,
-    draper: &Draper,
+    way: &mut Way,
     target: &Target,
     console: &Console,
 ) -> anyhow::Result<Draped> {
@@ -292,16 +314,25 @@ fn drape_timed(
         let garment = bound.garment_file.path().display();
         format!("cannot drape `{garment}` on `{}`", target.path.display())
     };
-    let (brought, warp) = timed(|| match &bound.teacher {
-        None => Ok((draper.warp(&bound.garment, &posed)?, None)),
-        Some(teaching) => teaching.drape(bound, &posed, console),
+    let Way { draper, learned } = way;
+    let mut network = 0.0;
+    let (brought, mut warp) = timed(|| match (&bound.teacher, learned) {
+        (Some(teaching), _) => teaching.drape(bound, &posed, console),
+        (None, Some(learned)) => {
+            let (warped, seconds) = learned.drape(bound, &posed)?;
+            network = seconds;
+            Ok((warped, None))
+        }
+        (None, None) => Ok((draper.warp(&bound.garment, &posed)?, None)),
     });
+    warp -= network;
     let (warped, simulated) = brought.with_context(cannot)?;
     let (drape, untangle) = timed(|| draper.finish(&bound.garment, &posed, &warped));
     let drape = drape.with_context(cannot)?;
     let time = DrapeSeconds {
         fit,
         warp,
+        network,
         untangle,
         write: 0.0,
     };
@@ -355,10 +386,12 @@ impl Bound {
                 path: shown(&pose.path),
                 frame: pose.frames.map_or(0, garnet::motion::FrameRange::first),
             }),
-            method: match &self.teacher {
-                Some(_) => "sim",
-                None => method_name(warp),
+            method: match (&self.teacher, &self.learned) {
+                (Some(_), _) => "sim".to_owned(),
+                (None, Some(learned)) => learned.name().to_owned(),
+                (None, None) => method_name(warp).to_owned(),
             },
+            network: self.learned.as_ref().map(Learned::report),
             simulation: self.teacher.as_ref().map(Teaching::report),
             untangled: untangle.is_some(),
             clearance_m: untangle.map(|options| options.clearance),

@@ -21,8 +21,10 @@ pub(crate) struct DrapeReport {
     pub(crate) rest_body: BodyReport,
     /// The pose file, if there is one.
     pub(crate) pose: Option<PoseReport>,
-    /// `lbs`, `dqs`, `warp` or `sim`.
-    pub(crate) method: &'static str,
+    /// `lbs`, `dqs`, `warp`, `sim`, or the name of a network.
+    pub(crate) method: String,
+    /// The network; none for other methods.
+    pub(crate) network: Option<NetworkReport>,
     /// Quality and fabric of the simulation; none for other methods.
     pub(crate) simulation: Option<SimulationReport>,
     /// Whether penetrations were removed.
@@ -101,6 +103,13 @@ pub(crate) struct DrapeOutput {
     pub(crate) seconds: DrapeSeconds,
     /// Times of all repetitions; none if there is but one.
     pub(crate) repeated: Option<RepeatedSeconds>,
+}
+
+/// The network that moved the warped garment.
+#[derive(Debug, Serialize)]
+pub(crate) struct NetworkReport {
+    pub(crate) variant: String,
+    pub(crate) weights: String,
 }
 
 /// How garments were simulated.
@@ -210,6 +219,8 @@ pub(crate) struct DrapeSeconds {
     pub(crate) fit: f64,
     /// Bringing the garment to the body: the warp, or the simulation.
     pub(crate) warp: f64,
+    /// Zero without a network.
+    pub(crate) network: f64,
     pub(crate) untangle: f64,
     /// Zero for all but the last repetition.
     pub(crate) write: f64,
@@ -220,8 +231,9 @@ pub(crate) struct DrapeSeconds {
 pub(crate) struct RepeatedSeconds {
     pub(crate) fit: Repeated,
     pub(crate) warp: Repeated,
+    pub(crate) network: Repeated,
     pub(crate) untangle: Repeated,
-    /// Warp and untangling together.
+    /// Warp, network and untangling together.
     pub(crate) drape: Repeated,
 }
 
@@ -236,8 +248,9 @@ impl RepeatedSeconds {
         Some(Self {
             fit: spread(|time| time.fit)?,
             warp: spread(|time| time.warp)?,
+            network: spread(|time| time.network)?,
             untangle: spread(|time| time.untangle)?,
-            drape: spread(|time| time.warp + time.untangle)?,
+            drape: spread(|time| time.warp + time.network + time.untangle)?,
         })
     }
 }

@@ -27,6 +27,13 @@ pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Consol
     console.detail(&stages(report));
 }
 
+fn method(report: &DrapeReport) -> String {
+    match &report.network {
+        Some(network) => format!(" by `{}`", network.variant),
+        None => String::new(),
+    }
+}
+
 fn headline(report: &DrapeReport, folder: Option<&Path>) -> String {
     let garment = &report.garment.path;
     let seconds = readable(report.seconds.total);
@@ -37,12 +44,14 @@ fn headline(report: &DrapeReport, folder: Option<&Path>) -> String {
                 None => format!("`{}`", drape.target),
             };
             let output = &drape.output;
-            format!("draped `{garment}` on {target} into `{output}` in {seconds}")
+            let method = method(report);
+            format!("draped `{garment}` on {target}{method} into `{output}` in {seconds}")
         }
         (folder, drapes) => {
             let folder = folder.unwrap_or(Path::new("")).display();
             let count = drapes.len();
-            format!("draped `{garment}` on {count} bodies into `{folder}` in {seconds}")
+            let method = method(report);
+            format!("draped `{garment}` on {count} bodies{method} into `{folder}` in {seconds}")
         }
     }
 }
@@ -125,12 +134,16 @@ fn times(drape: &DrapeOutput, repeated: &RepeatedSeconds, report: &DrapeReport) 
         )
     };
     format!(
-        "`{}`: {} drapes on {} threads, median: fit {}, warp {}, untangle {}, warp and untangle {}",
+        "`{}`: {} drapes on {} threads, median: fit {}, warp {}, {}untangle {}, all but the fit {}",
         drape.target,
         report.repeat,
         report.threads,
         of(&repeated.fit),
         of(&repeated.warp),
+        match &report.network {
+            Some(_) => format!("network {}, ", of(&repeated.network)),
+            None => String::new(),
+        },
         of(&repeated.untangle),
         of(&repeated.drape)
     )
@@ -139,12 +152,16 @@ fn times(drape: &DrapeOutput, repeated: &RepeatedSeconds, report: &DrapeReport) 
 fn stages(report: &DrapeReport) -> String {
     let sum = |stage: fn(&DrapeOutput) -> f64| readable(report.drapes.iter().map(stage).sum());
     format!(
-        "stages on {} threads: read {}, bind {}, fit {}, warp {}, untangle {}, write {}",
+        "stages on {} threads: read {}, bind {}, fit {}, warp {}, {}untangle {}, write {}",
         report.threads,
         readable(report.seconds.read),
         readable(report.seconds.bind),
         sum(|drape| drape.seconds.fit),
         sum(|drape| drape.seconds.warp),
+        match &report.network {
+            Some(_) => format!("network {}, ", sum(|drape| drape.seconds.network)),
+            None => String::new(),
+        },
         sum(|drape| drape.seconds.untangle),
         sum(|drape| drape.seconds.write)
     )

@@ -34,6 +34,33 @@ pub struct Manifest {
     pub variants: Vec<Variant>,
 }
 
+impl Manifest {
+    /// Adds a variant, or replaces the one of its name; the first one is the default.
+    pub fn add(&mut self, mut variant: Variant) {
+        let same = |other: &Variant| other.name == variant.name;
+        let place = self.variants.iter().position(same);
+        let has_default = self.variants.iter().any(|other| other.default);
+        variant.default |= !has_default || place.is_some_and(|place| self.variants[place].default);
+        match place {
+            Some(place) => self.variants[place] = variant,
+            None => self.variants.push(variant),
+        }
+    }
+
+    /// The variant of a name.
+    pub fn variant(&self, name: &str) -> Option<&Variant> {
+        self.variants.iter().find(|variant| variant.name == name)
+    }
+
+    /// The variant that is taken if none is asked for.
+    pub fn default_variant(&self) -> Option<&Variant> {
+        let mut variants = self.variants.iter();
+        variants
+            .find(|variant| variant.default)
+            .or(self.variants.first())
+    }
+}
+
 /// A fabric as files hold it, in SI units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -174,13 +174,22 @@ impl GarmentPackage {
         if rest_file::write(&path(REST_FILE), &self.rest)? {
             written.push(path(REST_FILE));
         }
-        let manifest = path(MANIFEST_FILE);
-        let text = toml::to_string(&self.manifest).map_err(|source| DataError::Text {
-            path: manifest.clone(),
+        written.push(Self::write_manifest(folder, &self.manifest)?);
+        Ok(written)
+    }
+
+    /// Writes `garment.toml` alone, and returns where it is.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Write`].
+    pub fn write_manifest(folder: &Path, manifest: &Manifest) -> Result<PathBuf, DataError> {
+        let path = folder.join(MANIFEST_FILE);
+        let text = toml::to_string(manifest).map_err(|source| DataError::Text {
+            path: path.clone(),
             reason: source.to_string(),
         })?;
-        write_atomically(&manifest, |writer| writer.write_all(text.as_bytes()))?;
-        written.push(manifest);
-        Ok(written)
+        write_atomically(&path, |writer| writer.write_all(text.as_bytes()))?;
+        Ok(path)
     }
 }

@@ -1,7 +1,7 @@
 //! What a scene contributes to the loss: the teacher's drape, and the body.
 
 use garnet_knn::VertexTree;
-use garnet_mesh::{Point3, Topology, TriMesh, Vector3, vertex_normals};
+use garnet_mesh::{Point3, TriMesh, Vector3, vertex_normals};
 
 use super::bending::pair_lengths;
 use super::gradient::{Place, unit_normal};
@@ -58,15 +58,14 @@ impl LossBody {
     /// [`NetError::Knn`] for more vertices than can be numbered.
     pub fn new(body: &TriMesh) -> Result<Self, NetError> {
         let points = body.positions().to_vec();
-        let topology = Topology::new(points.len(), body.faces());
-        let length = |&[a, b]: &[u32; 2]| (points[a as usize] - points[b as usize]).norm();
-        let sum: f64 = (topology.edges().iter())
-            .map(|edge| f64::from(length(edge)))
-            .sum();
+        let length = |a: u32, b: u32| f64::from((points[a as usize] - points[b as usize]).norm());
+        // Every edge of a closed skin is that of two faces: its mean needs no list of edges.
+        let around = |&[a, b, c]: &[u32; 3]| length(a, b) + length(b, c) + length(c, a);
+        let sum: f64 = body.faces().iter().map(around).sum();
         Ok(Self {
             tree: VertexTree::new(&points)?,
             normals: vertex_normals(&points, body.faces()),
-            mean_edge_length: (sum / topology.edges().len().max(1) as f64) as f32,
+            mean_edge_length: (sum / (3 * body.num_faces()).max(1) as f64) as f32,
             points,
         })
     }

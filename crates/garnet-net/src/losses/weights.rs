@@ -129,9 +129,13 @@ impl LossConfig {
     }
 
     /// Fine-tuning with mean curvature, Eq. 15 (Local-MC).
+    ///
+    /// The paper's weight of 10 belongs to a unit of length that it does not tell. In 0.1 m the term
+    /// starts at about 40, so that weight would leave nothing of the others; with this one all start
+    /// at a similar size, as the paper wants it.
     pub const fn fine_tune_mc() -> Self {
         Self {
-            mean_curvature: 10.0,
+            mean_curvature: 1e-3,
             ..Self::paper_tenth()
         }
     }

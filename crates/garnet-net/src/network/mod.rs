@@ -45,8 +45,16 @@ impl GarNetConfig {
     ///
     /// [`NetError::Config`].
     pub fn init(&self, seed: u64, device: &Device) -> Result<GarNet, NetError> {
+        self.made_of(&mut WeightSource::new(seed, device))
+    }
+
+    /// Makes a network of zeros, to be filled.
+    pub(crate) fn blank(&self, device: &Device) -> Result<GarNet, NetError> {
+        self.made_of(&mut WeightSource::blank(device))
+    }
+
+    fn made_of(&self, source: &mut WeightSource) -> Result<GarNet, NetError> {
         self.validate()?;
-        let source = &mut WeightSource::new(seed, device);
         let parameters = (self.variant == Variant::GlobalParams)
             .then(|| SharedMlp::new(self.num_body_parameters, &self.body.parameters, source));
         let body_global = match (&parameters, self.body.parameters.last()) {

@@ -26,7 +26,7 @@ impl Stage {
         let warped = template.positions().iter().zip(&rotations);
         Self {
             warped: warped.map(|(place, turn)| turn * place * 1.1).collect(),
-            body: icosphere(3, 0.19),
+            body: lumpy(&icosphere(3, 0.19)),
             rotations,
             parameters: vec![0.3, -0.2, 0.9],
             world_from_root: Isometry3::new(
@@ -56,6 +56,17 @@ impl Stage {
             parameters: &self.parameters,
         }
     }
+}
+
+/// A body without symmetry: on a regular one several points are equally near, and which of them
+/// counts is decided by their order or by rounding.
+fn lumpy(body: &TriMesh) -> TriMesh {
+    let lump = |place: &Point3| {
+        let wave = (40.0 * place.x).sin() * (31.0 * place.y + 0.3).sin() + (23.0 * place.z).cos();
+        place * (1.0 + 0.03 * wave)
+    };
+    body.with_positions(body.positions().iter().map(lump).collect())
+        .unwrap()
 }
 
 /// A network whose last layer is not silent.

@@ -8,7 +8,8 @@ use rand_chacha::ChaCha8Rng;
 /// Draws weights in the order in which modules ask.
 #[derive(Debug)]
 pub(crate) struct WeightSource {
-    random: ChaCha8Rng,
+    /// None where all weights are zero, because a file fills them.
+    random: Option<ChaCha8Rng>,
     device: Device,
     num_made: u64,
 }
@@ -17,7 +18,16 @@ impl WeightSource {
     /// From a seed, onto a device.
     pub(crate) fn new(seed: u64, device: &Device) -> Self {
         Self {
-            random: ChaCha8Rng::seed_from_u64(seed),
+            random: Some(ChaCha8Rng::seed_from_u64(seed)),
+            device: device.clone(),
+            num_made: 0,
+        }
+    }
+
+    /// Zeros, onto a device.
+    pub(crate) fn blank(device: &Device) -> Self {
+        Self {
+            random: None,
             device: device.clone(),
             num_made: 0,
         }
@@ -25,8 +35,11 @@ impl WeightSource {
 
     /// Independent normal numbers of the given deviation.
     pub(crate) fn normal(&mut self, shape: [usize; 2], deviation: f32) -> Param<Tensor<2>> {
-        let values = (0..shape[0] * shape[1]).map(|_| deviation * self.standard_normal());
-        let data = TensorData::new(values.collect::<Vec<f32>>(), shape);
+        let mut values = vec![0.0; shape[0] * shape[1]];
+        if let Some(random) = &mut self.random {
+            values.fill_with(|| deviation * standard_normal(random));
+        }
+        let data = TensorData::new(values, shape);
         let tensor = Tensor::from_data(data, &self.device);
         self.param(tensor)
     }
@@ -44,11 +57,11 @@ impl WeightSource {
         let (_, tensor, mapper) = Param::from_tensor(tensor).consume();
         Param::from_mapped_value(ParamId::from(self.num_made), tensor, mapper)
     }
+}
 
-    /// Box and Muller 1958; only one of the two is used, so that draws stay simple to repeat.
-    fn standard_normal(&mut self) -> f32 {
-        let [a, b] = [(); 2].map(|()| f64::from(self.random.next_u32()) / (1_u64 << 32) as f64);
-        let radius = (-2.0 * (1.0 - a).ln()).sqrt();
-        (radius * (std::f64::consts::TAU * b).cos()) as f32
-    }
+/// Box and Muller 1958; only one of the two is used, so that draws stay simple to repeat.
+fn standard_normal(random: &mut ChaCha8Rng) -> f32 {
+    let [a, b] = [(); 2].map(|()| f64::from(random.next_u32()) / (1_u64 << 32) as f64);
+    let radius = (-2.0 * (1.0 - a).ln()).sqrt();
+    (radius * (std::f64::consts::TAU * b).cos()) as f32
 }

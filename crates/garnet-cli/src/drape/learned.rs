@@ -1,0 +1,133 @@
+//! A trained network as a way to drape.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use garnet::{
+    Network, PosedBody, Warped,
+    data::{GarmentPackage, Manifest},
+    train::weights_of,
+};
+
+use super::{
+    Bound,
+    args::{NetworkChoice, Source},
+    report::NetworkReport,
+    timing::timed,
+};
+use crate::failure::{Hint, refused};
+
+/// The variant that other commands call `params`.
+const PARAMETERS: [&str; 2] = ["params", "global-params"];
+
+/// A garment that a network drapes.
+pub(super) struct Learned {
+    network: Network,
+    name: String,
+    weights: PathBuf,
+}
+
+/// Whether a network drapes.
+pub(super) enum Found {
+    /// This one.
+    Network(Box<Learned>),
+    /// None was asked for.
+    NotAsked,
+    /// The package has none, and none was asked for by name.
+    NoneInPackage,
+}
+
+impl Learned {
+    /// The network that was chosen.
+    pub(super) fn find(
+        bound: &Bound,
+        choice: &NetworkChoice,
+        source: &Source,
+    ) -> anyhow::Result<Found> {
+        let package = match source {
+            Source::Files(files) => files.package.as_deref(),
+            Source::Scene(_) => None,
+        };
+        let (folder, name) = match (choice, package) {
+            (NetworkChoice::None, _) | (NetworkChoice::Default, None) => {
+                return Ok(Found::NotAsked);
+            }
+            (NetworkChoice::Default, Some(folder)) => (folder, None),
+            (NetworkChoice::Named(name), Some(folder)) => (folder, Some(name.as_str())),
+            (NetworkChoice::Named(name), None) => {
+                return Err(refused(
+                    format!("there is no network `{name}`"),
+                    "the garment is no garment package, which trained networks are in",
+                    "drape a package, or choose --method auto, lbs, dqs, warp or sim",
+                ));
+            }
+        };
+        let manifest = GarmentPackage::read_manifest(folder)?;
+        let Some(name) = chosen(&manifest, name) else {
+            return Ok(Found::NoneInPackage);
+        };
+        let weights = weights_of(folder, &manifest, &name).hint(|| {
+            "`--method` takes auto, lbs, dqs, warp, sim or a variant of the package; `garnet train` \
+             adds variants"
+                .to_owned()
+        })?;
+        let network = Self::load(bound, &manifest, &weights);
+        let network = network.with_context(|| format!("cannot use the network `{name}`"))?;
+        Ok(Found::Network(Box::new(Self {
+            network,
+            name,
+            weights,
+        })))
+    }
+
+    fn load(bound: &Bound, manifest: &Manifest, weights: &Path) -> anyhow::Result<Network> {
+        let pattern = manifest.pattern.as_ref();
+        let parameters = pattern.map(|pattern| pattern.parameters.values());
+        let parameters: Vec<f32> = (parameters.into_iter().flatten())
+            .map(|&value| value as f32)
+            .collect();
+        Ok(Network::load(
+            weights,
+            &bound.garment,
+            &bound.body,
+            &parameters,
+        )?)
+    }
+
+    /// What the report names the method.
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    pub(super) fn report(&self) -> NetworkReport {
+        NetworkReport {
+            variant: self.name.clone(),
+            weights: self.weights.display().to_string(),
+        }
+    }
+
+    /// Warps and moves; tells how long the network took, in seconds.
+    pub(super) fn drape(
+        &mut self,
+        bound: &Bound,
+        posed: &PosedBody,
+    ) -> anyhow::Result<(Warped, f64)> {
+        let warped = self.network.warped(&bound.garment, posed)?;
+        let (moved, seconds) = timed(|| self.network.moved(&bound.garment, posed, &warped));
+        Ok((moved?, seconds))
+    }
+}
+
+/// The name of the variant that is asked for, or of the default one.
+fn chosen(manifest: &Manifest, name: Option<&str>) -> Option<String> {
+    let Some(name) = name else {
+        return manifest
+            .default_variant()
+            .map(|variant| variant.name.clone());
+    };
+    let is_alias = PARAMETERS.contains(&name) && manifest.variant(name).is_none();
+    let alias = PARAMETERS
+        .into_iter()
+        .find(|alias| manifest.variant(alias).is_some());
+    Some(alias.filter(|_| is_alias).unwrap_or(name).to_owned())
+}

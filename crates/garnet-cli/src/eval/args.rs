@@ -1,0 +1,114 @@
+//! The arguments of `eval`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use garnet::{
+    UntangleOptions,
+    data::{GarmentPackage, Split},
+    train::{Candidate, Finish, weights_of},
+};
+
+use crate::{args::millimetres, failure::Hint, output};
+
+/// Arguments of `eval`.
+#[derive(Debug, Args)]
+pub(crate) struct EvalArgs {
+    /// Garment package.
+    #[arg(value_name = "PACKAGE")]
+    pub(crate) package: PathBuf,
+    /// Data set of the garment.
+    #[arg(value_name = "DATASET")]
+    pub(crate) dataset: PathBuf,
+    /// Variants of the package, or weight files, beside the skinning and the warp [default: all
+    /// variants].
+    #[arg(long, value_name = "NAME|FILE", value_delimiter = ',')]
+    model: Vec<String>,
+    /// The scenes to measure on; models are chosen by `valid` and judged by `test`.
+    #[arg(long, value_name = "SPLIT", default_value = "test")]
+    split: SplitName,
+    /// Measure drapes as the networks leave them only.
+    #[arg(long)]
+    no_untangle: bool,
+    /// Smallest distance between cloth and skin after untangling, in millimetres.
+    #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres)]
+    clearance: f32,
+    /// Write the report as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+    /// Write the shares of vertices and normals under thresholds: `ap.csv`, `ap-distance.svg` and
+    /// `ap-normal.svg`.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) curves: Option<PathBuf>,
+    /// End with 1 if the mean distance of a network is above this, in millimetres.
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
+    pub(crate) max_error: Option<f32>,
+}
+
+/// A part of a data set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SplitName {
+    /// What networks learn from.
+    Train,
+    /// What networks are chosen by.
+    Valid,
+    /// What networks are judged by.
+    Test,
+}
+
+impl EvalArgs {
+    /// Refuses outputs that cannot be written.
+    pub(crate) fn check(&self) -> anyhow::Result<()> {
+        self.report.as_deref().map_or(Ok(()), output::check_file)?;
+        self.curves.as_deref().map_or(Ok(()), output::check_folder)
+    }
+
+    pub(crate) fn split(&self) -> Split {
+        match self.split {
+            SplitName::Train => Split::Train,
+            SplitName::Valid => Split::Valid,
+            SplitName::Test => Split::Test,
+        }
+    }
+
+    pub(crate) fn finish(&self) -> Finish {
+        if self.no_untangle {
+            return Finish::None;
+        }
+        Finish::Untangle(UntangleOptions {
+            clearance: self.clearance,
+            ..UntangleOptions::default()
+        })
+    }
+
+    /// Skinning, warp, and the models.
+    pub(crate) fn candidates(&self, package: &GarmentPackage) -> anyhow::Result<Vec<Candidate>> {
+        let variants = &package.manifest.variants;
+        let all = || {
+            variants
+                .iter()
+                .map(|variant| variant.name.clone())
+                .collect()
+        };
+        let names: Vec<String> = if self.model.is_empty() {
+            all()
+        } else {
+            self.model.clone()
+        };
+        let mut candidates = vec![Candidate::Skinning, Candidate::Warp];
+        for name in names {
+            let path = Path::new(&name);
+            let is_file = path
+                .extension()
+                .is_some_and(|extension| extension == "safetensors");
+            let weights = if is_file {
+                path.to_path_buf()
+            } else {
+                weights_of(&self.package, &package.manifest, &name)
+                    .hint(|| "`garnet train` adds variants to a package".to_owned())?
+            };
+            candidates.push(Candidate::Model { name, weights });
+        }
+        Ok(candidates)
+    }
+}

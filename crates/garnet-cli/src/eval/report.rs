@@ -1,0 +1,153 @@
+//! What is told about an evaluation.
+
+use std::{fmt, time::Duration};
+
+use garnet::train::{
+    Curves, Evaluation, GarNetConfig, Row, Scores, Stage, StageSeconds, Untangled,
+};
+use serde::Serialize;
+
+use super::EvalArgs;
+
+/// What was measured: `garnet.eval/1`, SI units.
+#[derive(Debug, Serialize)]
+pub(crate) struct EvalReport {
+    schema: &'static str,
+    version: &'static str,
+    garment: String,
+    vertices: usize,
+    dataset: String,
+    split: &'static str,
+    scenes: usize,
+    threads: usize,
+    /// Skinning, warp and networks.
+    pub(crate) methods: Vec<MethodReport>,
+    seconds: f64,
+}
+
+/// A way to drape.
+#[derive(Debug, Serialize)]
+pub(crate) struct MethodReport {
+    pub(crate) name: String,
+    /// Weights of the network; none of skinning and warp.
+    pub(crate) weights: Option<u64>,
+    /// Multiplications and additions of a forward pass; none of skinning and warp.
+    flop: Option<u64>,
+    network: Option<GarNetConfig>,
+    /// Before untangling.
+    pub(crate) scores: Scores,
+    untangled: Option<Untangled>,
+    /// One scene at a time: median and 95th percentile.
+    seconds: StageSeconds,
+    curves: Curves,
+}
+
+impl EvalReport {
+    pub(crate) fn new(found: &Evaluation, args: &EvalArgs, stage: &Stage, time: Duration) -> Self {
+        Self {
+            schema: "garnet.eval/1",
+            version: env!("CARGO_PKG_VERSION"),
+            garment: stage.package.manifest.name.clone(),
+            vertices: stage.package.mesh.num_vertices(),
+            dataset: args.dataset.display().to_string(),
+            split: found.split.name(),
+            scenes: found.scenes,
+            threads: rayon::current_num_threads(),
+            methods: found.rows.iter().map(MethodReport::from).collect(),
+            seconds: time.as_secs_f64(),
+        }
+    }
+}
+
+impl From<&Row> for MethodReport {
+    fn from(row: &Row) -> Self {
+        let is_network = row.config.is_some();
+        Self {
+            name: row.name.clone(),
+            weights: is_network.then_some(row.parameters),
+            flop: is_network.then_some(row.flops),
+            network: row.config.clone(),
+            scores: row.scores,
+            untangled: row.untangled,
+            seconds: row.seconds,
+            curves: row.curves.clone(),
+        }
+    }
+}
+
+/// Least width of a column.
+const LEAST: usize = 7;
+
+/// The heads of the columns.
+const COLUMNS: [&str; 9] = [
+    "E_dist mm",
+    "± mm",
+    "E_norm °",
+    "L_MC",
+    "L_RQ",
+    "inside %",
+    "strain p99 %",
+    "crossings",
+    "ms",
+];
+
+impl fmt::Display for EvalReport {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            formatter,
+            "`{}`, {} vertices: {} scenes of `{}`, {} threads",
+            self.garment, self.vertices, self.scenes, self.split, self.threads
+        )?;
+        let names = self
+            .methods
+            .iter()
+            .map(|method| method.name.chars().count());
+        let width = names.max().unwrap_or(0) + " untangled".len();
+        write!(formatter, "\n{:width$}", "")?;
+        for head in COLUMNS {
+            write!(formatter, "  {head:>LEAST$}")?;
+        }
+        for method in &self.methods {
+            let seconds = &method.seconds;
+            let first = seconds.warp.median + seconds.network.median;
+            line(formatter, width, &method.name, &method.scores, first)?;
+            if let Some(untangled) = &method.untangled {
+                let name = format!("{} untangled", method.name);
+                line(
+                    formatter,
+                    width,
+                    &name,
+                    &untangled.scores,
+                    first + seconds.untangle.median,
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn line(
+    formatter: &mut fmt::Formatter<'_>,
+    width: usize,
+    name: &str,
+    scores: &Scores,
+    seconds: f64,
+) -> fmt::Result {
+    let fields = [
+        format!("{:.2}", 1e3 * scores.distance),
+        format!("{:.2}", 1e3 * scores.distance_std),
+        format!("{:.2}", scores.normal.to_degrees()),
+        format!("{:.3}", scores.mean_curvature),
+        format!("{:.3}", scores.rayleigh),
+        format!("{:.2}", 1e2 * scores.inside),
+        format!("{:.1}", 1e2 * (scores.stretch_p99 - 1.0)),
+        format!("{:.1}", scores.self_intersections),
+        format!("{:.1}", 1e3 * seconds),
+    ];
+    write!(formatter, "\n{name:width$}")?;
+    for (field, head) in fields.iter().zip(COLUMNS) {
+        let width = head.chars().count().max(LEAST);
+        write!(formatter, "  {field:>width$}")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,99 @@
+//! The arguments of `train`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use garnet::train::{Begin, Recipe, TrainConfig, TrainJob, training_folder};
+
+use crate::failure::Hint;
+
+/// Arguments of `train`.
+#[derive(Debug, Args)]
+#[command(after_long_help = LONG_HELP)]
+pub(crate) struct TrainArgs {
+    /// Garment package; the variant is added to it.
+    #[arg(value_name = "PACKAGE")]
+    pub(crate) package: PathBuf,
+    /// Data set of the garment.
+    #[arg(value_name = "DATASET")]
+    pub(crate) dataset: PathBuf,
+    /// Name of the variant: naive, global, local, global-params; with -rq, -mc, -mcrq or -umc after
+    /// it, that variant is fine-tuned; or a name of your own.
+    #[arg(long, value_name = "NAME", default_value = "local")]
+    variant: String,
+    /// Read the configuration from a TOML file.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Size of the network: paper, medium, small, light or tiny.
+    #[arg(long, value_name = "NAME", conflicts_with = "resume")]
+    preset: Option<String>,
+    /// See each scene this often.
+    #[arg(long, value_name = "N", conflicts_with = "resume")]
+    epochs: Option<u32>,
+    /// Seed of the first weights and of the order of the scenes.
+    #[arg(long, value_name = "S", conflicts_with = "resume")]
+    seed: Option<u64>,
+    /// Start from these weights.
+    #[arg(long, value_name = "WEIGHTS", conflicts_with = "resume")]
+    from: Option<PathBuf>,
+    /// Go on with a training that was interrupted.
+    #[arg(long)]
+    resume: bool,
+}
+
+const LONG_HELP: &str = "\
+In the package, the folder `training/NAME` has the loss curves (`losses.csv`, `losses.svg`), the log \
+(`log.json`), the configuration (`config.toml`, to train again with) and the state from which \
+`--resume` goes on. The weights are added to the package when the training is done: those of the \
+epoch that is best on the validation split.
+
+A configuration names what differs from the defaults:
+
+  preset = \"small\"          # size of the network
+  epochs = 100
+  learning_rate = 1e-3
+  schedule = \"cosine\"       # or constant, steps
+  accumulate = 1            # scenes a step
+  patience = 0              # stop after so many epochs without a better one
+  [loss]                    # weights of the terms
+  normal = 0.3
+  [network.garment]         # what differs from the preset
+  heads = 4";
+
+impl TrainArgs {
+    /// What is to be done, checked as far as that goes without reading data.
+    pub(crate) fn job(&self) -> anyhow::Result<TrainJob> {
+        let recipe = Recipe::of_name(&self.variant)?;
+        let saved = training_folder(&self.package, &recipe.name).join("config.toml");
+        let mut config = match &self.config {
+            Some(path) => TrainConfig::read(path)?,
+            None if self.resume && saved.is_file() => TrainConfig::read(&saved)?,
+            None => TrainConfig::default(),
+        };
+        if !self.resume {
+            if self.config.is_none() || recipe.fine_tuned.is_none() {
+                recipe.apply(&mut config);
+            }
+            if let Some(preset) = &self.preset {
+                config.preset.clone_from(preset);
+            }
+            config.epochs = self.epochs.unwrap_or(config.epochs);
+            config.seed = self.seed.unwrap_or(config.seed);
+        }
+        config.validate().hint(|| {
+            "`garnet train --help` shows a configuration; each field has a default".to_owned()
+        })?;
+        Ok(TrainJob {
+            package: self.package.clone(),
+            dataset: self.dataset.clone(),
+            recipe,
+            config,
+            base: self.from.clone(),
+            begin: if self.resume {
+                Begin::WhereSaved
+            } else {
+                Begin::Anew
+            },
+        })
+    }
+}

@@ -1,0 +1,91 @@
+//! `garnet train`: a network for a garment.
+
+mod args;
+mod curves;
+mod progress;
+mod report;
+
+use std::{sync::atomic::AtomicBool, time::Instant};
+
+use garnet::{
+    data::GarmentPackage,
+    train::{TrainError, train, training_folder},
+};
+
+pub(crate) use args::TrainArgs;
+use progress::Progress;
+use report::TrainReport;
+
+use crate::{
+    console::{Console, print_document},
+    dataset::read_package,
+    failure::{self, ExitStatus},
+};
+
+/// Trains, or goes on with a training, and adds the network to the package.
+pub(crate) fn run(args: &TrainArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    let start = Instant::now();
+    if !GarmentPackage::is_at(&args.package) {
+        read_package(&args.package)?;
+    }
+    let job = args.job()?;
+    let folder = training_folder(&job.package, &job.recipe.name);
+    let mut progress = Progress::new(console, &job, &folder);
+    let trained = train(
+        &job,
+        &mut |event| progress.tell(event),
+        &AtomicBool::new(false),
+    );
+    progress.finish();
+    let trained = trained.map_err(advised)?;
+    let report = TrainReport::new(&trained, &folder, progress.start(), start.elapsed());
+    if console.is_json() {
+        print_document(&report)?;
+    }
+    console.summary(&report);
+    Ok(ExitStatus::Done)
+}
+
+/// An error of a training or evaluation, with what to do about it.
+pub(crate) fn advised(error: TrainError) -> anyhow::Error {
+    match advice(&error) {
+        Some(advice) => failure::with_hint(error, advice),
+        None => error.into(),
+    }
+}
+
+fn advice(error: &TrainError) -> Option<String> {
+    Some(match error {
+        TrainError::UnderWay { folder, .. } => format!(
+            "`--resume` goes on with it; to begin anew, remove `{}`",
+            folder.display()
+        ),
+        TrainError::NothingToResume { .. } => "begin it without `--resume`".to_owned(),
+        TrainError::OtherTraining { path, .. } => format!(
+            "go on with what it was begun with, or remove `{}` to begin anew",
+            path.display()
+        ),
+        TrainError::OtherTemplate { .. } => {
+            "a network is trained on drapes of its own garment: make them with `garnet dataset`"
+                .to_owned()
+        }
+        TrainError::EmptySplit { split } => format!(
+            "make a data set with bodies in `{}`: `--bodies TRAIN/VALID/TEST` of `garnet dataset`",
+            split.name()
+        ),
+        TrainError::NoVariant { .. } => {
+            "train the variant that is fine-tuned first, or name weights with `--from`".to_owned()
+        }
+        TrainError::Diverged { .. } => {
+            "train with a smaller `learning_rate`, or bound the steps with `max_gradient`"
+                .to_owned()
+        }
+        TrainError::Scene { .. } | TrainError::NotFinite { .. } | TrainError::Count { .. } => {
+            "the data set is damaged or was made by hand: simulate it anew".to_owned()
+        }
+        TrainError::State { .. } => {
+            "remove the file to begin anew; the package keeps its weights".to_owned()
+        }
+        _ => return None,
+    })
+}

@@ -1,0 +1,81 @@
+//! What is told about a training.
+
+use std::{fmt, path::Path, time::Duration};
+
+use garnet::train::{EpochRecord, Scores, Trained};
+use serde::Serialize;
+
+/// What a training has come to. SI units.
+#[derive(Debug, Serialize)]
+pub(crate) struct TrainReport {
+    schema: &'static str,
+    variant: String,
+    weights: String,
+    /// The folder with curves, log and state.
+    training: String,
+    epochs: u32,
+    /// Whether the patience ended it.
+    ended_early: bool,
+    best_epoch: u32,
+    /// The validation before the first step: the warp, unless weights were fine-tuned.
+    valid_at_start: Option<Scores>,
+    valid: Scores,
+    test: Option<Scores>,
+    seconds: f64,
+}
+
+impl TrainReport {
+    pub(crate) fn new(
+        trained: &Trained,
+        folder: &Path,
+        start: Option<&EpochRecord>,
+        time: Duration,
+    ) -> Self {
+        Self {
+            schema: "garnet.train/1",
+            variant: trained.name.clone(),
+            weights: trained.weights.display().to_string(),
+            training: folder.display().to_string(),
+            epochs: trained.epochs,
+            ended_early: trained.epochs < trained.epochs_asked,
+            best_epoch: trained.best.epoch,
+            valid_at_start: start.map(|start| start.valid),
+            valid: trained.best.valid,
+            test: trained.test,
+            seconds: time.as_secs_f64(),
+        }
+    }
+}
+
+impl fmt::Display for TrainReport {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let figures = |scores: &Scores| {
+            format!(
+                "{:.2} mm, {:.2}°",
+                1e3 * scores.distance,
+                scores.normal.to_degrees()
+            )
+        };
+        let early = if self.ended_early { ", early" } else { "" };
+        write!(
+            formatter,
+            "trained `{}` in {} epochs{early}, {:.1} min; the best is epoch {}\n  validation {}",
+            self.variant,
+            self.epochs,
+            self.seconds / 60.0,
+            self.best_epoch,
+            figures(&self.valid)
+        )?;
+        if let Some(start) = &self.valid_at_start {
+            write!(formatter, " (at the start {})", figures(start))?;
+        }
+        if let Some(test) = &self.test {
+            write!(formatter, "\n  test {}", figures(test))?;
+        }
+        write!(
+            formatter,
+            "\nwrote {}; curves and log are in {}",
+            self.weights, self.training
+        )
+    }
+}

@@ -1,0 +1,233 @@
+//! How a network is trained: the file that `garnet train --config` reads.
+
+use std::path::Path;
+
+use garnet_net::losses::LossConfig;
+use garnet_net::{GarNetConfig, Variant};
+use serde::{Deserialize, Serialize};
+
+use crate::{Schedule, TrainError};
+
+/// How a network is trained; a TOML file may name any of the fields.
+///
+/// ```
+/// use garnet_train::TrainConfig;
+///
+/// let config = TrainConfig::parse("epochs = 20\n[loss]\nnormal = 0.0\n[network.garment]\nheads = 4")?;
+/// assert_eq!(config.epochs, 20);
+/// assert_eq!(config.learning_rate, 1e-3);
+/// assert_eq!(config.network_config()?.garment.heads, 4);
+/// # Ok::<(), garnet_train::TrainError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TrainConfig {
+    /// The named configuration that the network starts from.
+    pub preset: String,
+    /// Which parts the network has.
+    pub kind: Variant,
+    /// Whether vertices are told the sewing parameters of their garment.
+    pub sewing_parameters: bool,
+    /// Times that each scene is seen.
+    pub epochs: u32,
+    /// Scenes whose derivatives are summed up into one step.
+    pub accumulate: u32,
+    /// Learning rate of Adam (the paper's: 1e-3).
+    pub learning_rate: f64,
+    /// How it changes over the steps.
+    pub schedule: Schedule,
+    /// Steps in which it rises from zero.
+    pub warm_up: u32,
+    /// Longest derivative of a step, in its norm over all weights; longer ones are shortened. 0 for
+    /// no bound.
+    pub max_gradient: f64,
+    /// What the best epoch is chosen by, on the validation split.
+    pub choose_by: Choice,
+    /// Stop after so many epochs without a better validation; 0 never stops.
+    pub patience: u32,
+    /// Scenes between two saved states, besides that after each epoch; 0 for none.
+    pub save_every: u32,
+    /// The seed of first weights and of the order of scenes.
+    pub seed: u64,
+    /// Weights and constants of the losses.
+    pub loss: LossConfig,
+    /// What differs from the preset, in the form of a network's configuration.
+    pub network: toml::Table,
+}
+
+/// What the best epoch is chosen by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Choice {
+    /// The mean distance of vertices.
+    Distance,
+    /// The weighted loss: where other terms are what a network is trained for.
+    Loss,
+}
+
+impl Default for TrainConfig {
+    fn default() -> Self {
+        Self {
+            preset: "small".to_owned(),
+            kind: Variant::Local,
+            sewing_parameters: false,
+            epochs: 100,
+            accumulate: 1,
+            learning_rate: 1e-3,
+            schedule: Schedule::Cosine,
+            warm_up: 0,
+            max_gradient: 0.0,
+            choose_by: Choice::Distance,
+            patience: 0,
+            save_every: 500,
+            seed: 1,
+            loss: LossConfig::paper(),
+            network: toml::Table::new(),
+        }
+    }
+}
+
+impl TrainConfig {
+    /// Reads a TOML file.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Read`], or [`TrainError::ConfigText`] with the line.
+    pub fn read(path: &Path) -> Result<Self, TrainError> {
+        let text = std::fs::read_to_string(path).map_err(|source| TrainError::Read {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        Self::parse(&text).map_err(|error| match error {
+            TrainError::ConfigText { reason, .. } => TrainError::ConfigText {
+                path: Some(path.to_path_buf()),
+                reason,
+            },
+            other => other,
+        })
+    }
+
+    /// Reads the text of a TOML file.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::ConfigText`] with the line.
+    pub fn parse(text: &str) -> Result<Self, TrainError> {
+        toml::from_str(text).map_err(|source| TrainError::ConfigText {
+            path: None,
+            reason: source.to_string(),
+        })
+    }
+
+    /// The same as a TOML text.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::ConfigText`] for a number that TOML cannot hold.
+    pub fn to_text(&self) -> Result<String, TrainError> {
+        toml::to_string(self).map_err(|source| TrainError::ConfigText {
+            path: None,
+            reason: source.to_string(),
+        })
+    }
+
+    /// Checks what does not depend on a garment.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Config`] with the first number out of range.
+    pub fn validate(&self) -> Result<(), TrainError> {
+        let numbers = [
+            ("epochs", f64::from(self.epochs), 1.0, 1e6),
+            ("accumulate", f64::from(self.accumulate), 1.0, 1e4),
+            ("learning_rate", self.learning_rate, 1e-9, 1.0),
+            ("max_gradient", self.max_gradient, 0.0, 1e9),
+        ];
+        for (field, value, min, max) in numbers {
+            if !(min..=max).contains(&value) {
+                return Err(TrainError::Config {
+                    field,
+                    value,
+                    min,
+                    max,
+                });
+            }
+        }
+        self.network_config().map(|_| ())
+    }
+
+    /// The preset, with what differs; without what a garment decides.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::ConfigText`] for a field that networks do not have, [`TrainError::Net`] for an
+    /// unknown preset.
+    pub fn network_config(&self) -> Result<GarNetConfig, TrainError> {
+        let preset = GarNetConfig::preset(&self.preset)?.with_variant(self.kind, 0);
+        let unusable = |reason: String| TrainError::ConfigText {
+            path: None,
+            reason: format!("[network]: {reason}"),
+        };
+        let mut table =
+            toml::Table::try_from(&preset).map_err(|error| unusable(error.to_string()))?;
+        overlay(&mut table, &self.network);
+        table
+            .try_into()
+            .map_err(|error: toml::de::Error| unusable(error.message().to_owned()))
+    }
+}
+
+/// Replaces the values that `changes` names, table by table.
+fn overlay(table: &mut toml::Table, changes: &toml::Table) {
+    for (key, change) in changes {
+        match (table.get_mut(key), change) {
+            (Some(toml::Value::Table(inner)), toml::Value::Table(change)) => {
+                overlay(inner, change);
+            }
+            _ => {
+                table.insert(key.clone(), change.clone());
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_comes_back() {
+        let config = TrainConfig {
+            seed: 9,
+            ..TrainConfig::parse("[network.body]\npoints = 300").unwrap()
+        };
+        assert_eq!(
+            TrainConfig::parse(&config.to_text().unwrap()).unwrap(),
+            config
+        );
+        assert_eq!(config.network_config().unwrap().body.points, 300);
+    }
+
+    #[test]
+    fn mistakes_are_named_with_their_line() {
+        let error = TrainConfig::parse("epochs = 3\nepoch = 4")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("line 2") && error.contains("epoch"),
+            "{error}"
+        );
+        let wrong = TrainConfig::parse("[network.garment]\nhead = 4").unwrap();
+        let error = wrong.validate().unwrap_err().to_string();
+        assert!(error.contains("head"), "{error}");
+        let wrong = TrainConfig::parse("learning_rate = nan").unwrap();
+        let error = wrong.validate().unwrap_err().to_string();
+        assert!(error.contains("`learning_rate` is `NaN`"), "{error}");
+        assert!(
+            TrainConfig::parse("preset = \"huge\"")
+                .unwrap()
+                .validate()
+                .is_err()
+        );
+    }
+}

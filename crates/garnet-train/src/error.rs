@@ -1,0 +1,297 @@
+//! What can go wrong in training and evaluation.
+
+use std::path::PathBuf;
+
+use garnet_data::{DataError, Split};
+use garnet_mesh::{MeshError, WriteError};
+use garnet_net::losses::Term;
+use garnet_net::{CheckpointError, NetError};
+use garnet_skin::SkinError;
+use garnet_untangle::UntangleError;
+
+/// A scene of a data set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SceneName {
+    /// Its split.
+    pub split: Split,
+    /// Number of the body in the split.
+    pub body: u32,
+    /// Number of the scene on the body.
+    pub pose: u32,
+}
+
+impl std::fmt::Display for SceneName {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { split, body, pose } = self;
+        write!(formatter, "scene {pose} of {} body {body}", split.name())
+    }
+}
+
+/// What can go wrong in training and evaluation.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TrainError {
+    /// A file cannot be read.
+    #[error("cannot read `{}`", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A folder cannot be made, or a file not removed.
+    #[error("cannot change `{}`", path.display())]
+    Folder {
+        /// The folder or file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A configuration does not parse.
+    #[error("{}{reason}", path.as_ref().map_or_else(String::new, |path| format!("`{}`: ", path.display())))]
+    ConfigText {
+        /// The file, if it is one.
+        path: Option<PathBuf>,
+        /// What was expected and found, with line and column where they are known.
+        reason: String,
+    },
+    /// A number of the configuration is out of range.
+    #[error("`{field}` is `{value}`, but has to be from {min} to {max}")]
+    Config {
+        /// Which number.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// The smallest value allowed.
+        min: f64,
+        /// The largest value allowed.
+        max: f64,
+    },
+    /// A name of a variant cannot be that of a file.
+    #[error("`{name}` is no name of a variant: it may have letters, digits, `-`, `_` and `.`")]
+    VariantName {
+        /// The name.
+        name: String,
+    },
+    /// A variant that is asked for was not trained.
+    #[error("the package has no variant `{name}`; it has {known}")]
+    NoVariant {
+        /// The name.
+        name: String,
+        /// Those there are.
+        known: String,
+    },
+    /// The data set was made with another garment.
+    #[error(
+        "the data set is of `{found_name}` ({found}), the package of `{name}` ({expected}): {what}"
+    )]
+    OtherTemplate {
+        /// What differs.
+        what: &'static str,
+        /// The garment of the data set.
+        found_name: String,
+        /// Its fingerprint.
+        found: String,
+        /// The garment of the package.
+        name: String,
+        /// Its fingerprint.
+        expected: String,
+    },
+    /// A split has no scenes.
+    #[error("the data set has no scenes in its split `{}`", split.name())]
+    EmptySplit {
+        /// The split.
+        split: Split,
+    },
+    /// A scene holds another number of vertices than garment or body have.
+    #[error("{scene}: {found} {what}, expected {expected}")]
+    Count {
+        /// The scene.
+        scene: SceneName,
+        /// What was counted.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many were expected.
+        expected: usize,
+    },
+    /// A scene holds a coordinate that is no number.
+    #[error("{scene}: {what} {index} is not finite")]
+    NotFinite {
+        /// The scene.
+        scene: SceneName,
+        /// What it belongs to.
+        what: &'static str,
+        /// Which one.
+        index: usize,
+    },
+    /// A scene cannot be prepared.
+    #[error("cannot prepare {scene}")]
+    Scene {
+        /// The scene.
+        scene: SceneName,
+        /// Why.
+        source: Box<Self>,
+    },
+    /// The body of a scene cannot be built.
+    #[error("its parameters are not those of a body: {reason}")]
+    Body {
+        /// What is wrong.
+        reason: String,
+    },
+    /// Loss or derivatives were not finite again and again.
+    #[error(
+        "the training diverged in epoch {epoch}: {trouble}; {num_skipped} scenes in a row gave no step"
+    )]
+    Diverged {
+        /// The epoch, from 1.
+        epoch: u32,
+        /// What was not finite in the last one.
+        trouble: Trouble,
+        /// How many scenes gave no step.
+        num_skipped: u32,
+    },
+    /// A training is under way that was not asked to go on.
+    #[error("a training of `{name}` is under way in `{}`, at epoch {epoch}", folder.display())]
+    UnderWay {
+        /// The variant.
+        name: String,
+        /// Where its state is.
+        folder: PathBuf,
+        /// Epochs that are done.
+        epoch: u32,
+    },
+    /// There is nothing to go on with.
+    #[error("there is no training of `{name}` to go on with: `{}` is not there", path.display())]
+    NothingToResume {
+        /// The variant.
+        name: String,
+        /// Where its state would be.
+        path: PathBuf,
+    },
+    /// The state was saved by a training of another kind.
+    #[error("the training in `{}` was begun with another {what}", path.display())]
+    OtherTraining {
+        /// The state.
+        path: PathBuf,
+        /// What differs.
+        what: &'static str,
+    },
+    /// A saved state is damaged or of another version.
+    #[error("`{}` is no sound state of a training: {reason}", path.display())]
+    State {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The work was stopped from outside.
+    #[error("stopped")]
+    Stopped,
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Package or data set are not usable.
+    #[error(transparent)]
+    Data(Box<DataError>),
+    /// A network cannot be made or run.
+    #[error(transparent)]
+    Net(#[from] NetError),
+    /// Weights cannot be read or written.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// Garment and body do not fit together.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
+    /// A garment cannot be untangled.
+    #[error(transparent)]
+    Untangle(#[from] UntangleError),
+    /// A mesh is not usable.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}
+
+/// What was not finite in a scene, which therefore gave no step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trouble {
+    /// The scene.
+    pub scene: SceneName,
+    /// What was not finite in it.
+    pub kind: TroubleKind,
+}
+
+/// What was not finite.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TroubleKind {
+    /// The network gave a vertex no finite place.
+    Place {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A term of the loss.
+    Loss {
+        /// The term.
+        term: Term,
+        /// The first vertex without a finite derivative, if there is one.
+        vertex: Option<usize>,
+    },
+    /// The derivative of the loss by a place.
+    Derivative {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// The derivative by a weight of the network.
+    Weight {
+        /// The tensor.
+        name: String,
+    },
+}
+
+impl std::fmt::Display for Trouble {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let scene = self.scene;
+        match &self.kind {
+            TroubleKind::Place { vertex } => {
+                write!(formatter, "{scene}: vertex {vertex} has no finite place")
+            }
+            TroubleKind::Loss { term, vertex } => {
+                write!(
+                    formatter,
+                    "{scene}: the loss term `{}` is not finite",
+                    term.name()
+                )?;
+                match vertex {
+                    Some(vertex) => write!(formatter, ", nor is its derivative at vertex {vertex}"),
+                    None => Ok(()),
+                }
+            }
+            TroubleKind::Derivative { vertex } => {
+                write!(
+                    formatter,
+                    "{scene}: the loss has no finite derivative at vertex {vertex}"
+                )
+            }
+            TroubleKind::Weight { name } => {
+                write!(
+                    formatter,
+                    "{scene}: weight `{name}` has no finite derivative"
+                )
+            }
+        }
+    }
+}
+
+impl From<DataError> for TrainError {
+    fn from(source: DataError) -> Self {
+        Self::Data(Box::new(source))
+    }
+}
+
+impl TrainError {
+    pub(crate) fn folder(path: &std::path::Path, source: std::io::Error) -> Self {
+        Self::Folder {
+            path: path.to_path_buf(),
+            source,
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Training and evaluation of networks on simulated drapes.
+//!
+//! A [`Stage`] brings a garment package and a data set of its garment together: each scene is a
+//! garment warped to a posed body, exactly as a drape finds it, beside what the teacher made of
+//! it. [`train`] fits a network to the training split, chooses by the validation split, and adds
+//! the variant to the package; [`evaluate`] compares networks with the skinning and the warp alone.
+//!
+//! Nothing is printed here: [`TrainEvent`]s tell how far a training is.
+//!
+//! ```no_run
+//! use std::sync::atomic::AtomicBool;
+//!
+//! use garnet_train::{Begin, Recipe, TrainConfig, TrainEvent, TrainJob, train};
+//!
+//! let job = TrainJob {
+//!     package: "models/tee".into(),
+//!     dataset: "data/tee".into(),
+//!     recipe: Recipe::of_name("local")?,
+//!     config: TrainConfig::parse("preset = \"small\"\nepochs = 50")?,
+//!     base: None,
+//!     begin: Begin::Anew,
+//! };
+//! let mut distances = Vec::new();
+//! let mut observer = |event| {
+//!     if let TrainEvent::Epoch(record) = event {
+//!         distances.push(record.valid.distance);
+//!     }
+//! };
+//! let trained = train(&job, &mut observer, &AtomicBool::new(false))?;
+//! println!("{} m from the teacher", trained.best.valid.distance);
+//! # Ok::<(), garnet_train::TrainError>(())
+//! ```
+
+#![allow(clippy::doc_markdown, reason = "GarNet and PyTorch are names")]
+
+mod config;
+mod curves;
+mod error;
+mod evaluate;
+mod event;
+mod examples;
+mod gradients;
+mod lesson;
+mod publish;
+mod recipe;
+mod run_log;
+mod schedule;
+mod scores;
+mod stage;
+mod state;
+mod subject;
+mod trainer;
+mod validate;
+
+pub use config::{Choice, TrainConfig};
+pub use curves::{Curve, Curves};
+pub use error::{SceneName, TrainError, Trouble, TroubleKind};
+pub use evaluate::{
+    Candidate, EvalEvent, Evaluation, Finish, Percentiles, Row, StageSeconds, Untangled, evaluate,
+};
+pub use event::{Began, EpochRecord, TrainEvent};
+pub use garnet_net::losses::{LossConfig, LossValue, Term};
+pub use garnet_net::{GarNetConfig, PRESET_NAMES, Variant};
+pub use publish::{Trained, weights_of};
+pub use recipe::Recipe;
+pub use schedule::Schedule;
+pub use scores::Scores;
+pub use stage::{Stage, StagedScene, Worn, warp_of};
+pub use trainer::{Begin, TrainJob, train, training_folder};

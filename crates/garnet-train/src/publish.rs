@@ -1,0 +1,138 @@
+//! A trained network in its package.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use garnet_data::{GarmentPackage, Manifest, Split, Variant};
+use garnet_net::{Checkpoint, Precision};
+
+use crate::examples::examples;
+use crate::state::State;
+use crate::subject::Subject;
+use crate::validate::validate;
+use crate::{EpochRecord, Scores, Stage, TrainError, TrainEvent};
+
+/// What a training has come to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trained {
+    /// The variant.
+    pub name: String,
+    /// Its weights.
+    pub weights: PathBuf,
+    /// The epoch that was chosen by the validation.
+    pub best: EpochRecord,
+    /// Epochs that were done.
+    pub epochs: u32,
+    /// Epochs that were asked for: more, if the patience ended the training.
+    pub epochs_asked: u32,
+    /// The scores on the test split, without untangling; none if the split is empty.
+    pub test: Option<Scores>,
+}
+
+/// Where the weights of a variant are.
+///
+/// # Errors
+///
+/// [`TrainError::NoVariant`] with those that there are.
+pub fn weights_of(folder: &Path, manifest: &Manifest, name: &str) -> Result<PathBuf, TrainError> {
+    let mut variants = manifest.variants.iter();
+    if let Some(variant) = variants.find(|variant| variant.name == name) {
+        return Ok(folder.join(&variant.weights));
+    }
+    let names = manifest
+        .variants
+        .iter()
+        .map(|variant| format!("`{}`", variant.name));
+    let names: Vec<String> = names.collect();
+    Err(TrainError::NoVariant {
+        name: name.to_owned(),
+        known: if names.is_empty() {
+            "none".to_owned()
+        } else {
+            names.join(", ")
+        },
+    })
+}
+
+/// Measures the best model on the test split, writes its weights, and adds it to the manifest.
+pub(crate) fn publish(
+    folder: &Path,
+    stage: &Stage,
+    subject: &Subject,
+    state: &State,
+    observer: &mut dyn FnMut(TrainEvent),
+) -> Result<Trained, TrainError> {
+    let progress = &state.progress;
+    let best = progress.best().cloned();
+    let best = best.expect("the record before the first epoch is the best at first");
+    let test = match stage.num_scenes(Split::Test) {
+        Ok(_) => {
+            let examples = examples(stage, subject, Split::Test, observer)?;
+            Some(validate(stage, subject, &state.best, &examples)?.scores)
+        }
+        Err(TrainError::EmptySplit { .. }) => None,
+        Err(error) => return Err(error),
+    };
+    let mut scores = named("valid", &best.valid);
+    if let Some(test) = &test {
+        scores.extend(named("test", test));
+    }
+    let checkpoint = Checkpoint {
+        model: state.best.clone(),
+        garment: stage.template().graph.fingerprint(),
+        record: serde_json::json!({
+            "variant": progress.name,
+            "dataset": progress.dataset,
+            "base": progress.base,
+            "epochs": progress.epoch - 1,
+            "best_epoch": best.epoch,
+            "config": progress.config,
+            "version": env!("CARGO_PKG_VERSION"),
+        }),
+        scores,
+    };
+    let file = format!("{}.safetensors", progress.name);
+    let weights = folder.join(&file);
+    checkpoint.save(&weights, Precision::F32)?;
+
+    // Another training may have added a variant meanwhile.
+    let mut manifest = GarmentPackage::read_manifest(folder)?;
+    let cost = subject.config.cost(
+        stage.package.mesh.num_vertices(),
+        subject.sampling.used().len(),
+    )?;
+    manifest.add(Variant {
+        name: progress.name.clone(),
+        weights: file,
+        default: false,
+        distance_error: test.map(|test| test.distance),
+        flop: Some(cost.flops as f64),
+    });
+    GarmentPackage::write_manifest(folder, &manifest)?;
+    Ok(Trained {
+        name: progress.name.clone(),
+        weights,
+        epochs: progress.epoch - 1,
+        epochs_asked: progress.config.epochs,
+        best,
+        test,
+    })
+}
+
+/// Scores under the names that weight files keep them by.
+fn named(split: &str, scores: &Scores) -> BTreeMap<String, f64> {
+    let figures = [
+        ("distance_m", scores.distance),
+        ("distance_std_m", scores.distance_std),
+        ("normal_rad", scores.normal),
+        ("mean_curvature", scores.mean_curvature),
+        ("rayleigh", scores.rayleigh),
+        ("inside", scores.inside),
+        ("stretch_p99", scores.stretch_p99),
+    ];
+    let name = |name: &str| format!("{split}.{name}");
+    figures
+        .into_iter()
+        .map(|(figure, value)| (name(figure), value))
+        .collect()
+}

@@ -1,0 +1,95 @@
+//! What the names of the paper's variants stand for.
+
+use garnet_net::Variant;
+use garnet_net::losses::LossConfig;
+
+use crate::{Choice, TrainConfig, TrainError};
+
+/// Names of the network variants of the paper.
+const KINDS: [(&str, Variant); 4] = [
+    ("naive", Variant::Naive),
+    ("global", Variant::Global),
+    ("local", Variant::Local),
+    ("global-params", Variant::GlobalParams),
+];
+
+/// Names of the curvature losses that a variant is fine-tuned with.
+const FINE_TUNINGS: [(&str, LossConfig); 4] = [
+    ("rq", LossConfig::fine_tune_rq()),
+    ("mc", LossConfig::fine_tune_mc()),
+    ("mcrq", LossConfig::fine_tune_mcrq()),
+    ("umc", LossConfig::fine_tune_umc()),
+];
+
+/// What the name of a variant asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recipe {
+    /// The name, as in `local-rq`.
+    pub name: String,
+    /// Which parts the network has; none if the name does not tell.
+    pub kind: Option<Variant>,
+    /// The variant that is fine-tuned and the losses that it is fine-tuned with; none to start from
+    /// random weights.
+    pub fine_tuned: Option<(String, LossConfig)>,
+}
+
+impl Recipe {
+    /// Reads a name: `naive`, `global`, `local` or `global-params` start anew; `<variant>-rq`,
+    /// `-mc`, `-mcrq` and `-umc` fine-tune `<variant>` with curvature losses (*Gundogdu et al.
+    /// 2020, section 3.4*); any other name stands for itself.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::VariantName`] for a name that cannot be that of a file.
+    pub fn of_name(name: &str) -> Result<Self, TrainError> {
+        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_.".contains(letter);
+        if name.is_empty() || name.starts_with('.') || !name.chars().all(is_plain) {
+            return Err(TrainError::VariantName {
+                name: name.to_owned(),
+            });
+        }
+        let fine_tuned = name.rsplit_once('-').and_then(|(base, ending)| {
+            let found = FINE_TUNINGS.iter().find(|(name, _)| *name == ending);
+            found.map(|(_, losses)| (base.to_owned(), losses.clone()))
+        });
+        let kind = KINDS.iter().find(|(kind, _)| *kind == name);
+        Ok(Self {
+            name: name.to_owned(),
+            kind: kind.map(|&(_, kind)| kind),
+            fine_tuned,
+        })
+    }
+
+    /// Puts what the name asks for into a configuration.
+    pub fn apply(&self, config: &mut TrainConfig) {
+        if let Some(kind) = self.kind {
+            config.kind = kind;
+        }
+        if let Some((_, losses)) = &self.fine_tuned {
+            config.loss = losses.clone();
+            config.choose_by = Choice::Loss;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_the_paper_are_understood() {
+        let global = Recipe::of_name("global").unwrap();
+        assert_eq!(
+            (global.kind, global.fine_tuned),
+            (Some(Variant::Global), None)
+        );
+        let tuned = Recipe::of_name("local-mcrq").unwrap();
+        let expected = ("local".to_owned(), LossConfig::fine_tune_mcrq());
+        assert_eq!((tuned.kind, tuned.fine_tuned), (None, Some(expected)));
+        let own = Recipe::of_name("my_shirt.2").unwrap();
+        assert_eq!((own.kind, own.fine_tuned), (None, None));
+        for name in ["", "../x", "a b", ".hidden"] {
+            assert!(Recipe::of_name(name).is_err(), "{name}");
+        }
+    }
+}

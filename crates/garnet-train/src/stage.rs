@@ -1,0 +1,334 @@
+//! From the records of a data set to garments that are warped to posed bodies.
+
+use std::sync::Arc;
+
+use garnet_body::shape::ParametricBody;
+use garnet_data::{BodyRecord, Dataset, GarmentPackage, Posed, SceneRecord, Shard, Sizing, Split};
+use garnet_mesh::{Point3, TriMesh};
+use garnet_net::{GarmentGraph, Start};
+use garnet_skin::{Body, BoundGarment, Garment, PosedBody, Warp, WarpedGarment};
+use rayon::prelude::*;
+
+use crate::{SceneName, TrainError};
+
+/// The garment of a package and the scenes of a data set of it.
+#[derive(Debug)]
+pub struct Stage {
+    /// The package.
+    pub package: GarmentPackage,
+    /// The data set.
+    pub dataset: Dataset,
+    /// The template, bound to the body of the package.
+    template: Arc<Worn>,
+}
+
+/// A garment on the body that it was bound to at rest.
+#[derive(Debug)]
+pub struct Worn {
+    /// The garment.
+    pub garment: BoundGarment,
+    /// The body at rest.
+    pub body: Body,
+    /// What a network knows of the garment, with its sewing parameters in the order of their names,
+    /// lengths in metres.
+    pub graph: GarmentGraph,
+    /// The garment at rest `[vertex]`, in metres.
+    pub rest: Arc<[Point3]>,
+}
+
+impl Worn {
+    fn new(garment: BoundGarment, body: Body, parameters: &[f32]) -> Result<Self, TrainError> {
+        Ok(Self {
+            graph: GarmentGraph::new(garment.mesh(), parameters)?,
+            rest: garment.mesh().positions().into(),
+            garment,
+            body,
+        })
+    }
+}
+
+/// A garment on a posed body, and how the teacher drapes it there.
+#[derive(Debug)]
+pub struct StagedScene {
+    /// Which it is.
+    pub name: SceneName,
+    /// Who wears what.
+    pub worn: Arc<Worn>,
+    /// The body in its pose.
+    pub posed: PosedBody,
+    /// What the teacher made of it `[vertex]`, in metres.
+    pub draped: Vec<Point3>,
+}
+
+/// The warp that a network starts from.
+pub const fn warp_of(start: Start) -> Warp {
+    match start {
+        Start::DualQuaternion => Warp::DualQuaternion,
+        Start::Shape => Warp::Shape,
+    }
+}
+
+impl StagedScene {
+    /// The garment, warped to the body.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Skin`].
+    pub fn warped(&self, start: Start) -> Result<WarpedGarment, TrainError> {
+        let Worn { garment, body, .. } = &*self.worn;
+        Ok(WarpedGarment::new(
+            garment,
+            body,
+            &self.posed,
+            warp_of(start),
+        )?)
+    }
+}
+
+impl Stage {
+    /// Brings a package and a data set of its garment together.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::OtherTemplate`] for a data set of another garment, [`TrainError::Skin`] for a
+    /// template that cannot be bound.
+    pub fn new(package: GarmentPackage, dataset: Dataset) -> Result<Self, TrainError> {
+        let (ours, theirs) = (&package.manifest, &dataset.manifest.garment);
+        let pairs = [
+            (
+                "other faces or another vertex count",
+                &ours.fingerprint,
+                &theirs.fingerprint,
+            ),
+            ("other vertices at rest", &ours.positions, &theirs.positions),
+        ];
+        for (what, expected, found) in pairs {
+            if expected != found {
+                return Err(TrainError::OtherTemplate {
+                    what,
+                    found_name: theirs.name.clone(),
+                    found: found.clone(),
+                    name: ours.name.clone(),
+                    expected: expected.clone(),
+                });
+            }
+        }
+        let pattern = package.manifest.pattern.as_ref();
+        let parameters = pattern.map(|pattern| pattern.parameters.values());
+        let parameters: Vec<f32> = (parameters.into_iter().flatten())
+            .map(|&value| value as f32)
+            .collect();
+        let garment = Garment::new(package.mesh.clone()).bind(&package.body)?;
+        let template = Worn::new(garment, package.body.clone(), &parameters)?;
+        Ok(Self {
+            package,
+            dataset,
+            template: Arc::new(template),
+        })
+    }
+
+    /// The template on the body of the package.
+    pub fn template(&self) -> &Arc<Worn> {
+        &self.template
+    }
+
+    /// Whether bodies wear garments cut for them.
+    pub fn is_made_to_measure(&self) -> bool {
+        self.dataset.manifest.sizing == Sizing::MadeToMeasure
+    }
+
+    /// How many sewing parameters the garments of the data set have.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Data`].
+    pub fn num_sewing_parameters(&self) -> Result<usize, TrainError> {
+        for shard in self.dataset.split(Split::Train) {
+            if let Some(body) = shard?
+                .bodies
+                .first()
+                .filter(|body| !body.garment.is_empty())
+            {
+                return Ok(body.garment.len());
+            }
+        }
+        Ok(self.template.graph.sewing_parameters().len())
+    }
+
+    /// How many scenes a split has.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Data`], or [`TrainError::EmptySplit`] if there are none.
+    pub fn num_scenes(&self, split: Split) -> Result<usize, TrainError> {
+        let mut count = 0;
+        for shard in self.dataset.split(split) {
+            count += shard?.scenes.len();
+        }
+        match count {
+            0 => Err(TrainError::EmptySplit { split }),
+            count => Ok(count),
+        }
+    }
+
+    /// Gives all scenes of a split to `take`, in order; bodies are built in parallel.
+    ///
+    /// # Errors
+    ///
+    /// The first of those of the data set, of [`TrainError::Scene`] for a scene that cannot be
+    /// prepared, and of `take`.
+    pub fn for_each<T: Send>(
+        &self,
+        split: Split,
+        take: impl Fn(StagedScene) -> Result<T, TrainError> + Sync,
+        observer: &mut dyn FnMut(T),
+    ) -> Result<(), TrainError> {
+        for shard in self.dataset.split(split) {
+            let shard = shard?;
+            let bodies = shard.bodies.chunks(rayon::current_num_threads().max(1));
+            for bodies in bodies {
+                let taken: Vec<Vec<T>> = (bodies.par_iter())
+                    .map(|body| self.scenes_on(&shard, body, &take))
+                    .collect::<Result<_, _>>()?;
+                taken.into_iter().flatten().for_each(&mut *observer);
+            }
+        }
+        Ok(())
+    }
+
+    fn scenes_on<T>(
+        &self,
+        shard: &Shard,
+        body: &BodyRecord,
+        take: &impl Fn(StagedScene) -> Result<T, TrainError>,
+    ) -> Result<Vec<T>, TrainError> {
+        let scenes: Vec<&SceneRecord> = (shard.scenes.iter())
+            .filter(|scene| scene.body == body.number)
+            .collect();
+        let name = |scene: &SceneRecord| SceneName {
+            split: shard.split,
+            body: scene.body,
+            pose: scene.pose,
+        };
+        let Some(first) = scenes.first() else {
+            return Ok(Vec::new());
+        };
+        let dressed = self.dressed(body).map_err(|source| TrainError::Scene {
+            scene: name(first),
+            source: Box::new(source),
+        })?;
+        let staged = scenes
+            .into_iter()
+            .map(|scene| take(dressed.staged(scene, name(scene))?));
+        staged.collect()
+    }
+
+    /// Builds a body and puts its garment on it.
+    fn dressed(&self, record: &BodyRecord) -> Result<Dressed, TrainError> {
+        let own = match &record.parameters {
+            None => None,
+            Some(stored) => {
+                let parameters = stored.parameters().map_err(|name| TrainError::Body {
+                    reason: format!("there is no measure `{name}`"),
+                })?;
+                let built = ParametricBody::build(&parameters);
+                let built = built.map_err(|error| TrainError::Body {
+                    reason: error.to_string(),
+                })?;
+                Some(built.into_body())
+            }
+        };
+        let parameters: Vec<f32> = record.garment.values().map(|&value| value as f32).collect();
+        let worn = match (&own, &record.worn) {
+            (Some(body), Some(places)) => {
+                let mesh = TriMesh::new(places.clone(), self.package.mesh.faces().to_vec())?;
+                let garment = Garment::new(mesh).bind(body)?;
+                Arc::new(Worn::new(garment, body.clone(), &parameters)?)
+            }
+            _ if parameters.is_empty() => Arc::clone(&self.template),
+            _ => Arc::new(Worn {
+                garment: self.template.garment.clone(),
+                body: self.template.body.clone(),
+                graph: self
+                    .template
+                    .graph
+                    .clone()
+                    .with_sewing_parameters(&parameters)?,
+                rest: Arc::clone(&self.template.rest),
+            }),
+        };
+        Ok(Dressed {
+            is_cut_to_measure: own.is_some() && record.worn.is_some(),
+            own,
+            worn,
+        })
+    }
+}
+
+/// A body of the data set and what it wears.
+struct Dressed {
+    /// The body at rest; none for bodies made elsewhere.
+    own: Option<Body>,
+    worn: Arc<Worn>,
+    /// Whether the garment was cut for the body.
+    is_cut_to_measure: bool,
+}
+
+impl Dressed {
+    fn staged(&self, scene: &SceneRecord, name: SceneName) -> Result<StagedScene, TrainError> {
+        let expected = self.worn.garment.mesh().num_vertices();
+        check("garment vertices", &scene.garment, expected, name)?;
+        let posed = self.posed(scene, name).map_err(|source| match source {
+            TrainError::Count { .. } | TrainError::NotFinite { .. } => source,
+            source => TrainError::Scene {
+                scene: name,
+                source: Box::new(source),
+            },
+        })?;
+        Ok(StagedScene {
+            name,
+            worn: Arc::clone(&self.worn),
+            posed,
+            draped: scene.garment.clone(),
+        })
+    }
+
+    /// The body as a drape finds it: a garment that was cut for the body is moved by the pose;
+    /// the template only sees the vertices of the target, and pose and shape are recovered.
+    fn posed(&self, scene: &SceneRecord, name: SceneName) -> Result<PosedBody, TrainError> {
+        let target = match (&scene.posed, &self.own) {
+            (Posed::Pose(pose), Some(own)) => own.posed(pose)?,
+            (Posed::Pose(pose), None) => return Ok(self.worn.body.posed(pose)?),
+            (Posed::Mesh(places), _) => {
+                let expected = self.worn.body.rest().num_vertices();
+                check("body vertices", places, expected, name)?;
+                return Ok(self.worn.body.fitted(places)?);
+            }
+        };
+        if self.is_cut_to_measure {
+            return Ok(target);
+        }
+        Ok(self.worn.body.fitted(target.skin().positions())?)
+    }
+}
+
+fn check(
+    what: &'static str,
+    places: &[Point3],
+    expected: usize,
+    scene: SceneName,
+) -> Result<(), TrainError> {
+    if places.len() != expected {
+        return Err(TrainError::Count {
+            scene,
+            what,
+            found: places.len(),
+            expected,
+        });
+    }
+    let is_stray = |place: &Point3| !place.iter().all(|value| value.is_finite());
+    match places.iter().position(is_stray) {
+        Some(index) => Err(TrainError::NotFinite { scene, what, index }),
+        None => Ok(()),
+    }
+}

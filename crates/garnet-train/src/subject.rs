@@ -1,0 +1,118 @@
+//! What a network and its losses know before any scene.
+
+use std::sync::Arc;
+
+use garnet_mesh::{Point3, TriMesh};
+use garnet_net::losses::{LossBody, LossConfig, LossTarget, Losses};
+use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, Variant};
+use garnet_skin::{Body, WarpedGarment};
+
+use crate::{SceneName, Stage, StagedScene, TrainError};
+
+/// What a network and its losses know before any scene.
+#[derive(Debug)]
+pub(crate) struct Subject {
+    /// What the network is made of, with what the garment decides.
+    pub(crate) config: GarNetConfig,
+    pub(crate) sampling: BodySampling,
+    pub(crate) losses: Losses,
+    body_faces: Vec<[u32; 3]>,
+}
+
+/// What training keeps of a scene; the rest is computed anew each time.
+#[derive(Debug)]
+pub(crate) struct Example {
+    pub(crate) scene: SceneName,
+    /// The garment at rest `[vertex]`, in metres.
+    pub(crate) rest: Arc<[Point3]>,
+    pub(crate) graph: GarmentGraph,
+    pub(crate) warped: WarpedGarment,
+    pub(crate) body: Vec<Point3>,
+    pub(crate) parameters: Vec<f32>,
+    pub(crate) draped: Vec<Point3>,
+}
+
+/// An example as a step of training takes it.
+#[derive(Debug)]
+pub(crate) struct Prepared {
+    pub(crate) scene: Scene,
+    pub(crate) target: LossTarget,
+    pub(crate) body: LossBody,
+}
+
+impl Subject {
+    /// Fits a configuration to the garment of a stage.
+    pub(crate) fn new(
+        stage: &Stage,
+        mut config: GarNetConfig,
+        loss: &LossConfig,
+    ) -> Result<Self, TrainError> {
+        let package = &stage.package;
+        config.mean_edge_length = stage.template().graph.mean_edge_length();
+        if config.variant == Variant::GlobalParams {
+            let joints = package.body.skeleton().num_joints();
+            config.num_body_parameters = joints * Body::NUMBERS_A_JOINT;
+        }
+        config.validate()?;
+        let rest = package.body.rest();
+        let template = package.mesh.positions();
+        Ok(Self {
+            sampling: BodySampling::for_garment(rest.positions(), template, &config)?,
+            losses: Losses::new(&package.mesh, loss)?,
+            body_faces: rest.faces().to_vec(),
+            config,
+        })
+    }
+
+    /// What is kept of a scene.
+    pub(crate) fn example(&self, staged: &StagedScene) -> Result<Example, TrainError> {
+        let worn = &staged.worn;
+        let graph = worn.graph.clone();
+        let has_parameters = self.config.variant == Variant::GlobalParams;
+        Ok(Example {
+            scene: staged.name,
+            rest: Arc::clone(&worn.rest),
+            graph: match self.config.num_sewing_parameters {
+                0 => graph.with_sewing_parameters(&[])?,
+                _ => graph,
+            },
+            warped: staged.warped(self.config.start)?,
+            body: staged.posed.skin().positions().to_vec(),
+            parameters: if has_parameters {
+                worn.body.pose_and_shape(&staged.posed)
+            } else {
+                Vec::new()
+            },
+            draped: staged.draped.clone(),
+        })
+    }
+
+    /// The arrays of the network and what the losses compare with.
+    pub(crate) fn prepared(&self, example: &Example) -> Result<Prepared, TrainError> {
+        let body = TriMesh::new(example.body.clone(), self.body_faces.clone())?;
+        Ok(Prepared {
+            scene: Scene::new(
+                &self.config,
+                &example.graph,
+                &self.sampling,
+                &example.input(),
+            )?,
+            target: self.losses.target(&example.draped)?,
+            body: LossBody::new(&body)?,
+        })
+    }
+}
+
+impl Example {
+    /// The scene as networks take it.
+    pub(crate) fn input(&self) -> SceneInput<'_> {
+        SceneInput {
+            warped: &self.warped.positions,
+            body: &self.body,
+            body_normals: &self.warped.body_normals,
+            world_from_root: self.warped.world_from_root,
+            rotations: &self.warped.rotations,
+            parameters: &self.parameters,
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The scores of a network on examples.
+
+use garnet_knn::Surface;
+use garnet_mesh::{Topology, TriMesh};
+use garnet_net::{GarNet, Predictor};
+
+use crate::scores::{Compared, Tally};
+use crate::subject::{Example, Subject};
+use crate::{Scores, Stage, TrainError};
+
+/// Distance and loss of a network that has diverged; finite, because JSON knows no infinity.
+const DIVERGED: f64 = 1e9;
+
+/// What a validation finds.
+#[derive(Debug)]
+pub(crate) struct Validation {
+    pub(crate) scores: Scores,
+    /// Mean of the weighted loss over the scenes.
+    pub(crate) loss: f64,
+}
+
+/// Measures a network on examples; nothing is untangled.
+///
+/// A network that has diverged is [`DIVERGED`] away from the teacher: any other is better.
+pub(crate) fn validate(
+    stage: &Stage,
+    subject: &Subject,
+    model: &GarNet,
+    examples: &[Example],
+) -> Result<Validation, TrainError> {
+    let mesh = &stage.package.mesh;
+    let topology = Topology::new(mesh.num_vertices(), mesh.faces());
+    let rest_body = stage.package.body.rest();
+    let mut skin = Surface::new(rest_body);
+    let mut predictor: Option<Predictor> = None;
+    let mut tally = Tally::default();
+    let mut loss = 0.0;
+    for example in examples {
+        let predictor = match &mut predictor {
+            Some(predictor) => {
+                predictor.rebind(example.graph.clone())?;
+                predictor
+            }
+            None => predictor.insert(Predictor::new(
+                model.clone(),
+                example.graph.clone(),
+                subject.sampling.clone(),
+            )?),
+        };
+        let Ok(predicted) = predictor.predict(&example.input()) else {
+            let scores = Scores {
+                distance: DIVERGED,
+                ..Scores::default()
+            };
+            let loss = DIVERGED;
+            return Ok(Validation { scores, loss });
+        };
+        let body = TriMesh::new(example.body.clone(), rest_body.faces().to_vec())?;
+        let body = garnet_net::losses::LossBody::new(&body)?;
+        let target = subject.losses.target(&example.draped)?;
+        let losses = subject.losses.measure(&predicted, &target, &body)?;
+        loss += losses.total();
+        skin.refit(&example.body)
+            .map_err(garnet_net::NetError::from)?;
+        tally.add(&Compared {
+            predicted: &predicted,
+            draped: &example.draped,
+            rest: &example.rest,
+            faces: mesh.faces(),
+            edges: topology.edges(),
+            skin: &skin,
+            losses: &losses,
+        })?;
+    }
+    Ok(Validation {
+        scores: tally.scores(),
+        loss: loss / examples.len().max(1) as f64,
+    })
+}

@@ -1,0 +1,62 @@
+//! Networks beside the warp.
+
+use garnet_data::{Dataset, GarmentPackage, Split};
+use garnet_train::{Candidate, Finish, Stage, evaluate};
+use garnet_untangle::UntangleOptions;
+
+use crate::invented::{Invented, run, tiny};
+
+#[test]
+fn a_network_is_measured_as_its_training_measured_it() {
+    let invented = Invented::new();
+    let trained = run(&invented.job("local", tiny(10))).unwrap();
+    let package = GarmentPackage::read(&invented.package()).unwrap();
+    let stage = Stage::new(package, Dataset::open(&invented.dataset()).unwrap()).unwrap();
+    let candidates = [
+        Candidate::Skinning,
+        Candidate::Warp,
+        Candidate::Model {
+            name: "local".to_owned(),
+            weights: trained.weights.clone(),
+        },
+    ];
+    let mut told = Vec::new();
+    let found = evaluate(
+        &stage,
+        Split::Test,
+        &candidates,
+        Finish::Untangle(UntangleOptions::default()),
+        &mut |event| told.push(event),
+    );
+    let found = found.unwrap();
+    assert_eq!((found.scenes, found.rows.len(), told.len()), (1, 3, 1));
+    let [dqs, warp, local] = &found.rows[..] else {
+        panic!("three rows");
+    };
+    // The arm keeps its shape, so both are one.
+    assert_eq!(dqs.scores, warp.scores);
+    assert_eq!(Some(local.scores), trained.test);
+    assert!(local.flops > 0 && warp.flops == 0);
+    assert!(local.seconds.network.median > 0.0);
+    for row in &found.rows {
+        assert_eq!(row.untangled.unwrap().inside, 0);
+        assert!(row.curves.distance.shares.is_sorted());
+        // The mean distance is the area above the curve, if nothing is beyond it.
+        let curve = &row.curves.distance;
+        assert_eq!(curve.shares.last(), Some(&1.0));
+        let step = curve.thresholds[1];
+        let area: f64 = curve.shares.iter().map(|share| step * (1.0 - share)).sum();
+        assert!((area - row.scores.distance).abs() < step, "{area}");
+    }
+    let error = evaluate(
+        &stage,
+        Split::Test,
+        &[Candidate::Model {
+            name: "none".to_owned(),
+            weights: invented.path().join("none.safetensors"),
+        }],
+        Finish::None,
+        &mut |_| {},
+    );
+    assert!(error.unwrap_err().to_string().contains("none.safetensors"));
+}

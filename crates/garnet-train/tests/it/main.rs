@@ -1,0 +1,8 @@
+//! Whole trainings on small invented data sets.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod bad_input;
+mod evaluation;
+mod invented;
+mod training;

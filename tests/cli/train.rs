@@ -1,0 +1,125 @@
+//! Networks: trained, gone on with, measured, and used in drapes.
+
+use std::fs;
+
+use crate::fixtures::{Fixture, stderr, stdout};
+
+fn done(fixture: &Fixture, arguments: &str) -> String {
+    let output = fixture.garnet(arguments);
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{arguments}: {}",
+        stderr(&output)
+    );
+    stdout(&output)
+}
+
+/// A package `net` of the sleeve and a data set `scenes` of it.
+fn prepared() -> Fixture {
+    let fixture = Fixture::new();
+    done(
+        &fixture,
+        "garment from-obj sleeve.obj --rest-body body.obj -o net -q",
+    );
+    for (body, draped) in [("body.obj", "md_straight.obj"), ("bent.obj", "md_bent.obj")] {
+        done(
+            &fixture,
+            &format!("drape net {body} --clearance 8 -o {draped} -q"),
+        );
+    }
+    done(&fixture, "dataset net --import scenes.json -o scenes -q");
+    fixture
+}
+
+#[test]
+fn a_training_reports_and_leaves_curves() {
+    let fixture = prepared();
+    fixture.text(
+        "train.toml",
+        "preset = \"tiny\"\nepochs = 2\n[loss]\nnormal = 0.1\n",
+    );
+    let report = done(
+        &fixture,
+        "train net scenes --config train.toml --variant mine --json",
+    );
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["schema"], "garnet.train/1");
+    assert_eq!(
+        (&report["variant"], &report["epochs"]),
+        (&"mine".into(), &2.into())
+    );
+    assert!(report["valid"]["distance"].as_f64().unwrap() > 0.0);
+    let csv = String::from_utf8(fixture.read("net/training/mine/losses.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 4);
+    let curves = String::from_utf8(fixture.read("net/training/mine/losses.svg")).unwrap();
+    assert!(curves.starts_with("<svg") && curves.contains("training of `mine`"));
+
+    let found = done(&fixture, "eval net scenes --json --curves curves");
+    let found: serde_json::Value = serde_json::from_str(&found).unwrap();
+    assert_eq!(found["schema"], "garnet.eval/1");
+    let names = found["methods"].as_array().unwrap().iter();
+    let names: Vec<&str> = names
+        .map(|method| method["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["dqs", "warp", "mine"]);
+    for file in ["ap.csv", "ap-distance.svg", "ap-normal.svg"] {
+        assert!(fixture.path("curves").join(file).is_file(), "{file}");
+    }
+
+    let draped = done(
+        &fixture,
+        "drape net bent.obj --method mine -o out.obj --report -",
+    );
+    let draped: serde_json::Value = serde_json::from_str(&draped).unwrap();
+    assert_eq!(
+        (&draped["method"], &draped["network"]["variant"]),
+        (&"mine".into(), &"mine".into())
+    );
+    assert!(draped["drapes"][0]["seconds"]["network"].as_f64().unwrap() > 0.0);
+    assert_eq!(draped["drapes"][0]["untangle"]["inside"], 0);
+}
+
+#[test]
+fn damaged_weights_are_refused_by_name_and_nothing_is_written() {
+    let fixture = prepared();
+    done(&fixture, "train net scenes --preset tiny --epochs 1 -q");
+    let weights = fixture.path("net/local.safetensors");
+    let bytes = fs::read(&weights).unwrap();
+    let mut altered = bytes.clone();
+    let last = altered.len() - 3;
+    altered[last] ^= 0x10;
+    for (bytes, expected) in [
+        (
+            &bytes[..bytes.len() / 2],
+            "are truncated, corrupted or no safetensors file",
+        ),
+        (&altered[..], "were altered"),
+    ] {
+        fs::write(&weights, bytes).unwrap();
+        for arguments in ["drape net bent.obj -o out.obj", "eval net scenes"] {
+            let output = fixture.garnet(arguments);
+            let text = stderr(&output);
+            assert_eq!(output.status.code(), Some(2), "{text}");
+            assert!(
+                text.contains("local.safetensors") && text.contains(expected),
+                "{text}"
+            );
+        }
+        assert!(!fixture.path("out.obj").exists());
+    }
+}
+
+#[test]
+fn a_config_with_a_mistake_is_refused_with_its_line() {
+    let fixture = prepared();
+    fixture.text("train.toml", "preset = \"tiny\"\nepoch = 2\n");
+    let output = fixture.garnet("train net scenes --config train.toml");
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(
+        text.contains("train.toml") && text.contains("line 2"),
+        "{text}"
+    );
+    assert!(!fixture.path("net/training").exists());
+}
