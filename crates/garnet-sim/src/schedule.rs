@@ -107,7 +107,7 @@ pub const MAX_SUBSTEPS: u64 = 2_000_000;
 const LAST_DRAG: f32 = 120.0;
 
 /// Frames of the last stage.
-const LAST_FRAMES: u32 = 24;
+const LAST_FRAMES: u32 = 36;
 
 /// Share of the friction that acts until the cloth has come to rest the first times.
 ///

@@ -81,12 +81,16 @@ impl Interval {
         1.0 - (-share * self.skin_drag * self.step).exp()
     }
 
-    fn brake(self, is_squeezed: bool, grips: bool) -> Brake {
-        match (is_squeezed, grips) {
-            (true, _) => Brake::Drag(1.0 - (-SQUEEZED_DRAG * self.step).exp()),
-            (false, true) => Brake::Friction(GRIP * self.friction),
-            (false, false) => Brake::Friction(self.friction_share * self.friction),
-        }
+    fn drag(self) -> Brake {
+        Brake::Drag(1.0 - (-SQUEEZED_DRAG * self.step).exp())
+    }
+
+    fn brake(self, grips: bool) -> Brake {
+        Brake::Friction(if grips {
+            GRIP * self.friction
+        } else {
+            self.friction_share * self.friction
+        })
     }
 }
 
@@ -165,7 +169,11 @@ impl Contacts {
                     clearance,
                     drift: skin.velocity(&near.foot) * interval.step,
                     max_rise: interval.max_rise(clearance - near.distance),
-                    brake: interval.brake(clearance < thickness, self.grips[vertex]),
+                    brake: if clearance < thickness {
+                        interval.drag()
+                    } else {
+                        interval.brake(self.grips[vertex])
+                    },
                 }));
             }
         }
