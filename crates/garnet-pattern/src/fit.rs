@@ -48,9 +48,10 @@ impl Fit {
 impl Parameters {
     /// How the garment, cut to the measures `cut`, fits a wearer.
     ///
-    /// A T-shirt fits from 4 % less than the chest to 25 % more, a sweater from 0 to 40 %; both
-    /// stretch over waist and hip by 4 % at most. A dress fits from -3 % to 22 % at the chest and
-    /// from -2 % to 45 % at the waist. Jeans must hold: from -4 % to 6 % under the waistband.
+    /// A T-shirt fits from 2 to 32 % more than the chest, a sweater from 8 to 45 %; both stretch over
+    /// waist and hip by 2 % at most. A dress fits from 1 to 26 % at the chest and from 1 to 45 % at
+    /// the waist. Jeans must hold: from -4 % to 6 % under the waistband. On tighter bodies the
+    /// simulated drapes of many poses are strained by a fifth and more.
     pub fn fit(&self, cut: &Measures, wearer: &Measures) -> Fit {
         let place = |place, garment: f64, body: f64, low, high| Ease {
             place,
@@ -63,16 +64,16 @@ impl Parameters {
                 let waist = chest * (1.0 + self.at("waist-shape"));
                 let hem = chest * (1.0 + self.at("hem-flare"));
                 let chest_range = match kind {
-                    GarmentKind::Tshirt => [-0.04, 0.25],
-                    _ => [0.0, 0.40],
+                    GarmentKind::Tshirt => [0.02, 0.32],
+                    _ => [0.08, 0.45],
                 };
                 let mut eases = vec![
                     place("chest", chest, wearer.chest, chest_range[0], chest_range[1]),
-                    place("waist", waist, wearer.waist, -0.04, ANY),
+                    place("waist", waist, wearer.waist, -0.02, ANY),
                 ];
                 let length = self.at("length") * cut.stature / REFERENCE.measures.stature;
                 if wearer.neck_height - length < wearer.hip_height {
-                    eases.push(place("hip", hem, wearer.hip, -0.04, ANY));
+                    eases.push(place("hip", hem, wearer.hip, -0.02, ANY));
                 }
                 eases
             }
@@ -81,8 +82,8 @@ impl Parameters {
                 let waist = cut.waist * (1.0 + self.at("waist-ease"));
                 let hip = cut.hip * (1.0 + self.at("hip-ease"));
                 vec![
-                    place("chest", chest, wearer.chest, -0.03, 0.22),
-                    place("waist", waist, wearer.waist, -0.02, 0.45),
+                    place("chest", chest, wearer.chest, 0.01, 0.26),
+                    place("waist", waist, wearer.waist, 0.01, 0.45),
                     place("hip", hip, wearer.hip, 0.0, ANY),
                 ]
             }
@@ -136,12 +137,12 @@ mod tests {
     }
 
     #[test]
-    fn a_tshirt_fits_from_four_per_cent_less_to_a_quarter_more() {
+    fn a_tshirt_fits_from_two_per_cent_more_to_a_third_more() {
         let tshirt = GarmentKind::Tshirt.parameters();
         let cut = Size::M.measures();
         let mut wearer = cut;
         let garment = cut.chest * (1.0 + tshirt.at("chest-ease"));
-        for (ease, fits) in [(-0.05, false), (-0.03, true), (0.24, true), (0.26, false)] {
+        for (ease, fits) in [(0.01, false), (0.03, true), (0.31, true), (0.33, false)] {
             wearer.chest = garment / (1.0 + ease);
             assert_eq!(tshirt.fit(&cut, &wearer).fits(), fits, "{ease}");
         }

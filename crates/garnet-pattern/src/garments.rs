@@ -92,7 +92,7 @@ const TSHIRT: &[Spec] = &[
     Spec::metres(
         "sleeve",
         0.24,
-        [0.15, 0.36],
+        [0.16, 0.36],
         "length of the sleeve's top from the shoulder",
     ),
     Spec::share(

@@ -233,8 +233,9 @@ pub(crate) fn free(points: &mut [Point3], skin: &Surface) -> usize {
     num_freed
 }
 
-/// Vertices deeper than this are left inside, in metres: the garment is not where it belongs.
-const MAX_FREED: f32 = 0.012;
+/// Vertices deeper than this are left inside, in metres: the garment is not where it belongs. Where
+/// limbs run through each other cloth lies up to so deep, and may have slid out of what they share.
+const MAX_FREED: f32 = 0.02;
 
 /// How many pairs of triangles of the garment cross.
 pub(crate) fn self_intersections(cloth: &Cloth, positions: &[Point3]) -> usize {

@@ -103,11 +103,11 @@ pub const STANDARD_GRAVITY: f32 = 9.80665;
 pub const MAX_SUBSTEPS: u64 = 2_000_000;
 
 /// Extra drag of the last stage, 1/s: cloth that swings on comes to rest; cloth out of balance still
-/// falls, at 0.16 m/s.
-const LAST_DRAG: f32 = 50.0;
+/// falls, at 0.08 m/s, sixteen times what counts as moving.
+const LAST_DRAG: f32 = 120.0;
 
 /// Frames of the last stage.
-const LAST_FRAMES: u32 = 20;
+const LAST_FRAMES: u32 = 24;
 
 /// Share of the friction that acts until the cloth has come to rest the first times.
 ///

@@ -24,9 +24,13 @@ pub(crate) fn parameters() -> BodyParameters {
 
 /// A package of a T-shirt on the default body.
 pub(crate) fn tshirt() -> GarmentPackage {
+    tshirt_of(NUM_VERTICES)
+}
+
+pub(crate) fn tshirt_of(num_vertices: usize) -> GarmentPackage {
     let body = body().into_body();
     let kind = GarmentKind::Tshirt;
-    let tailor = Tailor::new(kind.parameters(), NUM_VERTICES, usual_fabric(kind)).unwrap();
+    let tailor = Tailor::new(kind.parameters(), num_vertices, usual_fabric(kind)).unwrap();
     let wearer = wearer_of(&body).unwrap().unwrap();
     let stop = AtomicBool::new(false);
     let worn = tailor.dress(&body, &wearer, &stop).unwrap();
