@@ -62,8 +62,10 @@ impl MeshConv {
         source: &mut WeightSource,
     ) -> Self {
         let channels = inputs + 3;
-        // Heads are averaged at the start, so their sum keeps the variance.
-        let deviation = (heads as f32 / channels as f32).sqrt();
+        // Variance is kept where a single head counts, and lessened where all count alike. Scaled for
+        // the latter, features grow from block to block as soon as heads are told apart, which tells
+        // them apart the more: a new network of the paper's size then loses all but two digits.
+        let deviation = (1.0 / channels as f32).sqrt();
         Self {
             u: source.normal([channels, heads], (1.0 / channels as f32).sqrt()),
             c: source.zeros(heads),
