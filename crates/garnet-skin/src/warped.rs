@@ -145,7 +145,8 @@ mod tests {
         assert_eq!(warped.body_normals.len(), body.rest().num_vertices());
         let angles = warped.rotations.iter().map(UnitQuaternion::angle);
         let largest = angles.fold(0.0, f32::max);
-        assert!((largest - 1.0).abs() < 1e-3, "{largest}");
+        // Weights that are smoothed along the cloth keep a little of the shoulder to the end.
+        assert!((0.95..1.001).contains(&largest), "{largest}");
         let root = warped.world_from_root.translation.vector;
         assert!(
             (root - Vector3::new(0.3, -0.2, 0.0)).norm() < 1e-6,
