@@ -17,7 +17,7 @@ pub enum RestShape {
         /// Place of each corner in the plane `[face][corner]`, in metres. An edge that the faces
         /// give two lengths (a seam) takes their mean.
         corners: Vec<[[f32; 2]; 3]>,
-        /// Length that is aimed at over flat length `[face]`: ribs 0.9, waistbands 0.97, all else 1.
+        /// Length that is aimed at over flat length `[face]`: ribs 0.9, waistbands 0.93, all else 1.
         /// Empty means 1 everywhere.
         shrink: Vec<f32>,
     },
