@@ -7,8 +7,8 @@ use std::ops::ControlFlow;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use garnet::Point3;
 use garnet::sim::{
-    Cloth, Collider, Damping, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, SelfContact,
-    Stage, drape,
+    Cloth, Collider, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, SelfContact, Stage,
+    drape,
 };
 use garnet_benches::{Scene as Mannequin, group};
 
@@ -24,7 +24,6 @@ fn substeps(rate: f32) -> Schedule {
             rate,
             extra_drag: 0.0,
             friction: 1.0,
-            damping: Damping::Kinetic,
         }],
         self_contact: SelfContact::Off,
         ..Schedule::for_quality(Quality::Teacher, 0.01)
@@ -56,6 +55,7 @@ fn sim(criterion: &mut Criterion) {
             body: Some(MovingBody {
                 collider: &collider,
                 motion: &between,
+                carried: None,
                 allowed_parts: None,
             }),
             ..free

@@ -2,7 +2,8 @@
 
 use garnet_mesh::Point3;
 use garnet_skin::{
-    Body, Joint, Pose, PosedBody, Skeleton, SkinError, SkinWeights, Vector3, skin_dual_quaternion,
+    Body, BoundGarment, Joint, Pose, PosedBody, Skeleton, SkinError, SkinWeights, Vector3,
+    skin_dual_quaternion,
 };
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
@@ -142,6 +143,29 @@ impl BodyPath {
             *point += time * residual;
         }
         posed
+    }
+
+    /// Where a garment's nodes `[node]` would be at a time from 0 to 1 if they went along with the body,
+    /// in metres: the shape-aware warp on the way. `shape_offsets` are those of
+    /// [`BoundGarment::shape_offsets`] for [`BodyPath::shape`].
+    ///
+    /// # Panics
+    ///
+    /// Panics if the garment is bound to a body with other joints.
+    pub fn carried(
+        &self,
+        garment: &BoundGarment,
+        shape_offsets: &[Vector3],
+        time: f32,
+    ) -> Vec<Point3> {
+        let nodes = garment.rest().iter().zip(shape_offsets);
+        let shaped: Vec<Point3> = nodes.map(|(rest, offset)| rest + time * offset).collect();
+        skin_dual_quaternion(&shaped, garment.weights(), &self.transforms(time))
+    }
+
+    /// How far each vertex of the body at rest moves by the change of its shape `[vertex]`, in metres.
+    pub fn shape(&self) -> &[Vector3] {
+        &self.shape
     }
 
     fn transforms(&self, time: f32) -> Vec<Isometry3<f32>> {

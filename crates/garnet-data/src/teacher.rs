@@ -137,12 +137,16 @@ impl Teacher {
             schedule
         };
         let motion = |time: f32| path.positions(time);
+        let shape_offsets = self.garment.shape_offsets(path.shape());
+        let carried =
+            |time: f32| self.simulated(&path.carried(&self.garment, &shape_offsets, time));
         let scene = Scene {
             cloth: &self.cloth,
             start: &self.start,
             body: Some(MovingBody {
                 collider: &self.collider,
                 motion: &motion,
+                carried: Some(&carried),
                 allowed_parts: self.allowed.as_deref(),
             }),
         };
@@ -151,6 +155,12 @@ impl Teacher {
         let mut result = result?;
         result.positions = self.vertices(&result.positions);
         Ok(result)
+    }
+
+    /// Positions of the simulated nodes of those of all nodes `[node]`.
+    fn simulated(&self, at_nodes: &[Point3]) -> Vec<Point3> {
+        let nodes = self.nodes.iter();
+        nodes.map(|&node| at_nodes[node as usize]).collect()
     }
 
     /// Positions of the garment's mesh `[vertex]` of those of the simulated nodes.

@@ -4,8 +4,9 @@ use std::ops::ControlFlow;
 
 use crate::contact::Skin;
 use crate::report::{Penetration, Speeds, Strain, free, self_intersections};
+use crate::rest_shape::check_count;
 use crate::solver::Solver;
-use crate::{Damping, DrapeReport, Energy, MovingBody, Point3, Scene, Schedule, SimError, Stage};
+use crate::{DrapeReport, Energy, MovingBody, Point3, Scene, Schedule, SimError, Stage, Vector3};
 
 /// A draped garment.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,6 +84,7 @@ const FRAMES_OF_FOLDS: u32 = 3;
 ///     body: Some(MovingBody {
 ///         collider: &collider,
 ///         motion: &|_| ball.positions().to_vec(),
+///         carried: None,
 ///         allowed_parts: None,
 ///     }),
 /// };
@@ -110,7 +112,6 @@ pub fn drape(
         rate: schedule.motion_rate,
         extra_drag: 0.0,
         friction: schedule.motion_friction,
-        damping: Damping::Drag,
     };
     let stages = std::iter::once(&motion).chain(&schedule.stages);
     for (index, stage) in stages.enumerate() {
@@ -122,6 +123,8 @@ pub fn drape(
         for frame in 0..stage.frames {
             if let (0, Some(skin)) = (index, &mut skin) {
                 skin.begin_frame(frame)?;
+                let wind = skin.wind(frame, scene.cloth.num_vertices())?;
+                solver.set_wind(&wind);
             }
             for refresh in 0..schedule.refreshes_per_frame {
                 if let (0, Some(skin)) = (index, &mut skin) {
@@ -145,6 +148,7 @@ pub fn drape(
             clock.remember(positions);
         }
         if let (0, Some(skin)) = (index, &mut skin) {
+            solver.set_wind(&[]);
             skin.arrive()?;
         }
     }
@@ -223,7 +227,7 @@ impl<'a> BodyOnWay<'a> {
         if frame.is_multiple_of(FRAMES_OF_FOLDS) {
             self.skin.find_folds();
         }
-        self.time = eased((frame + 1) as f32 / self.motion_frames as f32);
+        self.time = self.time_of(frame + 1);
         std::mem::swap(&mut self.from, &mut self.to);
         self.to = (self.body.motion)(self.time);
         if self.to.len() != self.from.len() {
@@ -244,6 +248,24 @@ impl<'a> BodyOnWay<'a> {
             }
         }
         Ok(())
+    }
+
+    /// How far the air next to each garment vertex moves in a frame `[vertex]`, in metres; empty if
+    /// nobody says.
+    fn wind(&self, frame: u32, num_vertices: usize) -> Result<Vec<Vector3>, SimError> {
+        let Some(carried) = self.body.carried else {
+            return Ok(Vec::new());
+        };
+        let [from, to] = [frame, frame + 1].map(|frame| carried(self.time_of(frame)));
+        for positions in [&from, &to] {
+            check_count("carried positions", positions.len(), num_vertices)?;
+        }
+        Ok(from.iter().zip(&to).map(|(from, to)| to - from).collect())
+    }
+
+    /// The time of the motion at the beginning of a frame.
+    fn time_of(&self, frame: u32) -> f32 {
+        eased(frame as f32 / self.motion_frames as f32)
     }
 
     /// Moves the skin to the beginning of an interval of the frame.

@@ -27,6 +27,4 @@ pub use garnet_mesh::{Point3, Vector3};
 pub use report::{DrapeReport, Energy, Penetration, STILL_SPEED, Speeds, Strain};
 pub use rest_shape::RestShape;
 pub use scene::{MovingBody, Scene};
-pub use schedule::{
-    Damping, MAX_SUBSTEPS, Quality, STANDARD_GRAVITY, Schedule, SelfContact, Stage,
-};
+pub use schedule::{MAX_SUBSTEPS, Quality, STANDARD_GRAVITY, Schedule, SelfContact, Stage};

@@ -23,6 +23,10 @@ pub struct MovingBody<'a> {
     pub collider: &'a Collider,
     /// Where its vertices are at each time from 0 to 1.
     pub motion: &'a Motion<'a>,
+    /// Where the garment's vertices `[vertex]` would be at each time from 0 to 1 if they went along
+    /// with the body, as skinning moves them. The air goes so while the body moves. `None`: the air
+    /// stands still.
+    pub carried: Option<&'a Motion<'a>>,
     /// Parts of the body that each garment vertex may touch `[vertex]`: bit k stands for part k.
     /// `None`: all may touch all.
     pub allowed_parts: Option<&'a [u32]>,

@@ -4,8 +4,9 @@ use crate::contact::{self, Contacts, Interval, Skin};
 use crate::xpbd::bending::Bending;
 use crate::xpbd::pairs::Pairs;
 use crate::xpbd::particles::{Particles, Push};
+use crate::xpbd::quad::Quad;
 use crate::xpbd::springs::Springs;
-use crate::{Cloth, Damping, Point3, Scene, Schedule, SelfContact, SimError, Stage, Vector3};
+use crate::{Cloth, Point3, Scene, Schedule, SelfContact, SimError, Stage, Vector3};
 
 /// The state of one run.
 #[derive(Debug)]
@@ -24,25 +25,17 @@ pub(crate) struct Solver<'a> {
     /// Length of a substep, in seconds, and how many there are from one refresh to the next.
     step: f32,
     num_substeps: u32,
-    damping: Damping,
-    /// Velocity lost, 1/s.
+    /// Displacement of the air next to each vertex a substep, m; empty if it stands still.
+    wind: Vec<Quad>,
+    /// Velocity lost to air that stands still, 1/s.
     drag: f32,
     /// Share of the friction against skin that acts.
     friction_share: f32,
     may_change: bool,
-    /// Kinetic energy summed over a window, and over the one before.
-    kinetic: f32,
-    last_kinetic: f32,
-    /// Substeps of a window.
-    window: u32,
     /// Substeps since the stage began, and since the contacts were refreshed.
     substep: u32,
     substep_of_refresh: u32,
 }
-
-/// Peaks of the kinetic energy are looked for over windows this long, in seconds: contacts make
-/// the energy of single substeps rough.
-const DAMPING_WINDOW: f32 = 1.0 / 240.0;
 
 /// Garments this far from where they started are lost, in metres.
 const LOST: f32 = 100.0;
@@ -82,13 +75,10 @@ impl<'a> Solver<'a> {
             center: (sum / scene.start.len().max(1) as f64).cast(),
             step: 0.0,
             num_substeps: 1,
-            damping: Damping::Drag,
+            wind: Vec::new(),
             drag: schedule.drag,
             friction_share: 1.0,
             may_change: true,
-            kinetic: 0.0,
-            last_kinetic: 0.0,
-            window: 1,
             substep: 0,
             substep_of_refresh: 0,
         }
@@ -112,18 +102,23 @@ impl<'a> Solver<'a> {
             self.particles.rescale(step / self.step);
         }
         self.step = step;
-        self.damping = stage.damping;
         self.drag = self.schedule.drag + stage.extra_drag;
         self.friction_share = stage.friction;
-        self.window = ((DAMPING_WINDOW / step) as u32).max(1);
-        self.kinetic = 0.0;
-        self.last_kinetic = 0.0;
         self.substep = 0;
         self.springs
             .set_step(self.cloth, &self.inverse_masses, step);
         let every = self.schedule.bending_interval;
         self.bending
             .set_step(self.cloth, &self.inverse_masses, step, every);
+    }
+
+    /// Lets the air move by so much in the next frame `[vertex]`, in metres; not at all if empty.
+    pub(crate) fn set_wind(&mut self, of_frame: &[Vector3]) {
+        let per_frame = self.num_substeps * self.schedule.refreshes_per_frame;
+        let share = 1.0 / per_frame as f32;
+        self.wind.clear();
+        self.wind
+            .extend(of_frame.iter().map(|wind| Quad::new(share * wind, 0.0)));
     }
 
     /// Looks for contacts anew. `frame` counts from the start of the run.
@@ -138,7 +133,6 @@ impl<'a> Solver<'a> {
                 step: self.step,
                 max_push_speed: self.schedule.max_push_speed,
                 num_substeps: self.num_substeps,
-                skin_drag: self.schedule.skin_drag,
                 friction: self.cloth.fabric().friction,
                 friction_share: self.friction_share,
                 may_change: self.may_change,
@@ -171,13 +165,11 @@ impl<'a> Solver<'a> {
         let push = Push {
             gravity: schedule.gravity * step * step,
             keep: (-self.drag * step).exp(),
+            carry: 1.0 - (-schedule.carry * step).exp(),
             max_travel: schedule.max_speed * step,
         };
         let friction = self.cloth.fabric().friction;
-        self.kinetic += self.particles.fly(push, &self.contacts.carriers);
-        if self.damping == Damping::Kinetic && self.substep.is_multiple_of(self.window) {
-            self.damp(push);
-        }
+        self.particles.fly(push, &self.wind);
         self.springs.project(&mut self.particles.offsets);
         if self.substep.is_multiple_of(schedule.bending_interval) {
             self.bending.project(&mut self.particles.offsets);
@@ -189,17 +181,6 @@ impl<'a> Solver<'a> {
             pairs.project(&mut self.particles, &self.inverse_masses, friction, substep);
         }
         contact::project(&self.contacts.planes, &mut self.particles, substep);
-    }
-
-    /// Stops the cloth if it had less kinetic energy in this window than in the one before.
-    fn damp(&mut self, push: Push) {
-        if self.kinetic < self.last_kinetic {
-            self.particles.stop(push);
-            self.last_kinetic = 0.0;
-        } else {
-            self.last_kinetic = self.kinetic;
-        }
-        self.kinetic = 0.0;
     }
 
     /// Refuses to go on with a garment that is nowhere.

@@ -7,8 +7,8 @@ use crate::pieces::Pieces;
 use crate::shape::offsets_at_skin;
 use crate::transfer::{PIECE_LENGTH, transfer_screening, transferred_weights};
 use crate::{
-    Body, ClothGraph, PosedBody, ScreenedPoisson, SkinError, SkinWeights, TransferOptions, Weld,
-    skin_dual_quaternion, skin_linear,
+    Body, ClothGraph, PosedBody, ScreenedPoisson, SkinError, SkinWeights, TransferOptions, Vector3,
+    Weld, skin_dual_quaternion, skin_linear,
 };
 
 /// Length over which the body's change of shape is smoothed on the cloth, in metres.
@@ -179,6 +179,13 @@ impl BoundGarment {
         &self.shape_system
     }
 
+    /// How a change of the body's shape moves the garment at rest `[node]`, in metres: that of the
+    /// nearest skin, smoothed. `of_body` is the change of each vertex of the body.
+    pub fn shape_offsets(&self, of_body: &[Vector3]) -> Vec<Vector3> {
+        let at_skin = offsets_at_skin(of_body, self.rest_skin.faces(), &self.skin);
+        self.shape_system.smoothed_vectors(&at_skin)
+    }
+
     /// Positions `[node]` of the garment warped to a posed body, in metres.
     ///
     /// # Errors
@@ -200,10 +207,9 @@ impl BoundGarment {
         Ok(match (warp, body.shape_offsets()) {
             (Warp::Linear, _) => skin_linear(&self.rest, &self.weights, transforms),
             (Warp::Shape, Some(offsets)) => {
-                let at_skin = offsets_at_skin(offsets, self.rest_skin.faces(), &self.skin);
-                let smooth = self.shape_system.smoothed_vectors(&at_skin);
+                let offsets = self.shape_offsets(offsets);
                 let shaped: Vec<Point3> =
-                    self.rest.iter().zip(&smooth).map(|(x, d)| x + d).collect();
+                    self.rest.iter().zip(&offsets).map(|(x, d)| x + d).collect();
                 skin_dual_quaternion(&shaped, &self.weights, transforms)
             }
             (Warp::DualQuaternion | Warp::Shape, _) => {

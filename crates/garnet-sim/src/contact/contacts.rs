@@ -4,7 +4,6 @@ use crate::contact::plane::{Brake, Plane, PlaneOptions};
 use crate::contact::seeker::{FACING, Near, Reach, Seeker, Track};
 use crate::contact::skin::{Skin, unit};
 use crate::xpbd::particles::Particles;
-use crate::xpbd::quad::Quad;
 use crate::{Point3, Vector3};
 
 /// Follows the skin under all vertices.
@@ -24,9 +23,6 @@ pub(crate) struct Contacts {
     orientation: f32,
     normals: Vec<Vector3>,
     pub(crate) planes: Vec<Plane>,
-    /// While the skin moves: its displacement a substep next to each vertex, m, and the share of the
-    /// difference to it that the vertex loses; empty while it stands still.
-    pub(crate) carriers: Vec<Quad>,
     /// Whether a vertex lies between two skins with no room for two layers of cloth.
     pub(crate) is_squeezed: Vec<bool>,
 }
@@ -39,9 +35,6 @@ const LAYERS: f32 = 0.0015;
 
 /// Inside another part of the body whose skin is not near cloth keeps this distance to its own, m.
 const SQUEEZED: f32 = 5e-4;
-
-/// Distances from the skin up to which cloth is carried along, all and nothing of it, m.
-const CARRIED: [f32; 2] = [0.01, 0.05];
 
 /// Between two skins without room cloth loses velocity at this rate, 1/s: it is caught there.
 const SQUEEZED_DRAG: f32 = 300.0;
@@ -58,8 +51,6 @@ pub(crate) struct Interval {
     pub(crate) num_substeps: u32,
     /// Cloth behind the skin comes out at no more than this, m/s.
     pub(crate) max_push_speed: f32,
-    /// Rate at which cloth near moving skin takes its velocity, 1/s.
-    pub(crate) skin_drag: f32,
     /// Coefficient of friction of the fabric on skin, and the share of it that acts; ribs keep all.
     pub(crate) friction: f32,
     pub(crate) friction_share: f32,
@@ -72,13 +63,6 @@ impl Interval {
     /// as it may, until the next refresh.
     fn max_rise(self, missing: f32) -> f32 {
         (self.max_push_speed * self.step).min(missing.max(0.0) / self.num_substeps as f32)
-    }
-
-    /// Share of its velocity against the skin that a vertex at a distance of it loses in a substep.
-    fn carry(self, distance: f32) -> f32 {
-        let [near, far] = CARRIED;
-        let share = ((far - distance) / (far - near)).clamp(0.0, 1.0);
-        1.0 - (-share * self.skin_drag * self.step).exp()
     }
 
     fn drag(self) -> Brake {
@@ -110,7 +94,6 @@ impl Contacts {
             planes: Vec::with_capacity(2 * masks.len()),
             is_squeezed: vec![false; masks.len()],
             normals: Vec::new(),
-            carriers: Vec::new(),
             masks,
             grips,
             reach: Reach::of(thickness),
@@ -132,10 +115,6 @@ impl Contacts {
             self.orientation = self.vote(skin, particles);
         }
         self.planes.clear();
-        self.carriers.clear();
-        if skin.is_moving() {
-            self.carriers.resize(self.tracks.len(), Quad::ZERO);
-        }
         self.turn = (self.turn + 1) % TURNS;
         for vertex in 0..self.tracks.len() {
             let point = particles.position(vertex);
@@ -152,10 +131,6 @@ impl Contacts {
             };
             let is_turn = interval.may_change && vertex as u32 % TURNS == self.turn;
             let own = seeker.own(track, is_turn);
-            if let (Some(own), Some(carrier)) = (own, self.carriers.get_mut(vertex)) {
-                let drift = skin.velocity(&own.foot) * interval.step;
-                *carrier = Quad::new(drift, interval.carry(own.distance));
-            }
             let other = seeker.other(track, own, is_turn);
             let holds = holds(skin, &self.reach, own, other);
             let thickness = self.reach.thickness;

@@ -19,8 +19,6 @@ pub(crate) struct Particles {
     pub(crate) offsets: Vec<Quad>,
     /// Offsets before the substep.
     pub(crate) last: Vec<Quad>,
-    /// Mass, kg.
-    masses: Vec<f32>,
     /// Vertices that are held.
     pins: Vec<u32>,
     num_vertices: usize,
@@ -36,6 +34,8 @@ pub(crate) struct Push {
     pub(crate) gravity: f32,
     /// What is left of a velocity after drag.
     pub(crate) keep: f32,
+    /// Share of its velocity against air that moves that a vertex loses.
+    pub(crate) carry: f32,
     /// No vertex moves on its own by more than this, m.
     pub(crate) max_travel: f32,
 }
@@ -50,7 +50,6 @@ impl Particles {
             offsets: vec![Quad::ZERO; bases.len()],
             last: vec![Quad::ZERO; bases.len()],
             bases,
-            masses: cloth.masses().to_vec(),
             pins: vertices
                 .filter(|&vertex| cloth.is_pinned()[vertex as usize])
                 .collect(),
@@ -79,44 +78,25 @@ impl Particles {
             .collect()
     }
 
-    /// Begins a substep: every vertex flies on. Returns Σ m u² over the displacements u of the
-    /// substep before, kg m².
+    /// Begins a substep: every vertex flies on.
     ///
-    /// `carriers` `[vertex]`, if there are any, draw vertices along: a displacement a substep, m, and
-    /// the share of the difference to it that is lost.
+    /// `wind` `[vertex]` is the displacement of the air a substep, m; empty if it stands still.
     #[inline(never)]
-    pub(crate) fn fly(&mut self, push: Push, carriers: &[Quad]) -> f32 {
+    pub(crate) fn fly(&mut self, push: Push, wind: &[Quad]) {
         let fall = Quad([0.0, -push.gravity, 0.0, 0.0]);
         let limit = push.max_travel * push.max_travel;
-        let mut kinetic = 0.0;
-        let mut carriers = carriers.iter();
-        let vertices = self
-            .offsets
-            .iter_mut()
-            .zip(&mut self.last)
-            .zip(&self.masses);
-        for ((offset, last), &mass) in vertices {
+        let mut wind = wind.iter();
+        for (offset, last) in self.offsets.iter_mut().zip(&mut self.last) {
             let mut travel = (*offset - *last) * push.keep;
-            if let Some(carrier) = carriers.next() {
-                travel += (carrier.vector() - travel) * carrier.0[3];
+            if let Some(&wind) = wind.next() {
+                travel += (wind - travel) * push.carry;
             }
             let squared = travel.dot3(travel);
             if squared > limit {
                 travel = travel * (limit / squared).sqrt();
             }
-            kinetic += mass * squared;
             *last = *offset;
             *offset += travel + fall;
-        }
-        self.hold_pins();
-        kinetic
-    }
-
-    /// After [`Particles::fly`]: takes all velocity away, so that only gravity moves this substep.
-    pub(crate) fn stop(&mut self, push: Push) {
-        let fall = Quad([0.0, -push.gravity, 0.0, 0.0]);
-        for (offset, last) in self.offsets.iter_mut().zip(&self.last) {
-            *offset = *last + fall;
         }
         self.hold_pins();
     }

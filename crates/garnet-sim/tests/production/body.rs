@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use garnet_mesh::TriMesh;
 use garnet_mesh::primitives::{capsule, cuboid, grid, icosphere, tube};
 use garnet_sim::{
-    Cloth, Collider, Damping, Fabric, MovingBody, Point3, Quality, STANDARD_GRAVITY, Scene,
-    Schedule, SelfContact, Vector3,
+    Cloth, Collider, Fabric, MovingBody, Point3, Quality, STANDARD_GRAVITY, Scene, Schedule,
+    SelfContact, Vector3,
 };
 
 use crate::stage::{cloth_of, run, undamped};
@@ -37,6 +37,7 @@ fn scene<'a>(
         body: Some(MovingBody {
             collider,
             motion,
+            carried: None,
             allowed_parts: None,
         }),
     }
@@ -104,11 +105,12 @@ fn a_moving_body_carries_its_cloth_along() {
     let collider = collider_of(&ball);
     let shift = Vector3::new(0.2, 0.1, -0.1);
     let motion = |time: f32| ball.positions().iter().map(|p| p + shift * time).collect();
-    let scene = scene(&cloth, sheet.positions(), &collider, &motion);
-    // Nothing but friction and the drag of the skin holds this sheet.
+    let carried = |time: f32| sheet.positions().iter().map(|p| p + shift * time).collect();
+    let mut scene = scene(&cloth, sheet.positions(), &collider, &motion);
+    scene.body.as_mut().unwrap().carried = Some(&carried);
+    // Nothing but friction and the air that goes along holds this sheet.
     let schedule = Schedule {
         motion_friction: 1.0,
-        skin_drag: 25.0,
         ..Schedule::for_quality(Quality::Fast, cloth.mean_edge_length())
     };
     let draped = run(&scene, &schedule).unwrap();
@@ -221,7 +223,6 @@ fn a_folded_sheet_does_not_fall_through_itself() {
             rate: 1200.0,
             extra_drag: 0.0,
             friction: 1.0,
-            damping: Damping::Drag,
         }],
         ..undamped(0, 1200.0)
     };

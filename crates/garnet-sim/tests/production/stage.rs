@@ -4,8 +4,7 @@ use std::ops::ControlFlow;
 
 use garnet_mesh::TriMesh;
 use garnet_sim::{
-    Cloth, Damping, Drape, Event, Fabric, Point3, RestShape, Scene, Schedule, SelfContact,
-    SimError, Stage,
+    Cloth, Drape, Event, Fabric, Point3, RestShape, Scene, Schedule, SelfContact, SimError, Stage,
 };
 
 /// Cloth whose rest shape is the mesh.
@@ -26,13 +25,12 @@ pub(crate) fn undamped(frames: u32, rate: f32) -> Schedule {
             rate,
             extra_drag: 0.0,
             friction: 1.0,
-            damping: Damping::Drag,
         }],
         refreshes_per_frame: 1,
         bending_interval: 2,
         contraction_frames: 0,
         drag: 0.0,
-        skin_drag: 0.0,
+        carry: 0.0,
         max_speed: 100.0,
         max_push_speed: 0.2,
         gravity: 0.0,

@@ -1,0 +1,77 @@
+//! The noise floor of the teacher for each garment and fabric:
+//! `cargo run --release -p garnet-data --example noise_floor -- VERTICES POSES [GARMENT…]`.
+//!
+//! How far a drape moves in the mean if one shoulder turns by 0.001 rad more, in millimetres: median
+//! and mean over sampled poses of the built-in body.
+
+use std::{
+    env,
+    error::Error,
+    io::{self, Write},
+    sync::atomic::AtomicBool,
+};
+
+use garnet_body::{
+    poses::{PoseSampler, Poser, SelfContact, SoundPose},
+    shape::ParametricBody,
+};
+use garnet_data::{
+    DataError, Quality, StoredFabric, Tailor, default_rest_body, noise_floor, wearer_of,
+};
+use garnet_pattern::GarmentKind;
+use garnet_sim::{FABRIC_NAMES, Fabric};
+use rayon::prelude::*;
+
+/// Poses are drawn with this seed.
+const SEED: u64 = 7;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let [vertices, num_poses, garments @ ..] = arguments.as_slice() else {
+        return Err("usage: noise_floor VERTICES POSES [GARMENT…]".into());
+    };
+    let (vertices, num_poses): (usize, u64) = (vertices.parse()?, num_poses.parse()?);
+    let garments: Vec<GarmentKind> = garments
+        .iter()
+        .map(|name| name.parse())
+        .collect::<Result<_, _>>()?;
+    let garments = if garments.is_empty() {
+        GarmentKind::ALL.to_vec()
+    } else {
+        garments
+    };
+    let stop = AtomicBool::new(false);
+    let body = ParametricBody::build(&default_rest_body())?.into_body();
+    let wearer = wearer_of(&body).ok_or("the built-in body has measures")??;
+    let poser = Poser::new(body.skeleton())?;
+    let contact = SelfContact::new(&body)?;
+    let sampler = PoseSampler::new(SEED);
+    let poses: Vec<SoundPose> = (0..num_poses)
+        .map(|index| sampler.sample_for(&poser, &contact, index))
+        .collect::<Result<_, _>>()?;
+    let mut log = io::stdout().lock();
+    for kind in garments {
+        for name in FABRIC_NAMES {
+            let fabric = Fabric::named(name).ok_or("an unknown fabric")?;
+            let stored = StoredFabric::new(name, &fabric);
+            let tailor = Tailor::new(kind.parameters(), vertices, stored)?;
+            let worn = tailor.dress(&body, &wearer, &stop)?;
+            let teacher = tailor.teacher(&worn, &body)?;
+            let floor = |sound: &SoundPose| {
+                noise_floor(&teacher, &body, &sound.pose, Quality::Teacher, &stop)
+            };
+            let floors: Result<Vec<f64>, DataError> = poses.par_iter().map(floor).collect();
+            let mut floors = floors?;
+            floors.sort_unstable_by(f64::total_cmp);
+            writeln!(
+                log,
+                "{} of {name}: median {:.2}, mean {:.2}, worst {:.2} mm",
+                kind.name(),
+                1e3 * floors[floors.len() / 2],
+                1e3 * floors.iter().sum::<f64>() / floors.len() as f64,
+                1e3 * floors[floors.len() - 1],
+            )?;
+        }
+    }
+    Ok(())
+}
