@@ -39,6 +39,7 @@ mod error;
 mod evaluate;
 mod event;
 mod examples;
+mod exercise;
 mod gradients;
 mod lesson;
 mod publish;
@@ -59,6 +60,7 @@ pub use evaluate::{
     Candidate, EvalEvent, Evaluation, Finish, Percentiles, Row, StageSeconds, Untangled, evaluate,
 };
 pub use event::{Began, EpochRecord, TrainEvent};
+pub use exercise::{Exercise, StepSeconds};
 pub use garnet_net::losses::{LossConfig, LossValue, Term};
 pub use garnet_net::{GarNetConfig, PRESET_NAMES, Variant};
 pub use publish::{Trained, weights_of};
