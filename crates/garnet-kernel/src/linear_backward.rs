@@ -12,7 +12,7 @@ use crate::reduce::{split_into_tiles, sum_rows};
 use crate::{Activation, Features, LinearInput, LinearLayer, Workspace, check};
 
 /// Input channels whose weight gradients are one product.
-const PANEL_CHANNELS: usize = 64;
+const PANEL_CHANNELS: usize = 256;
 
 /// As many products at least, if there are rows enough: work for several threads.
 const MIN_PRODUCTS: usize = 8;
@@ -107,22 +107,7 @@ pub fn linear_backward(
         &own_d_sum
     };
     let d_sum = MatrixRef::new(d_sum, rows, out_channels);
-    let num_panels: usize = (parts.iter())
-        .map(|part| match part {
-            LinearInput::PerRow(part) => part.channels.div_ceil(PANEL_CHANNELS),
-            LinearInput::Broadcast(_) => 0,
-        })
-        .sum();
-    let num_blocks = MIN_PRODUCTS.div_ceil(num_panels.max(1));
-    let block_rows = rows.div_ceil(num_blocks).max(MIN_BLOCK_ROWS);
-    if rows <= block_rows {
-        gradients_of_weights(parts, d_sum, block_rows, &db, gradients.w);
-    } else {
-        let num_blocks = rows.div_ceil(block_rows);
-        let mut dw_of_blocks = workspace.scratch(num_blocks * gradients.w.len());
-        gradients_of_weights(parts, d_sum, block_rows, &db, &mut dw_of_blocks);
-        sum_rows(&dw_of_blocks, gradients.w);
-    }
+    gradient_of_weights(parts, d_sum, &db, gradients.w, workspace);
     for ((part, w), gradient) in layer.parts(parts).zip(gradients.parts.iter_mut()) {
         if let (LinearInput::Broadcast(_), Some(gradient)) = (part, gradient) {
             MatrixMut::new(gradient, part.channels(), 1)
@@ -140,6 +125,30 @@ struct Panel<'a> {
     first_channel: usize,
     first_row: usize,
     dw: &'a mut [f32],
+}
+
+/// Writes the gradient of the weights, in as many products as there is work for.
+fn gradient_of_weights(
+    parts: &[LinearInput<'_>],
+    d_sum: MatrixRef<'_>,
+    db: &[f32],
+    dw: &mut [f32],
+    workspace: &Workspace,
+) {
+    let (rows, _) = d_sum.shape();
+    let panels = parts.iter().map(|part| match part {
+        LinearInput::PerRow(part) => part.channels.div_ceil(PANEL_CHANNELS),
+        LinearInput::Broadcast(_) => 0,
+    });
+    let num_blocks = MIN_PRODUCTS.div_ceil(panels.sum::<usize>().max(1));
+    let block_rows = rows.div_ceil(num_blocks).max(MIN_BLOCK_ROWS);
+    if rows <= block_rows {
+        gradients_of_weights(parts, d_sum, block_rows, db, dw);
+    } else {
+        let mut dw_of_blocks = workspace.scratch(rows.div_ceil(block_rows) * dw.len());
+        gradients_of_weights(parts, d_sum, block_rows, db, &mut dw_of_blocks);
+        sum_rows(&dw_of_blocks, dw);
+    }
 }
 
 /// Writes one gradient of the weights for each block of rows, one after the other.

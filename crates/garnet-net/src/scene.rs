@@ -191,33 +191,27 @@ impl Scene {
         if config.has_local_pooling() {
             let num_kept = sampling.kept().len();
             let num_neighbors = config.pooling.neighbors.min(num_kept);
-            let indices = match known {
-                Some(known) => {
-                    SceneNeighbors::check(known.pooled.len(), num_neighbors * num_vertices)?;
-                    wide(&known.pooled)
-                }
-                None => {
-                    let kept: Vec<Point3> = (sampling.kept().iter())
-                        .map(|&index| used[index as usize])
-                        .collect();
-                    let tree = VertexTree::new(&kept)?;
-                    tree.k_nearest_all(input.warped, num_neighbors)
-                        .into_indices()
-                }
+            let indices = if let Some(known) = known {
+                SceneNeighbors::check(known.pooled.len(), num_neighbors * num_vertices)?;
+                wide(&known.pooled)
+            } else {
+                let kept: Vec<Point3> = (sampling.kept().iter())
+                    .map(|&index| used[index as usize])
+                    .collect();
+                let nearest = VertexTree::new(&kept)?;
+                let nearest = nearest.k_nearest_all(input.warped, num_neighbors);
+                nearest.into_indices()
             };
             let table = NeighborTable::new(num_kept, num_neighbors, indices)?;
             self.nearest = Some(Arc::new(table));
         }
         if config.needs_nearest() {
-            self.closest = match known {
-                Some(known) => {
-                    SceneNeighbors::check(known.closest.len(), num_vertices)?;
-                    wide(&known.closest)
-                }
-                None => {
-                    let tree = VertexTree::new(used)?;
-                    tree.k_nearest_all(input.warped, 1).into_indices()
-                }
+            self.closest = if let Some(known) = known {
+                SceneNeighbors::check(known.closest.len(), num_vertices)?;
+                wide(&known.closest)
+            } else {
+                let nearest = VertexTree::new(used)?;
+                nearest.k_nearest_all(input.warped, 1).into_indices()
             };
         }
         Ok(())

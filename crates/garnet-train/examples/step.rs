@@ -27,7 +27,7 @@ fn main() {
 }
 
 fn time(preset: &str, num_vertices: usize, num_points: usize) {
-    let config = if preset.ends_with(".toml") {
+    let config = if std::path::Path::new(preset).is_file() {
         TrainConfig::read(preset.as_ref()).unwrap()
     } else {
         TrainConfig::parse(&format!("preset = \"{preset}\"")).unwrap()

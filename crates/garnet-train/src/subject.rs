@@ -4,7 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use garnet_mesh::{Point3, TriMesh};
 use garnet_net::losses::{LossBody, LossConfig, LossTarget, Losses};
-use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, SceneNeighbors, Variant};
+use garnet_net::{
+    BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, SceneNeighbors, Variant,
+};
 use garnet_skin::{Body, WarpedGarment};
 
 use crate::{SceneName, Stage, StagedScene, TrainError};
@@ -104,9 +106,7 @@ impl Subject {
         let body = TriMesh::new(example.body.clone(), self.body_faces.clone())?;
         let (config, graph, input) = (&self.config, &example.graph, example.input());
         let scene = match example.neighbors.get() {
-            Some(Some(known)) => {
-                Scene::of_neighbors(config, graph, &self.sampling, &input, known)?
-            }
+            Some(Some(known)) => Scene::of_neighbors(config, graph, &self.sampling, &input, known)?,
             _ => Scene::new(config, graph, &self.sampling, &input)?,
         };
         example.neighbors.get_or_init(|| scene.neighbors());
