@@ -62,7 +62,7 @@ pub use evaluate::{
 pub use event::{Began, EpochRecord, TrainEvent};
 pub use exercise::{Exercise, StepSeconds};
 pub use garnet_net::losses::{LossConfig, LossValue, Term};
-pub use garnet_net::{GarNetConfig, PRESET_NAMES, Variant};
+pub use garnet_net::{GarNetConfig, PRESET_NAMES, Precision, Variant};
 pub use publish::{Trained, weights_of};
 pub use recipe::Recipe;
 pub use schedule::Schedule;
