@@ -10,7 +10,7 @@ use garnet::{
 };
 
 use crate::{
-    args::{millimetres, milliseconds},
+    args::{millimetres, milliseconds, tolerance},
     failure::{Hint, refused},
     output,
     posing::PoseSource,
