@@ -1,9 +1,14 @@
 //! Kernels of the network, forward and backward, on one and two threads, beside a plain matrix product.
 //!
 //! The throughput is that of the multiplications and additions of the matrix products alone ("Gelem/s" are
-//! GFLOP/s). `kernel/product` is the measure of `kernel/feast_forward`: 80 % of its rate is the bar.
+//! GFLOP/s). The measure of the convolution is a product of 10000 x 1152 by 1152 x 128: 80 % of its rate is
+//! the bar. `cargo bench --bench kernel -- share` prints nothing but the shares, measured by turns, of the
+//! faster of two products: that of `faer`, and that of the kernels themselves, a linear layer.
+
+#![allow(clippy::print_stdout, reason = "a program that reports")]
 
 use std::hint::black_box;
+use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use faer::linalg::matmul::matmul;
@@ -55,80 +60,220 @@ fn on_threads(
     let mut group = criterion.benchmark_group(format!("kernel/{name}"));
     group
         .throughput(Throughput::Elements(flop as u64))
-        .sample_size(20);
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(200))
+        .measurement_time(Duration::from_millis(800));
     for num_threads in [1, 2] {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(num_threads)
-            .build();
-        let pool = pool.expect("threads can be made");
+        let pool = pool_of(num_threads);
         let id = BenchmarkId::new(format!("{num_threads} threads"), size);
         group.bench_function(id, |bencher| pool.install(|| bencher.iter(&mut run)));
     }
     group.finish();
 }
 
-/// A product of 10000 x 1152 by 1152 x 128 with all threads of the pool.
-fn product(criterion: &mut Criterion) {
-    let (rows, depth, columns) = (10_000, 1_152, 128);
-    let (a, b) = (numbers(rows * depth), numbers(depth * columns));
-    let mut c = vec![0.0; rows * columns];
-    on_threads(
-        criterion,
-        "product",
-        rows,
-        2 * rows * depth * columns,
-        || {
-            let c = MatMut::from_row_major_slice_mut(&mut c, rows, columns);
-            let a = MatRef::from_row_major_slice(&a, rows, depth);
-            let b = MatRef::from_row_major_slice(&b, depth, columns);
-            matmul(black_box(c), Accum::Replace, a, b, 1.0, Par::rayon(0));
-        },
-    );
+fn pool_of(num_threads: usize) -> rayon::ThreadPool {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(num_threads)
+        .build();
+    pool.expect("threads can be made")
 }
 
-/// `FeaStNet` convolution of 128 to 128 channels with 8 heads.
-fn feast(criterion: &mut Criterion) {
-    for size in SIZES {
-        let adjacency = grid(size);
-        let x = numbers(size * CHANNELS);
-        let dy = numbers(size * CHANNELS);
-        let (u, c) = (numbers(CHANNELS * NUM_HEADS), numbers(NUM_HEADS));
-        let (w, b) = (numbers(NUM_HEADS * CHANNELS * CHANNELS), numbers(CHANNELS));
-        let layer = FeastLayer {
+/// A product of 10000 x 1152 by 1152 x 128.
+struct Product {
+    a: Vec<f32>,
+    b: Vec<f32>,
+    c: Vec<f32>,
+    workspace: Workspace,
+}
+
+impl Product {
+    const SHAPE: [usize; 3] = [10_000, 1_152, 128];
+    const FLOP: usize = 2 * Self::SHAPE[0] * Self::SHAPE[1] * Self::SHAPE[2];
+
+    fn new() -> Self {
+        let [rows, depth, columns] = Self::SHAPE;
+        Self {
+            a: numbers(rows * depth),
+            b: numbers(depth * columns),
+            c: vec![0.0; rows * columns],
+            workspace: Workspace::new(),
+        }
+    }
+
+    /// With all threads of the pool.
+    fn run(&mut self) {
+        let [rows, depth, columns] = Self::SHAPE;
+        let c = MatMut::from_row_major_slice_mut(&mut self.c, rows, columns);
+        let a = MatRef::from_row_major_slice(&self.a, rows, depth);
+        let b = MatRef::from_row_major_slice(&self.b, depth, columns);
+        matmul(black_box(c), Accum::Replace, a, b, 1.0, Par::rayon(0));
+    }
+
+    /// As a linear layer without bias and activation.
+    fn run_as_layer(&mut self) {
+        let [_, depth, columns] = Self::SHAPE;
+        let layer = LinearLayer {
+            out_channels: columns,
+            w: &self.b,
+            b: None,
+            activation: Activation::None,
+        };
+        let parts = [LinearInput::PerRow(Features::new(&self.a, depth))];
+        linear_forward(&layer, &parts, black_box(&mut self.c), &self.workspace);
+    }
+}
+
+fn product(criterion: &mut Criterion) {
+    let mut product = Product::new();
+    let [rows, ..] = Product::SHAPE;
+    on_threads(criterion, "product", rows, Product::FLOP, || product.run());
+    on_threads(criterion, "product_as_layer", rows, Product::FLOP, || {
+        product.run_as_layer();
+    });
+}
+
+/// `FeaStNet` convolution of 128 to 128 channels with 8 heads, and all its gradients.
+struct Convolution {
+    adjacency: Adjacency,
+    workspace: Workspace,
+    x: Vec<f32>,
+    y: Vec<f32>,
+    dx: Vec<f32>,
+    dy: Vec<f32>,
+    /// `u`, `c`, `w` and `b`.
+    weights: [Vec<f32>; 4],
+    gradients: [Vec<f32>; 4],
+}
+
+impl Convolution {
+    fn new(size: usize) -> Self {
+        let weights = [
+            CHANNELS * NUM_HEADS,
+            NUM_HEADS,
+            NUM_HEADS * CHANNELS * CHANNELS,
+            CHANNELS,
+        ]
+        .map(numbers);
+        Self {
+            adjacency: grid(size),
+            workspace: Workspace::new(),
+            x: numbers(size * CHANNELS),
+            y: vec![0.0; size * CHANNELS],
+            dx: vec![0.0; size * CHANNELS],
+            dy: numbers(size * CHANNELS),
+            gradients: weights.clone(),
+            weights,
+        }
+    }
+
+    /// Multiplications and additions of the forward product.
+    fn flop(&self) -> usize {
+        2 * self.adjacency.num_vertices() * self.weights[2].len()
+    }
+
+    fn layer(&self) -> FeastLayer<'_> {
+        let [u, c, w, b] = &self.weights;
+        FeastLayer {
             num_heads: NUM_HEADS,
             out_channels: CHANNELS,
-            u: &u,
-            c: &c,
-            w: &w,
-            b: &b,
+            u,
+            c,
+            w,
+            b,
             activation: Activation::LeakyRelu,
-        };
-        let features = [Features::new(&x, CHANNELS)];
+        }
+    }
+
+    fn forward(&mut self) {
+        let mut y = std::mem::take(&mut self.y);
         let input = FeastInput {
-            adjacency: &adjacency,
-            features: &features,
+            adjacency: &self.adjacency,
+            features: &[Features::new(&self.x, CHANNELS)],
             residual: None,
         };
-        let workspace = Workspace::new();
-        let flop = 2 * size * w.len();
+        feast_forward(&self.layer(), &input, &mut y, &self.workspace);
+        self.y = y;
+    }
 
-        let mut y = vec![0.0; size * CHANNELS];
+    fn backward(&mut self) {
+        let mut dx = std::mem::take(&mut self.dx);
+        let [mut u, mut c, mut w, mut b] = std::mem::take(&mut self.gradients);
+        let input = FeastInput {
+            adjacency: &self.adjacency,
+            features: &[Features::new(&self.x, CHANNELS)],
+            residual: None,
+        };
+        let mut gradients = FeastGradients {
+            features: &mut [Some(&mut dx)],
+            residual: None,
+            u: &mut u,
+            c: &mut c,
+            w: &mut w,
+            b: &mut b,
+        };
+        let outputs = (self.y.as_slice(), self.dy.as_slice());
+        feast_backward(
+            &self.layer(),
+            &input,
+            outputs,
+            &mut gradients,
+            &self.workspace,
+        );
+        (self.dx, self.gradients) = (dx, [u, c, w, b]);
+    }
+}
+
+fn feast(criterion: &mut Criterion) {
+    for size in SIZES {
+        let mut convolution = Convolution::new(size);
+        let flop = convolution.flop();
         on_threads(criterion, "feast_forward", size, flop, || {
-            feast_forward(&layer, &input, &mut y, &workspace);
+            convolution.forward();
         });
-        let (mut dx, mut du, mut dc) = (x.clone(), u.clone(), c.clone());
-        let (mut dw, mut db) = (w.clone(), b.clone());
         on_threads(criterion, "feast_backward", size, 2 * flop, || {
-            let mut gradients = FeastGradients {
-                features: &mut [Some(&mut dx)],
-                residual: None,
-                u: &mut du,
-                c: &mut dc,
-                w: &mut dw,
-                b: &mut db,
-            };
-            feast_backward(&layer, &input, (&y, &dy), &mut gradients, &workspace);
+            convolution.backward();
         });
+    }
+}
+
+/// Prints how much of the rate of the product a convolution reaches, the three measured by turns.
+fn shares(_: &mut Criterion) {
+    const TURNS: usize = 15;
+    let filter = std::env::args().skip(1).find(|text| !text.starts_with('-'));
+    if filter.is_some_and(|filter| !"kernel/share".contains(&filter)) {
+        return;
+    }
+    let mut product = Product::new();
+    let mut convolution = Convolution::new(10_000);
+    let flop = convolution.flop();
+    for num_threads in [1, 2] {
+        let mut seconds = [const { Vec::new() }; 4];
+        pool_of(num_threads).install(|| {
+            for _ in 0..TURNS {
+                let mut take = |number: usize, run: &mut dyn FnMut()| {
+                    let start = Instant::now();
+                    run();
+                    seconds[number].push(start.elapsed().as_secs_f64());
+                };
+                take(0, &mut || product.run());
+                take(1, &mut || product.run_as_layer());
+                take(2, &mut || convolution.forward());
+                take(3, &mut || convolution.backward());
+            }
+        });
+        let [by_faer, as_layer, forward, backward] = seconds.map(|mut seconds| {
+            seconds.sort_by(f64::total_cmp);
+            seconds[TURNS / 2]
+        });
+        let rate = Product::FLOP as f64 / by_faer.min(as_layer);
+        let share = |flop: usize, seconds: f64| 100.0 * flop as f64 / seconds / rate;
+        println!(
+            "kernel/share, {num_threads} threads: product {:.0} GFLOP/s; convolution forward {:.0} %, \
+             backward {:.0} % of it",
+            rate / 1e9,
+            share(flop, forward),
+            share(2 * flop, backward),
+        );
     }
 }
 
@@ -211,5 +356,5 @@ fn pooling(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, product, feast, linear, pooling);
+criterion_group!(benches, product, feast, linear, pooling, shares);
 criterion_main!(benches);

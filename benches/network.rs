@@ -1,112 +1,166 @@
-//! The network: each preset and each variant on garments of several sizes.
+//! The network: presets and variants on garments of several sizes, the step of a training, and the
+//! whole drape, on one and two threads.
+//!
+//! `cargo bench --bench network -- TEXT` measures what has the text in its name: `predict/2
+//! threads/small/10000`. Memory is told by the bench `memory`.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "the inputs are generated and known to be sound"
-)]
+use std::time::Duration;
 
-use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
-use garnet_mesh::primitives::{capsule, tube};
-use garnet_mesh::{TriMesh, Vector3, vertex_normals};
-use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput, Variant};
-use nalgebra::{Isometry3, UnitQuaternion};
+use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
+use garnet::{Draper, Network};
+use garnet_benches::{NetworkStage, Scene};
+use garnet_net::{GarNetConfig, Variant};
+use garnet_train::{Exercise, TrainConfig};
+
+/// The allocator of the command.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 const SIZES: [usize; 4] = [2_500, 5_000, 10_000, 20_000];
 
-/// A garment around a body of 6,890 points, ready to be predicted.
-struct Stage {
-    template: TriMesh,
-    body: TriMesh,
-    normals: Vec<Vector3>,
-    rotations: Vec<UnitQuaternion<f32>>,
+const PRESETS: [&str; 4] = ["paper", "medium", "small", "light"];
+
+/// Body parameters of `GlobalParams`: as many as the built-in body has.
+const NUM_BODY_PARAMETERS: usize = 330;
+
+fn preset(name: &str) -> GarNetConfig {
+    GarNetConfig::preset(name).expect("the preset is there")
 }
 
-impl Stage {
-    fn new(num_vertices: usize) -> Self {
-        let segments = (num_vertices as f32).sqrt() as usize;
-        let template = tube(0.22, 0.7, segments, num_vertices / segments - 1);
-        let body = capsule(0.2, 0.8, 83, 27);
-        Self {
-            normals: vertex_normals(body.positions(), body.faces()),
-            rotations: vec![UnitQuaternion::identity(); template.num_vertices()],
-            template,
-            body,
-        }
-    }
-
-    fn predictor(&self, config: GarNetConfig) -> Predictor {
-        let garment = GarmentGraph::new(&self.template, &[]).unwrap();
-        let config = garment.configured(config);
-        let (rest, template) = (self.body.positions(), self.template.positions());
-        let sampling = BodySampling::for_garment(rest, template, &config).unwrap();
-        Predictor::untrained(&config, 1, garment, sampling).unwrap()
-    }
-
-    fn input(&self) -> SceneInput<'_> {
-        SceneInput {
-            warped: self.template.positions(),
-            body: self.body.positions(),
-            body_normals: &self.normals,
-            world_from_root: Isometry3::identity(),
-            rotations: &self.rotations,
-            parameters: &[],
-        }
+/// Runs a bench in a pool of one and of two threads, for a second or so.
+fn on_threads<T>(
+    criterion: &mut Criterion,
+    name: &str,
+    (what, size): (&str, usize),
+    make: impl Fn() -> T + Sync,
+    run: impl Fn(&mut T) + Sync,
+) where
+    T: Send,
+{
+    for num_threads in [1, 2] {
+        let mut group = criterion.benchmark_group(format!("{name}/{num_threads} threads"));
+        group
+            .sampling_mode(SamplingMode::Flat)
+            .sample_size(10)
+            .warm_up_time(Duration::from_millis(100))
+            .measurement_time(Duration::from_millis(600));
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(num_threads)
+            .build();
+        let pool = pool.expect("threads can be made");
+        // Made only for what the filter lets through.
+        let mut made = None;
+        group.bench_function(BenchmarkId::new(what, size), |bencher| {
+            pool.install(|| {
+                let made = made.get_or_insert_with(&make);
+                bencher.iter(|| run(made));
+            });
+        });
+        group.finish();
     }
 }
 
 /// Neighbors, features and network, as a drape has them.
 fn predict(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("predict");
-    group.sample_size(10);
-    for size in SIZES {
-        let stage = Stage::new(size);
-        for preset in ["paper", "medium", "small", "light"] {
-            let mut predictor = stage.predictor(GarNetConfig::preset(preset).unwrap());
-            group.bench_function(BenchmarkId::new(preset, size), |bencher| {
-                bencher.iter(|| predictor.predict(&stage.input()).unwrap());
+    for name in PRESETS {
+        for size in SIZES {
+            let stage = NetworkStage::new(size);
+            let make = || stage.predictor(preset(name));
+            on_threads(criterion, "predict", (name, size), make, |predictor| {
+                predictor
+                    .predict(&stage.input())
+                    .expect("the scene is sound");
             });
         }
     }
-    group.finish();
 }
 
-/// The variants of the paper's size, the network alone.
+/// The variants of one preset, the network alone.
 fn variants(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("forward");
-    group.sample_size(10);
-    let stage = Stage::new(10_000);
-    for (name, variant) in [
-        ("naive", Variant::Naive),
-        ("global", Variant::Global),
-        ("local", Variant::Local),
+    for (name, variant, num_parameters) in [
+        ("naive", Variant::Naive, 0),
+        ("global", Variant::Global, 0),
+        ("local", Variant::Local, 0),
+        ("global-params", Variant::GlobalParams, NUM_BODY_PARAMETERS),
     ] {
-        let config = GarNetConfig::preset("paper")
-            .unwrap()
-            .with_variant(variant, 0);
-        let mut predictor = stage.predictor(config);
-        predictor.prepare(&stage.input()).unwrap();
-        group.bench_function(BenchmarkId::new(name, 10_000), |bencher| {
-            bencher.iter(|| predictor.translations());
-        });
+        for size in SIZES {
+            let stage = NetworkStage::new(size);
+            let make = || {
+                let config = preset("small").with_variant(variant, num_parameters);
+                let mut predictor = stage.predictor(config);
+                let parameters = vec![0.0; num_parameters];
+                predictor
+                    .prepare(&garnet_net::SceneInput {
+                        parameters: &parameters,
+                        ..stage.input()
+                    })
+                    .expect("the scene is sound");
+                predictor
+            };
+            on_threads(criterion, "forward", (name, size), make, |predictor| {
+                predictor.translations();
+            });
+        }
     }
-    group.finish();
+}
+
+/// What a training repeats: preparation, network, losses, derivatives, and the step of Adam.
+fn training_step(criterion: &mut Criterion) {
+    for name in PRESETS {
+        for size in [5_000, 10_000] {
+            let stage = NetworkStage::new(size);
+            let make = || {
+                let text = format!("preset = \"{name}\"");
+                let config = TrainConfig::parse(&text).expect("the preset is there");
+                let (garment, body) = (stage.template(), stage.body());
+                Exercise::new(&config, garment, body, &stage.draped())
+                    .expect("the meshes are sound")
+            };
+            on_threads(criterion, "step", (name, size), make, |exercise| {
+                exercise.step().expect("a few steps do not diverge");
+            });
+        }
+    }
+}
+
+/// Warp, network and untangling of a bound garment.
+fn drape(criterion: &mut Criterion) {
+    for name in ["small", "light"] {
+        for size in SIZES {
+            let make = || {
+                let scene = Scene::new(size);
+                let bound = scene.bound();
+                let network = Network::untrained(name, &bound, &scene.body);
+                (scene, bound, network.expect("the preset is there"))
+            };
+            on_threads(criterion, "drape", (name, size), make, |made| {
+                let (scene, bound, network) = made;
+                let warped = network.warped(bound, &scene.posed);
+                let warped = warped.expect("the body is that of the garment");
+                let moved = network.moved(bound, &scene.posed, &warped);
+                let moved = moved.expect("the body is finite");
+                let draped = Draper::new().finish(bound, &scene.posed, &moved);
+                draped.expect("the body is that of the garment");
+            });
+        }
+    }
 }
 
 /// What is done once a garment.
 fn bind(criterion: &mut Criterion) {
-    let stage = Stage::new(10_000);
-    let mut group = criterion.benchmark_group("bind network");
-    group.sample_size(10);
-    group.bench_function("small", |bencher| {
-        let config = GarNetConfig::preset("small").unwrap();
-        bencher.iter_batched(
-            || config.clone(),
-            |config| stage.predictor(config),
-            BatchSize::SmallInput,
+    for size in SIZES {
+        let stage = NetworkStage::new(size);
+        on_threads(
+            criterion,
+            "bind network",
+            ("small", size),
+            || (),
+            |()| {
+                stage.predictor(preset("small"));
+            },
         );
-    });
-    group.finish();
+    }
 }
 
-criterion_group!(benches, predict, variants, bind);
+criterion_group!(benches, predict, variants, training_step, drape, bind);
 criterion_main!(benches);

@@ -4,6 +4,10 @@
 //! the thighs, so that real contacts are found and solved. Times are wall time of one operation on
 //! all threads that rayon takes: `RAYON_NUM_THREADS` sets how many.
 
+mod network_stage;
+
+pub use network_stage::NetworkStage;
+
 use std::time::Duration;
 
 use criterion::{BenchmarkGroup, Criterion, measurement::WallTime};

@@ -81,6 +81,39 @@ fn a_training_reports_and_leaves_curves() {
 }
 
 #[test]
+fn networks_are_chosen_by_error_and_by_time() {
+    let fixture = prepared();
+    for (variant, epochs) in [("short", 1), ("long", 30)] {
+        let preset = "--preset tiny --precision f16 -q";
+        let train = format!("train net scenes --variant {variant} --epochs {epochs} {preset}");
+        done(&fixture, &train);
+    }
+    let drape = |limit: &str| -> serde_json::Value {
+        let report = done(
+            &fixture,
+            &format!("drape net bent.obj -o out.obj --report - {limit}"),
+        );
+        serde_json::from_str(&report).unwrap()
+    };
+    let within = drape("--tolerance 1000");
+    let choice = &within["choice"];
+    assert_eq!(
+        (&choice["by"], &choice["is_met"]),
+        (&"tolerance_m".into(), &true.into())
+    );
+    assert_eq!(choice["candidates"].as_array().unwrap().len(), 2);
+
+    // Both are of one size and fast enough: the more accurate one is taken, and it alone was timed.
+    let within = drape("--budget 60000");
+    let candidates = within["choice"]["candidates"].as_array().unwrap();
+    let error = |number: usize| candidates[number]["error_m"].as_f64().unwrap();
+    assert!(error(0) <= error(1));
+    assert_eq!(within["method"], candidates[0]["variant"]);
+    assert!(candidates[0]["seconds"].as_f64().unwrap() > 0.0);
+    assert!(candidates[1]["seconds"].is_null());
+}
+
+#[test]
 fn damaged_weights_are_refused_by_name_and_nothing_is_written() {
     let fixture = prepared();
     done(&fixture, "train net scenes --preset tiny --epochs 1 -q");

@@ -100,6 +100,22 @@ pub(crate) fn millimetres(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A length in millimetres, zero or more, as metres in double precision.
+pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(length) if (0.0..=1000.0).contains(&length) => Ok(length * 1e-3),
+        _ => Err("expected millimetres, from 0 to 1000".to_owned()),
+    }
+}
+
+/// A time in milliseconds, above zero, as seconds.
+pub(crate) fn milliseconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(time) if time > 0.0 && time <= 1e7 => Ok(time * 1e-3),
+        _ => Err("expected milliseconds, above 0".to_owned()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use crate::adjacency_tiles::TILE_ROWS;
 use crate::feast_aggregate::aggregate;
 use crate::feast_attention::{Attention, Logits};
+use crate::feast_columns::Columns;
 use crate::instructions::Kernel;
 use crate::lanes::Lanes;
 use crate::matmul::{MatrixMut, MatrixRef};
@@ -60,6 +61,12 @@ impl FeastInput<'_> {
     /// Number of input channels of all parts.
     pub fn in_channels(&self) -> usize {
         self.features.iter().map(|part| part.channels).sum()
+    }
+
+    /// The order of the columns of aggregates.
+    pub(crate) fn columns(&self, layer: &FeastLayer<'_>, workspace: &Workspace) -> Columns {
+        let channels = self.features.iter().map(|part| part.channels);
+        Columns::new(channels, layer.num_heads, workspace.instructions().lanes())
     }
 
     /// Asserts that input and layer fit.
@@ -113,7 +120,9 @@ pub fn feast_forward(
     check::shape("y", y, adjacency.num_vertices(), out_channels);
     let logits = Logits::new(layer, input.features, workspace);
     let depth = layer.num_heads * in_channels;
-    let w = MatrixRef::new(layer.w, depth, out_channels);
+    let columns = input.columns(layer, workspace);
+    let w = columns.ordered(layer.w, out_channels, workspace);
+    let w = MatrixRef::new(&w, depth, out_channels);
 
     y.par_chunks_mut(TILE_ROWS * out_channels)
         .enumerate()
@@ -154,7 +163,7 @@ pub(crate) struct AggregateTile<'a> {
     pub(crate) first_row: usize,
     /// `q / |N_i|`, a padded row of heads for each edge of the tile.
     pub(crate) weights: &'a mut [f32],
-    /// `[rows of the tile, num_heads * in_channels]`.
+    /// `[rows of the tile, num_heads * in_channels]`, in the order of [`Columns`].
     pub(crate) z: &'a mut [f32],
 }
 
@@ -182,13 +191,8 @@ impl Kernel for AggregateTile<'_> {
             let mut column = 0;
             for part in input.features {
                 let columns = column..column + part.channels;
-                aggregate::<V>(
-                    *part,
-                    neighbors,
-                    attention.view(weights),
-                    &mut z[column..],
-                    in_channels,
-                );
+                let sums = &mut z[columns.start * attention.num_heads..];
+                aggregate::<V>(*part, neighbors, attention.view(weights), sums);
                 column = columns.end;
             }
             edge += neighbors.len();

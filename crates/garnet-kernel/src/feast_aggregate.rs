@@ -13,9 +13,9 @@ pub(crate) struct HeadRows<'a> {
     pub(crate) num_heads: usize,
 }
 
-impl HeadRows<'_> {
+impl<'a> HeadRows<'a> {
     #[inline(always)]
-    fn group<const G: usize>(&self, edge: usize, first_head: usize) -> &[f32; G] {
+    fn group<const G: usize>(&self, edge: usize, first_head: usize) -> &'a [f32; G] {
         let row = &self.values[edge * self.stride + first_head..][..G];
         row.try_into().expect("the slice has G values")
     }
@@ -49,17 +49,17 @@ macro_rules! for_head_groups {
     }};
 }
 
-/// Writes `sums[m][k] = Σ_j weights[j][m] features[j][k]`; the rows of `sums` start `sum_stride` apart.
+/// Writes `sums[m][k] = Σ_j weights[j][m] features[j][k]` for a part of the features, in the order of
+/// [`Columns`](crate::feast_columns::Columns).
 #[inline(always)]
 pub(crate) fn aggregate<V: Lanes>(
     features: Features<'_>,
     neighbors: &[u32],
     weights: HeadRows<'_>,
     sums: &mut [f32],
-    sum_stride: usize,
 ) {
     for_head_groups!(weights.num_heads, aggregate_group::<V>(
-        first_head => features, neighbors, weights, first_head, sums, sum_stride,
+        first_head => features, neighbors, weights, first_head, sums,
     ));
 }
 
@@ -70,7 +70,6 @@ fn aggregate_group<V: Lanes, const G: usize>(
     weights: HeadRows<'_>,
     first_head: usize,
     sums: &mut [f32],
-    sum_stride: usize,
 ) {
     let channels = features.channels;
     let whole = whole::<V>(channels);
@@ -83,11 +82,14 @@ fn aggregate_group<V: Lanes, const G: usize>(
                 group[m] = V::splat(weights[m]).mul_add(x, group[m]);
             }
         }
+        let start = channel * weights.num_heads + first_head * V::LANES;
+        let sums = &mut sums[start..start + G * V::LANES];
         for m in 0..G {
-            group[m].store(&mut sums[(first_head + m) * sum_stride + channel..]);
+            group[m].store(&mut sums[m * V::LANES..]);
         }
     }
     if whole < channels {
+        let rest = channels - whole;
         let mut group = [V::splat(0.0); G];
         for (edge, &neighbor) in neighbors.iter().enumerate() {
             let x = V::load_part(&features.row(neighbor as usize)[whole..]);
@@ -96,9 +98,9 @@ fn aggregate_group<V: Lanes, const G: usize>(
                 group[m] = V::splat(weights[m]).mul_add(x, group[m]);
             }
         }
+        let start = whole * weights.num_heads + first_head * rest;
         for m in 0..G {
-            let start = (first_head + m) * sum_stride;
-            group[m].store_part(&mut sums[start + whole..start + channels]);
+            group[m].store_part(&mut sums[start + m * rest..][..rest]);
         }
     }
 }
@@ -108,73 +110,131 @@ pub(crate) struct SlotRows<'a> {
     pub(crate) values: &'a mut [f32],
     /// Distance of two slots.
     pub(crate) stride: usize,
-    /// First column of the part of the features at hand.
-    pub(crate) column: usize,
     /// The slot of each edge.
     pub(crate) slot_of_edge: &'a [u32],
 }
 
-/// The backward pass of [`aggregate`], from gradients `d_sums` of its sums.
+impl SlotRows<'_> {
+    #[inline(always)]
+    fn start(&self, edge: usize) -> usize {
+        self.slot_of_edge[edge] as usize * self.stride
+    }
+}
+
+/// The backward pass of [`aggregate`] over all parts of the features, from gradients `d_sums` of the sums.
 ///
-/// Adds `Σ_k d_sums[m][k] features[j][k]` to `d_weights[j][m]` and `Σ_m weights[j][m] d_sums[m][k]` to the
-/// slot of each edge.
+/// Writes `Σ_k d_sums[m][k] features[j][k]` to `d_weights[j][m]` and adds `Σ_m weights[j][m] d_sums[m][k]` to
+/// the slot of each edge.
 #[inline(always)]
 pub(crate) fn aggregate_backward<V: Lanes>(
-    features: Features<'_>,
+    features: &[Features<'_>],
     neighbors: &[u32],
     weights: HeadRows<'_>,
-    (d_sums, sum_stride): (&[f32], usize),
+    d_sums: &[f32],
     d_weights: &mut [f32],
     slots: &mut SlotRows<'_>,
 ) {
     for_head_groups!(weights.num_heads, aggregate_group_backward::<V>(
-        first_head => features, neighbors, weights, first_head, (d_sums, sum_stride), d_weights, slots,
+        first_head => features, neighbors, weights, first_head, d_sums, d_weights, slots,
     ));
 }
 
 #[inline(always)]
 fn aggregate_group_backward<V: Lanes, const G: usize>(
-    features: Features<'_>,
+    features: &[Features<'_>],
     neighbors: &[u32],
     weights: HeadRows<'_>,
     first_head: usize,
-    (d_sums, sum_stride): (&[f32], usize),
+    d_sums: &[f32],
     d_weights: &mut [f32],
     slots: &mut SlotRows<'_>,
 ) {
-    let channels = features.channels;
-    let whole = whole::<V>(channels);
-    let d_sums: [&[f32]; G] =
-        std::array::from_fn(|m| &d_sums[(first_head + m) * sum_stride..][..channels]);
-    for (edge, &neighbor) in neighbors.iter().enumerate() {
-        let x = features.row(neighbor as usize);
-        let slot = slots.slot_of_edge[edge] as usize * slots.stride + slots.column;
-        let slot = &mut slots.values[slot..][..channels];
-        let w: &[f32; G] = weights.group(edge, first_head);
-        let mut dots = [V::splat(0.0); G];
+    // With registers enough, two edges share what is loaded of the gradients.
+    let pairs = if V::LANES == 16 {
+        neighbors.len() / 2
+    } else {
+        0
+    };
+    for pair in 0..pairs {
+        let edges = [2 * pair, 2 * pair + 1];
+        edges_backward::<V, G, 2>(
+            features, neighbors, weights, first_head, edges, d_sums, d_weights, slots,
+        );
+    }
+    for edge in 2 * pairs..neighbors.len() {
+        edges_backward::<V, G, 1>(
+            features,
+            neighbors,
+            weights,
+            first_head,
+            [edge],
+            d_sums,
+            d_weights,
+            slots,
+        );
+    }
+}
+
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "the inner loop, inlined")]
+fn edges_backward<V: Lanes, const G: usize, const E: usize>(
+    features: &[Features<'_>],
+    neighbors: &[u32],
+    weights: HeadRows<'_>,
+    first_head: usize,
+    edges: [usize; E],
+    d_sums: &[f32],
+    d_weights: &mut [f32],
+    slots: &mut SlotRows<'_>,
+) {
+    let mut dots = [[V::splat(0.0); G]; E];
+    let starts = edges.map(|edge| slots.start(edge));
+    let weights_of_edges = edges.map(|edge| weights.group::<G>(edge, first_head));
+    let mut column = 0;
+    for part in features {
+        let channels = part.channels;
+        let whole = whole::<V>(channels);
+        let rows = edges.map(|edge| part.row(neighbors[edge] as usize));
+        let d_sums = &d_sums[column * weights.num_heads..][..channels * weights.num_heads];
         for channel in (0..whole).step_by(V::LANES) {
-            let x = V::load(&x[channel..]);
-            let mut message = V::load(&slot[channel..]);
+            let start = channel * weights.num_heads + first_head * V::LANES;
+            let d_sums = &d_sums[start..start + G * V::LANES];
+            let x: [V; E] = std::array::from_fn(|e| V::load(&rows[e][channel..]));
+            let mut messages: [V; E] =
+                std::array::from_fn(|e| V::load(&slots.values[starts[e] + column + channel..]));
             for m in 0..G {
-                let d_sum = V::load(&d_sums[m][channel..]);
-                dots[m] = d_sum.mul_add(x, dots[m]);
-                message = V::splat(w[m]).mul_add(d_sum, message);
+                let d_sum = V::load(&d_sums[m * V::LANES..]);
+                for e in 0..E {
+                    dots[e][m] = d_sum.mul_add(x[e], dots[e][m]);
+                    messages[e] = V::splat(weights_of_edges[e][m]).mul_add(d_sum, messages[e]);
+                }
             }
-            message.store(&mut slot[channel..]);
+            for e in 0..E {
+                messages[e].store(&mut slots.values[starts[e] + column + channel..]);
+            }
         }
         if whole < channels {
-            let x = V::load_part(&x[whole..]);
-            let mut message = V::load_part(&slot[whole..]);
-            for m in 0..G {
-                let d_sum = V::load_part(&d_sums[m][whole..]);
-                dots[m] = d_sum.mul_add(x, dots[m]);
-                message = V::splat(w[m]).mul_add(d_sum, message);
+            let rest = channels - whole;
+            let start = whole * weights.num_heads + first_head * rest;
+            for e in 0..E {
+                let slot = starts[e] + column + whole;
+                let x = V::load_part(&rows[e][whole..]);
+                let mut message = V::load_part(&slots.values[slot..slot + rest]);
+                for m in 0..G {
+                    let d_sum = V::load_part(&d_sums[start + m * rest..][..rest]);
+                    dots[e][m] = d_sum.mul_add(x, dots[e][m]);
+                    message = V::splat(weights_of_edges[e][m]).mul_add(d_sum, message);
+                }
+                message.store_part(&mut slots.values[slot..slot + rest]);
             }
-            message.store_part(&mut slot[whole..]);
         }
-        let d_weights = &mut d_weights[edge * weights.stride + first_head..][..G];
-        for m in 0..G {
-            d_weights[m] += dots[m].sum();
-        }
+        column += channels;
+    }
+    for e in 0..E {
+        let row = edges[e] * weights.stride;
+        V::store_sums(
+            dots[e],
+            &mut d_weights[row + first_head..row + weights.stride],
+        );
     }
 }

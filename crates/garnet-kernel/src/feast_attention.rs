@@ -209,6 +209,13 @@ impl<'a> Attention<'a> {
         }
     }
 
+    /// The gradients of the logits of an edge whose heads fill one vector; see [`Self::weigh_backward`].
+    #[inline(always)]
+    pub(crate) fn logit_gradient<V: Lanes>(weights: V, gradients: V, degree: f32) -> V {
+        let mean = V::splat(degree * weights.mul(gradients).sum());
+        weights.mul(gradients.sub(mean))
+    }
+
     /// Turns `g_m = z'_im · x_j`, a row for each neighbor, into gradients of the logits.
     ///
     /// With `a = q / |N_i|` the softmax gives `a_m (g_m - |N_i| Σ_m a_m g_m)`.

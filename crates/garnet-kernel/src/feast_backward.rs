@@ -55,6 +55,8 @@ pub fn feast_backward(
     let adjacency = input.adjacency;
     let shape = Shape::new(layer, input, workspace);
     let logits = Logits::new(layer, input.features, workspace);
+    let columns = input.columns(layer, workspace);
+    let w = columns.ordered(layer.w, layer.out_channels, workspace);
 
     // Per tile: slots, and sums of the gradients of offsets and bias.
     let mut slots = workspace.zeros(adjacency.tiles().num_slots() * shape.slot_stride);
@@ -89,16 +91,25 @@ pub fn feast_backward(
         });
     }
     blocks.into_par_iter().for_each(|block| {
-        block.run(layer, input, (y, dy), &logits, workspace);
+        block.run(layer, input, (&w, y, dy), &logits, workspace);
     });
 
     let mut sum = workspace.scratch(shape.sum_stride);
     sum_rows(&sums, &mut sum);
     gradients.c.copy_from_slice(&sum[..layer.num_heads]);
     gradients.b.copy_from_slice(&sum[shape.head_stride..]);
-    sum_rows(&dw_of_blocks, gradients.w);
-    drop(dw_of_blocks);
-    collect(layer, input, &shape, &slots, gradients, workspace);
+    let mut dw = workspace.scratch(layer.w.len());
+    sum_rows(&dw_of_blocks, &mut dw);
+    columns.restore(&dw, gradients.w, layer.out_channels);
+    drop((dw, dw_of_blocks));
+    collect(
+        layer,
+        input,
+        &shape,
+        (&slots, &columns),
+        gradients,
+        workspace,
+    );
 }
 
 /// Sizes of the tables of the backward pass.
@@ -153,7 +164,7 @@ impl Block<'_> {
         mut self,
         layer: &FeastLayer<'_>,
         input: &FeastInput<'_>,
-        (y, dy): (&[f32], &[f32]),
+        (w, y, dy): (&[f32], &[f32], &[f32]),
         logits: &Logits<'_>,
         workspace: &Workspace,
     ) {
@@ -200,7 +211,7 @@ impl Block<'_> {
             MatrixMut::new(self.dw, depth, out_channels)
                 .add_product(MatrixRef::new(z, rows.len(), depth).transposed(), d_sums);
             // The aggregates are done with: their gradients take their place.
-            let w = MatrixRef::new(layer.w, depth, out_channels);
+            let w = MatrixRef::new(w, depth, out_channels);
             MatrixMut::new(z, rows.len(), depth).set_product(d_sums, w.transposed());
 
             let tile_slots;
@@ -261,28 +272,40 @@ impl Kernel for ScatterTile<'_> {
             let neighbors = input.adjacency.neighbors(first_row + row);
             let heads = first_edge * stride..(first_edge + neighbors.len()) * stride;
             let (weights, d_weights) = (&weights[heads.clone()], &mut d_weights[heads]);
-            let mut column = 0;
-            for part in input.features {
-                let mut slots = SlotRows {
-                    values: slots,
-                    stride: slot_stride,
-                    column,
-                    slot_of_edge,
-                };
-                aggregate_backward::<V>(
-                    *part,
-                    neighbors,
-                    attention.view(weights),
-                    (&dz[column..], in_channels),
-                    d_weights,
-                    &mut slots,
-                );
-                column += part.channels;
-            }
+            let mut slot_rows = SlotRows {
+                values: slots,
+                stride: slot_stride,
+                slot_of_edge,
+            };
+            aggregate_backward::<V>(
+                input.features,
+                neighbors,
+                attention.view(weights),
+                dz,
+                d_weights,
+                &mut slot_rows,
+            );
 
             // A logit is the product of the neighbor less that of the vertex, plus the offset.
-            attention.weigh_backward::<V>(weights, d_weights);
             let own_slot = slot_of_edge[0] as usize * slot_stride + first_logit;
+            if stride == V::LANES {
+                let degree = neighbors.len() as f32;
+                let mut sum = V::splat(0.0);
+                for (edge, &slot) in slot_of_edge.iter().enumerate() {
+                    let row = edge * V::LANES;
+                    let (q, g) = (V::load(&weights[row..]), V::load(&d_weights[row..]));
+                    let d_logit = Attention::logit_gradient(q, g, degree);
+                    let slot = &mut slots[slot as usize * slot_stride + first_logit..];
+                    V::load(slot).add(d_logit).store(slot);
+                    sum = sum.add(d_logit);
+                }
+                let own = &mut slots[own_slot..];
+                V::load(own).sub(sum).store(own);
+                V::load(dc).add(sum).store(dc);
+                first_edge += neighbors.len();
+                continue;
+            }
+            attention.weigh_backward::<V>(weights, d_weights);
             for head in (0..stride).step_by(V::LANES) {
                 let mut sum = V::splat(0.0);
                 for (&slot, d_logits) in slot_of_edge.iter().zip(d_weights.chunks_exact(stride)) {

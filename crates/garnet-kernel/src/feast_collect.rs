@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::adjacency_tiles::TILE_ROWS;
 use crate::feast_aggregate::{HeadRows, aggregate};
 use crate::feast_backward::Shape;
+use crate::feast_columns::Columns;
 use crate::instructions::Kernel;
 use crate::lanes::{Lanes, whole};
 use crate::reduce::{split_into_tiles, sum_rows};
@@ -15,7 +16,7 @@ pub(crate) fn collect(
     layer: &FeastLayer<'_>,
     input: &FeastInput<'_>,
     shape: &Shape,
-    slots: &[f32],
+    (slots, columns): (&[f32], &Columns),
     gradients: &mut FeastGradients<'_>,
     workspace: &Workspace,
 ) {
@@ -56,10 +57,9 @@ pub(crate) fn collect(
 
     let mut du = workspace.scratch(layer.u.len());
     sum_rows(&du_of_tiles, &mut du);
-    for (channel, row) in gradients.u.chunks_exact_mut(num_heads).enumerate() {
-        row.iter_mut()
-            .enumerate()
-            .for_each(|(head, out)| *out = du[head * in_channels + channel]);
+    for (du, &row) in du.iter().zip(columns.rows()) {
+        let (head, channel) = (row as usize / in_channels, row as usize % in_channels);
+        gradients.u[channel * num_heads + head] = *du;
     }
 }
 
@@ -75,7 +75,7 @@ struct CollectTile<'a, 'b> {
     num_heads: usize,
     head_stride: usize,
     d_products: &'a mut [f32],
-    /// `[num_heads, in_channels]`.
+    /// `[num_heads * in_channels]`, in the order of [`Columns`].
     du: &'a mut [f32],
     dx: &'a mut [Option<&'b mut [f32]>],
 }
@@ -113,27 +113,23 @@ impl Kernel for CollectTile<'_, '_> {
                 if let Some(dx) = dx {
                     let dx = &mut dx[row * part.channels..][..part.channels];
                     let whole = whole::<V>(part.channels);
-                    let collected = |channel: usize, load: fn(&[f32]) -> V| {
-                        let end = column + part.channels;
-                        let mut sum = V::splat(0.0);
-                        for &slot in own_slots {
-                            let slot = &slots[slot as usize * slot_stride..][..end];
-                            sum = sum.add(load(&slot[column + channel..]));
-                        }
-                        for (u, dp) in self
-                            .transposed_u
-                            .chunks_exact(in_channels)
-                            .zip(&*d_products)
-                        {
-                            sum = V::splat(*dp).mul_add(load(&u[column + channel..end]), sum);
-                        }
-                        sum
+                    let sources = Sources {
+                        slots,
+                        slot_stride,
+                        own_slots,
+                        transposed_u: self.transposed_u,
+                        in_channels,
+                        d_products,
+                        columns: column..column + part.channels,
                     };
                     for channel in (0..whole).step_by(V::LANES) {
-                        collected(channel, V::load).store(&mut dx[channel..]);
+                        sources
+                            .collected(channel, V::load)
+                            .store(&mut dx[channel..]);
                     }
                     if whole < part.channels {
-                        collected(whole, V::load_part).store_part(&mut dx[whole..]);
+                        let rest = sources.collected(whole, V::load_part);
+                        rest.store_part(&mut dx[whole..]);
                     }
                 }
                 column += part.channels;
@@ -148,14 +144,41 @@ impl Kernel for CollectTile<'_, '_> {
         };
         let mut column = 0;
         for part in features {
-            aggregate::<V>(
-                *part,
-                &rows[..num_rows],
-                weights,
-                &mut self.du[column..],
-                in_channels,
-            );
+            let sums = &mut self.du[column * num_heads..];
+            aggregate::<V>(*part, &rows[..num_rows], weights, sums);
             column += part.channels;
         }
+    }
+}
+
+/// What the gradient of the features of a vertex is made of.
+struct Sources<'a> {
+    slots: &'a [f32],
+    slot_stride: usize,
+    own_slots: &'a [u32],
+    transposed_u: &'a [f32],
+    in_channels: usize,
+    /// Of the vertex, a row of heads.
+    d_products: &'a [f32],
+    /// Of a part of the features among those of all parts.
+    columns: std::ops::Range<usize>,
+}
+
+impl Sources<'_> {
+    /// The sum for the channels of a vector; a function of its own, because a closure would be compiled
+    /// without the instructions of `V`.
+    #[inline(always)]
+    fn collected<V: Lanes>(&self, channel: usize, load: impl Fn(&[f32]) -> V) -> V {
+        let (column, end) = (self.columns.start + channel, self.columns.end);
+        let mut sum = V::splat(0.0);
+        for &slot in self.own_slots {
+            let slot = &self.slots[slot as usize * self.slot_stride..][..end];
+            sum = sum.add(load(&slot[column..]));
+        }
+        let rows = self.transposed_u.chunks_exact(self.in_channels);
+        for (u, dp) in rows.zip(self.d_products) {
+            sum = V::splat(*dp).mul_add(load(&u[column..end]), sum);
+        }
+        sum
     }
 }

@@ -77,12 +77,12 @@ impl Kernel for MaxOfRows<'_> {
         let channels = features.channels;
         for channel in (0..channels).step_by(V::LANES) {
             let end = channels.min(channel + V::LANES);
-            let load = |row: usize| V::load_part(&features.row(row)[channel..end]);
-            let mut value = load(0);
+            let mut value = V::load_part(&features.row(0)[channel..end]);
             let mut index = V::splat_index(first_row as u32);
             for row in 1..features.values.len() / channels {
+                let candidate = V::load_part(&features.row(row)[channel..end]);
                 let candidate_index = V::splat_index((first_row + row) as u32);
-                (value, index) = value.larger(index, load(row), candidate_index);
+                (value, index) = value.larger(index, candidate, candidate_index);
             }
             value.store_part(&mut y[channel..end]);
             V::store_indices(index, &mut largest[channel..end]);

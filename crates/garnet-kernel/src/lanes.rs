@@ -33,6 +33,13 @@ pub(crate) trait Lanes: Copy {
     fn max(self, other: Self) -> Self;
     /// The sum over all lanes.
     fn sum(self) -> f32;
+    /// Writes the sum over all lanes of each of some vectors; what follows in `sums` may become zero.
+    #[inline(always)]
+    fn store_sums<const G: usize>(vectors: [Self; G], sums: &mut [f32]) {
+        for (sum, vector) in sums[..G].iter_mut().zip(vectors) {
+            *sum = vector.sum();
+        }
+    }
     /// The largest lane.
     fn largest(self) -> f32;
     /// Multiplies by two to the power of the integer in the low bits of `shifted`.

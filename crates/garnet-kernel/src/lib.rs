@@ -57,6 +57,7 @@ mod feast_aggregate;
 mod feast_attention;
 mod feast_backward;
 mod feast_collect;
+mod feast_columns;
 mod features;
 mod global_max;
 mod instructions;

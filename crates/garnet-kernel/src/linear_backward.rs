@@ -1,8 +1,8 @@
 //! The backward pass of linear layers.
 //!
-//! Gradients of inputs are products within tiles of rows. Each panel of the gradient of the weights is one
-//! product over all rows, by one thread. Of a broadcast part only the sum over rows matters, which is the
-//! gradient of the bias.
+//! Gradients of inputs are products within tiles of rows. Each panel of the gradient of the weights is a
+//! product over all rows, or, where there are few panels, a sum of products over fixed blocks of rows. Of a
+//! broadcast part only the sum over rows matters, which is the gradient of the bias.
 
 use rayon::prelude::*;
 
@@ -12,7 +12,13 @@ use crate::reduce::{split_into_tiles, sum_rows};
 use crate::{Activation, Features, LinearInput, LinearLayer, Workspace, check};
 
 /// Input channels whose weight gradients are one product.
-const PANEL_CHANNELS: usize = 64;
+const PANEL_CHANNELS: usize = 256;
+
+/// As many products at least, if there are rows enough: work for several threads.
+const MIN_PRODUCTS: usize = 8;
+
+/// Rows of a block at least, so that its product is more work than adding it up.
+const MIN_BLOCK_ROWS: usize = 512;
 
 /// Gradients of a linear layer; what is there before is overwritten.
 #[derive(Debug)]
@@ -100,12 +106,8 @@ pub fn linear_backward(
     } else {
         &own_d_sum
     };
-    gradients_of_weights(
-        parts,
-        MatrixRef::new(d_sum, rows, out_channels),
-        &db,
-        gradients.w,
-    );
+    let d_sum = MatrixRef::new(d_sum, rows, out_channels);
+    gradient_of_weights(parts, d_sum, &db, gradients.w, workspace);
     for ((part, w), gradient) in layer.parts(parts).zip(gradients.parts.iter_mut()) {
         if let (LinearInput::Broadcast(_), Some(gradient)) = (part, gradient) {
             MatrixMut::new(gradient, part.channels(), 1)
@@ -117,38 +119,69 @@ pub fn linear_backward(
     }
 }
 
-/// A panel of the gradient of the weights: some input channels of one part.
+/// A panel of the gradient of the weights: some input channels of one part, over a block of rows.
 struct Panel<'a> {
     part: Features<'a>,
     first_channel: usize,
+    first_row: usize,
     dw: &'a mut [f32],
 }
 
-fn gradients_of_weights(
+/// Writes the gradient of the weights, in as many products as there is work for.
+fn gradient_of_weights(
     parts: &[LinearInput<'_>],
     d_sum: MatrixRef<'_>,
     db: &[f32],
     dw: &mut [f32],
+    workspace: &Workspace,
+) {
+    let (rows, _) = d_sum.shape();
+    let panels = parts.iter().map(|part| match part {
+        LinearInput::PerRow(part) => part.channels.div_ceil(PANEL_CHANNELS),
+        LinearInput::Broadcast(_) => 0,
+    });
+    let num_blocks = MIN_PRODUCTS.div_ceil(panels.sum::<usize>().max(1));
+    let block_rows = rows.div_ceil(num_blocks).max(MIN_BLOCK_ROWS);
+    if rows <= block_rows {
+        gradients_of_weights(parts, d_sum, block_rows, db, dw);
+    } else {
+        let mut dw_of_blocks = workspace.scratch(rows.div_ceil(block_rows) * dw.len());
+        gradients_of_weights(parts, d_sum, block_rows, db, &mut dw_of_blocks);
+        sum_rows(&dw_of_blocks, dw);
+    }
+}
+
+/// Writes one gradient of the weights for each block of rows, one after the other.
+fn gradients_of_weights(
+    parts: &[LinearInput<'_>],
+    d_sum: MatrixRef<'_>,
+    block_rows: usize,
+    db: &[f32],
+    dw_of_blocks: &mut [f32],
 ) {
     let (rows, out_channels) = d_sum.shape();
+    let len: usize = parts.iter().map(LinearInput::channels).sum::<usize>() * out_channels;
     let mut panels = Vec::new();
-    let mut left = dw;
-    for part in parts {
-        let dw;
-        (dw, left) = left.split_at_mut(part.channels() * out_channels);
-        match part {
-            LinearInput::Broadcast(vector) => {
-                for (dw, x) in dw.chunks_exact_mut(out_channels).zip(*vector) {
-                    dw.iter_mut().zip(db).for_each(|(dw, db)| *dw = x * db);
+    for (block, mut left) in dw_of_blocks.chunks_mut(len.max(1)).enumerate() {
+        for part in parts {
+            let dw;
+            (dw, left) = left.split_at_mut(part.channels() * out_channels);
+            match part {
+                LinearInput::Broadcast(_) if block > 0 => dw.fill(0.0),
+                LinearInput::Broadcast(vector) => {
+                    for (dw, x) in dw.chunks_exact_mut(out_channels).zip(*vector) {
+                        dw.iter_mut().zip(db).for_each(|(dw, db)| *dw = x * db);
+                    }
                 }
-            }
-            LinearInput::PerRow(part) => {
-                let chunks = dw.chunks_mut(PANEL_CHANNELS * out_channels).enumerate();
-                panels.extend(chunks.map(|(panel, dw)| Panel {
-                    part: *part,
-                    first_channel: panel * PANEL_CHANNELS,
-                    dw,
-                }));
+                LinearInput::PerRow(part) => {
+                    let chunks = dw.chunks_mut(PANEL_CHANNELS * out_channels).enumerate();
+                    panels.extend(chunks.map(|(panel, dw)| Panel {
+                        part: *part,
+                        first_channel: panel * PANEL_CHANNELS,
+                        first_row: block * block_rows,
+                        dw,
+                    }));
+                }
             }
         }
     }
@@ -156,6 +189,7 @@ fn gradients_of_weights(
         |Panel {
              part,
              first_channel,
+             first_row,
              dw,
          }| {
             let channels = dw.len() / out_channels;
@@ -163,8 +197,10 @@ fn gradients_of_weights(
                 dw.fill(0.0);
                 return;
             }
-            let x =
-                MatrixRef::strided(&part.values[first_channel..], rows, channels, part.channels);
+            let num_rows = block_rows.min(rows - first_row);
+            let first = first_row * part.channels + first_channel;
+            let x = MatrixRef::strided(&part.values[first..], num_rows, channels, part.channels);
+            let d_sum = d_sum.rows(first_row..first_row + num_rows);
             MatrixMut::new(dw, channels, out_channels).set_product(x.transposed(), d_sum);
         },
     );

@@ -45,6 +45,12 @@ impl<'a> MatrixRef<'a> {
         (self.rows, self.columns)
     }
 
+    /// Some of the rows of a row-major matrix.
+    pub(crate) fn rows(self, rows: std::ops::Range<usize>) -> Self {
+        let values = &self.values[rows.start * self.row_stride..];
+        Self::strided(values, rows.len(), self.columns, self.row_stride)
+    }
+
     /// The same values with rows and columns exchanged.
     pub(crate) fn transposed(self) -> Self {
         Self {

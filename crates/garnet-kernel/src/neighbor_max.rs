@@ -87,7 +87,10 @@ impl Kernel for MaxTile<'_> {
                 for channel in (0..whole).step_by(V::LANES) {
                     largest_of(features, neighbors, channel, V::load).store(&mut y[channel..]);
                 }
-                largest_of(features, neighbors, whole, V::load_part).store_part(&mut y[whole..]);
+                if whole < channels {
+                    let rest = largest_of(features, neighbors, whole, V::load_part);
+                    rest.store_part(&mut y[whole..]);
+                }
                 continue;
             }
             let largest = &mut largest[row * channels..][..channels];
@@ -96,9 +99,11 @@ impl Kernel for MaxTile<'_> {
                 value.store(&mut y[channel..]);
                 V::store_indices(index, &mut largest[channel..]);
             }
-            let (value, index) = largest_with_index(features, neighbors, whole, V::load_part);
-            value.store_part(&mut y[whole..]);
-            V::store_indices(index, &mut largest[whole..]);
+            if whole < channels {
+                let (value, index) = largest_with_index(features, neighbors, whole, V::load_part);
+                value.store_part(&mut y[whole..]);
+                V::store_indices(index, &mut largest[whole..]);
+            }
         }
     }
 }
@@ -108,7 +113,7 @@ fn largest_of<V: Lanes>(
     features: Features<'_>,
     neighbors: &[u32],
     channel: usize,
-    load: fn(&[f32]) -> V,
+    load: impl Fn(&[f32]) -> V,
 ) -> V {
     let mut value = load(&features.row(neighbors[0] as usize)[channel..]);
     for &neighbor in &neighbors[1..] {
@@ -123,7 +128,7 @@ fn largest_with_index<V: Lanes>(
     features: Features<'_>,
     neighbors: &[u32],
     channel: usize,
-    load: fn(&[f32]) -> V,
+    load: impl Fn(&[f32]) -> V,
 ) -> (V, V::Indices) {
     let mut value = load(&features.row(neighbors[0] as usize)[channel..]);
     let mut index = V::splat_index(neighbors[0]);

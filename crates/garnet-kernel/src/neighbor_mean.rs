@@ -104,16 +104,27 @@ impl Kernel for ScaledSum<'_> {
             sum,
         } = self;
         let whole = whole::<V>(sum.len());
-        let scaled_sum = |channel: usize, load: fn(&[f32]) -> V| {
-            let mut sum = V::splat(0.0);
-            for &term in terms {
-                sum = sum.add(load(&features.row(term as usize)[channel..]));
-            }
-            sum.mul(V::splat(scale))
-        };
         for channel in (0..whole).step_by(V::LANES) {
-            scaled_sum(channel, V::load).store(&mut sum[channel..]);
+            scaled_sum(features, terms, scale, channel, V::load).store(&mut sum[channel..]);
         }
-        scaled_sum(whole, V::load_part).store_part(&mut sum[whole..]);
+        if whole < sum.len() {
+            let rest = scaled_sum(features, terms, scale, whole, V::load_part);
+            rest.store_part(&mut sum[whole..]);
+        }
     }
+}
+
+#[inline(always)]
+fn scaled_sum<V: Lanes>(
+    features: Features<'_>,
+    terms: &[u32],
+    scale: f32,
+    channel: usize,
+    load: impl Fn(&[f32]) -> V,
+) -> V {
+    let mut sum = V::splat(0.0);
+    for &term in terms {
+        sum = sum.add(load(&features.row(term as usize)[channel..]));
+    }
+    sum.mul(V::splat(scale))
 }

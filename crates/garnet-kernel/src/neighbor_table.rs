@@ -87,6 +87,11 @@ impl NeighborTable {
         &self.neighbors[row * self.neighbors_per_row..][..self.neighbors_per_row]
     }
 
+    /// The sources of all rows, row after row.
+    pub fn all(&self) -> &[u32] {
+        &self.neighbors
+    }
+
     /// The transposed table, made when a backward pass first asks for it.
     pub(crate) fn rows_of_sources(&self) -> &RowsOfSources {
         self.rows_of_sources

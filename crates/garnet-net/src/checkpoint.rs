@@ -54,9 +54,11 @@ const KEY: &str = "garnet";
 pub const SCHEMA: &str = "garnet-weights/1";
 
 /// How weights are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Precision {
     /// 32 bits: exact.
+    #[default]
     F32,
     /// 16 bits: half the file.
     F16,

@@ -62,4 +62,4 @@ pub use network::{GarNet, surrogate};
 pub use predictor::Predictor;
 pub use presets::PRESET_NAMES;
 pub use reference_case::write_reference_case;
-pub use scene::{Scene, SceneInput};
+pub use scene::{Scene, SceneInput, SceneNeighbors};

@@ -45,12 +45,36 @@ pub struct Scene {
     pub(crate) body_normals: Vec<f32>,
     /// The kept body points nearest to each vertex; local pooling only.
     pub(crate) nearest: Option<Arc<NeighborTable>>,
+    /// The used body point nearest to each vertex, where it is asked for.
+    closest: Vec<u32>,
     /// Parameters of shape and pose.
     pub(crate) parameters: Vec<f32>,
     /// From the frame of prediction to the world: one for all vertices, or one each.
     frames: Vec<Matrix3<f32>>,
     /// M, in metres.
     warped: Vec<Point3>,
+}
+
+/// The body points near each vertex of a scene: what takes longest to find out about it.
+///
+/// Two bytes a number: 90 kB for a garment of 5,000 vertices that pools over 8 points.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneNeighbors {
+    pooled: Vec<u16>,
+    closest: Vec<u16>,
+}
+
+impl SceneNeighbors {
+    fn check(found: usize, expected: usize) -> Result<(), NetError> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(NetError::Count {
+            what: "neighbors",
+            found,
+            expected,
+        })
+    }
 }
 
 impl Scene {
@@ -70,6 +94,23 @@ impl Scene {
         Ok(scene)
     }
 
+    /// Prepares a scene that was prepared before, by the neighbors that were found then.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scene::prepare`], and [`NetError::Count`] for neighbors of another scene.
+    pub fn of_neighbors(
+        config: &GarNetConfig,
+        garment: &GarmentGraph,
+        sampling: &BodySampling,
+        input: &SceneInput<'_>,
+        neighbors: &SceneNeighbors,
+    ) -> Result<Self, NetError> {
+        let mut scene = Self::default();
+        scene.fill(config, garment, sampling, input, Some(neighbors))?;
+        Ok(scene)
+    }
+
     /// Fills the arrays for a scene, reusing the buffers.
     ///
     /// # Errors
@@ -82,6 +123,17 @@ impl Scene {
         garment: &GarmentGraph,
         sampling: &BodySampling,
         input: &SceneInput<'_>,
+    ) -> Result<(), NetError> {
+        self.fill(config, garment, sampling, input, None)
+    }
+
+    fn fill(
+        &mut self,
+        config: &GarNetConfig,
+        garment: &GarmentGraph,
+        sampling: &BodySampling,
+        input: &SceneInput<'_>,
+        known: Option<&SceneNeighbors>,
     ) -> Result<(), NetError> {
         check(config, garment, sampling, input)?;
         let root_from_world = input.world_from_root.inverse();
@@ -118,18 +170,65 @@ impl Scene {
                 }
             }
         }
+        self.find_neighbors(config, sampling, input, &used, known)?;
+        self.fill_features(config, garment, sampling, input, &used);
+        Ok(())
+    }
+
+    /// Finds the body points near each vertex, or takes those that are known.
+    fn find_neighbors(
+        &mut self,
+        config: &GarNetConfig,
+        sampling: &BodySampling,
+        input: &SceneInput<'_>,
+        used: &[Point3],
+        known: Option<&SceneNeighbors>,
+    ) -> Result<(), NetError> {
         self.nearest = None;
+        self.closest.clear();
+        let num_vertices = input.warped.len();
+        let wide = |numbers: &[u16]| numbers.iter().map(|&number| u32::from(number)).collect();
         if config.has_local_pooling() {
-            let kept: Vec<Point3> = (sampling.kept().iter())
-                .map(|&index| used[index as usize])
-                .collect();
-            let neighbors = VertexTree::new(&kept)?;
-            let neighbors = neighbors.k_nearest_all(input.warped, config.pooling.neighbors);
-            let num_neighbors = neighbors.num_neighbors();
-            let table = NeighborTable::new(kept.len(), num_neighbors, neighbors.into_indices())?;
+            let num_kept = sampling.kept().len();
+            let num_neighbors = config.pooling.neighbors.min(num_kept);
+            let indices = if let Some(known) = known {
+                SceneNeighbors::check(known.pooled.len(), num_neighbors * num_vertices)?;
+                wide(&known.pooled)
+            } else {
+                let kept: Vec<Point3> = (sampling.kept().iter())
+                    .map(|&index| used[index as usize])
+                    .collect();
+                let nearest = VertexTree::new(&kept)?;
+                let nearest = nearest.k_nearest_all(input.warped, num_neighbors);
+                nearest.into_indices()
+            };
+            let table = NeighborTable::new(num_kept, num_neighbors, indices)?;
             self.nearest = Some(Arc::new(table));
         }
-        self.fill_features(config, garment, sampling, input, &used)
+        if config.needs_nearest() {
+            self.closest = if let Some(known) = known {
+                SceneNeighbors::check(known.closest.len(), num_vertices)?;
+                wide(&known.closest)
+            } else {
+                let nearest = VertexTree::new(used)?;
+                nearest.k_nearest_all(input.warped, 1).into_indices()
+            };
+        }
+        Ok(())
+    }
+
+    /// The neighbors that were found, to prepare the same scene sooner the next time; none for a body
+    /// of more points than 16 bits can number.
+    pub fn neighbors(&self) -> Option<SceneNeighbors> {
+        let narrow = |numbers: &[u32]| {
+            let numbers = numbers.iter().map(|&number| u16::try_from(number).ok());
+            numbers.collect::<Option<Vec<u16>>>()
+        };
+        let pooled = self.nearest.as_ref().map_or(&[][..], |table| table.all());
+        Some(SceneNeighbors {
+            pooled: narrow(pooled)?,
+            closest: narrow(&self.closest)?,
+        })
     }
 
     /// What each vertex brings along: one after the other in the order of the configuration.
@@ -140,17 +239,12 @@ impl Scene {
         sampling: &BodySampling,
         input: &SceneInput<'_>,
         used: &[Point3],
-    ) -> Result<(), NetError> {
-        let nearest = if config.needs_nearest() {
-            VertexTree::new(used)?.k_nearest_all(input.warped, 1)
-        } else {
-            VertexTree::new(&[])?.k_nearest_all(&[], 1)
-        };
+    ) {
         let root_from_world = input.world_from_root.rotation.inverse();
         self.features.clear();
         for vertex in 0..garment.num_vertices() {
             let frame_from_world = self.frame(vertex).transpose();
-            let near = nearest.row(vertex).first().map(|&index| index as usize);
+            let near = self.closest.get(vertex).map_or(0, |&index| index as usize);
             for feature in &config.garment.inputs {
                 match feature {
                     VertexInput::Template => {
@@ -158,12 +252,12 @@ impl Scene {
                         self.features.extend_from_slice(place);
                     }
                     VertexInput::BodyOffset => {
-                        let point = used[near.unwrap_or(0)];
+                        let point = used[near];
                         let offset = frame_from_world * (input.warped[vertex] - point) / UNIT;
                         self.features.extend_from_slice(offset.as_slice());
                     }
                     VertexInput::BodyNormal => {
-                        let index = sampling.used()[near.unwrap_or(0)] as usize;
+                        let index = sampling.used()[near] as usize;
                         let normal = frame_from_world * input.body_normals[index];
                         self.features.extend_from_slice(normal.as_slice());
                     }
@@ -175,7 +269,6 @@ impl Scene {
             }
             self.features.extend_from_slice(garment.sewing_parameters());
         }
-        Ok(())
     }
 
     /// A scene of zeros that has the right extents, for counting.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use garnet_net::losses::LossConfig;
-use garnet_net::{GarNetConfig, Variant};
+use garnet_net::{GarNetConfig, Precision, Variant};
 use serde::{Deserialize, Serialize};
 
 use crate::{Schedule, TrainError};
@@ -47,6 +47,8 @@ pub struct TrainConfig {
     pub patience: u32,
     /// Scenes between two saved states, besides that after each epoch; 0 for none.
     pub save_every: u32,
+    /// How the weights in the package are stored; the state of the training keeps all their bits.
+    pub precision: Precision,
     /// The seed of first weights and of the order of scenes.
     pub seed: u64,
     /// Weights and constants of the losses.
@@ -80,6 +82,7 @@ impl Default for TrainConfig {
             choose_by: Choice::Distance,
             patience: 0,
             save_every: 500,
+            precision: Precision::F32,
             seed: 1,
             loss: LossConfig::paper(),
             network: toml::Table::new(),

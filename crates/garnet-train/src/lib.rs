@@ -39,6 +39,7 @@ mod error;
 mod evaluate;
 mod event;
 mod examples;
+mod exercise;
 mod gradients;
 mod lesson;
 mod publish;
@@ -59,8 +60,9 @@ pub use evaluate::{
     Candidate, EvalEvent, Evaluation, Finish, Percentiles, Row, StageSeconds, Untangled, evaluate,
 };
 pub use event::{Began, EpochRecord, TrainEvent};
+pub use exercise::{Exercise, StepSeconds};
 pub use garnet_net::losses::{LossConfig, LossValue, Term};
-pub use garnet_net::{GarNetConfig, PRESET_NAMES, Variant};
+pub use garnet_net::{GarNetConfig, PRESET_NAMES, Precision, Variant};
 pub use publish::{Trained, weights_of};
 pub use recipe::Recipe;
 pub use schedule::Schedule;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use burn::tensor::Device;
 use garnet_data::{GarmentPackage, Manifest, Split, Variant};
 use garnet_net::{Checkpoint, Precision};
 
@@ -65,19 +66,9 @@ pub(crate) fn publish(
     let progress = &state.progress;
     let best = progress.best().cloned();
     let best = best.expect("the record before the first epoch is the best at first");
-    let test = match stage.num_scenes(Split::Test) {
-        Ok(_) => {
-            let examples = examples(stage, subject, Split::Test, observer)?;
-            Some(validate(stage, subject, &state.best, &examples)?.scores)
-        }
-        Err(TrainError::EmptySplit { .. }) => None,
-        Err(error) => return Err(error),
-    };
-    let mut scores = named("valid", &best.valid);
-    if let Some(test) = &test {
-        scores.extend(named("test", test));
-    }
-    let checkpoint = Checkpoint {
+    let file = format!("{}.safetensors", progress.name);
+    let weights = folder.join(&file);
+    let mut checkpoint = Checkpoint {
         model: state.best.clone(),
         garment: stage.template().graph.fingerprint(),
         record: serde_json::json!({
@@ -89,11 +80,28 @@ pub(crate) fn publish(
             "config": progress.config,
             "version": env!("CARGO_PKG_VERSION"),
         }),
-        scores,
+        scores: BTreeMap::new(),
     };
-    let file = format!("{}.safetensors", progress.name);
-    let weights = folder.join(&file);
-    checkpoint.save(&weights, Precision::F32)?;
+    let precision = progress.config.precision;
+    if precision != Precision::F32 {
+        // What is tested are the weights that the file will have.
+        let bytes = checkpoint.to_bytes(&weights, precision)?;
+        checkpoint.model = Checkpoint::from_bytes(&weights, &bytes, &Device::flex())?.model;
+    }
+    let test = match stage.num_scenes(Split::Test) {
+        Ok(_) => {
+            let examples = examples(stage, subject, Split::Test, observer)?;
+            Some(validate(stage, subject, &checkpoint.model, &examples)?.scores)
+        }
+        Err(TrainError::EmptySplit { .. }) => None,
+        Err(error) => return Err(error),
+    };
+    let mut scores = named("valid", &best.valid);
+    if let Some(test) = &test {
+        scores.extend(named("test", test));
+    }
+    checkpoint.scores = scores;
+    checkpoint.save(&weights, precision)?;
 
     // Another training may have added a variant meanwhile.
     let mut manifest = GarmentPackage::read_manifest(folder)?;

@@ -1,10 +1,12 @@
 //! What a network and its losses know before any scene.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use garnet_mesh::{Point3, TriMesh};
 use garnet_net::losses::{LossBody, LossConfig, LossTarget, Losses};
-use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, Variant};
+use garnet_net::{
+    BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, SceneNeighbors, Variant,
+};
 use garnet_skin::{Body, WarpedGarment};
 
 use crate::{SceneName, Stage, StagedScene, TrainError};
@@ -30,6 +32,8 @@ pub(crate) struct Example {
     pub(crate) body: Vec<Point3>,
     pub(crate) parameters: Vec<f32>,
     pub(crate) draped: Vec<Point3>,
+    /// Found when the scene is first prepared: the search takes longer than all other preparation.
+    pub(crate) neighbors: OnceLock<Option<SceneNeighbors>>,
 }
 
 /// An example as a step of training takes it.
@@ -53,13 +57,22 @@ impl Subject {
             let joints = package.body.skeleton().num_joints();
             config.num_body_parameters = joints * Body::NUMBERS_A_JOINT;
         }
+        Self::of_meshes(&package.mesh, package.body.rest(), config, loss)
+    }
+
+    /// Of a garment that lies on a body at rest, for a configuration that fits it.
+    pub(crate) fn of_meshes(
+        garment: &TriMesh,
+        body: &TriMesh,
+        config: GarNetConfig,
+        loss: &LossConfig,
+    ) -> Result<Self, TrainError> {
         config.validate()?;
-        let rest = package.body.rest();
-        let template = package.mesh.positions();
+        let (rest, template) = (body.positions(), garment.positions());
         Ok(Self {
-            sampling: BodySampling::for_garment(rest.positions(), template, &config)?,
-            losses: Losses::new(&package.mesh, loss)?,
-            body_faces: rest.faces().to_vec(),
+            sampling: BodySampling::for_garment(rest, template, &config)?,
+            losses: Losses::new(garment, loss)?,
+            body_faces: body.faces().to_vec(),
             config,
         })
     }
@@ -84,19 +97,21 @@ impl Subject {
                 Vec::new()
             },
             draped: staged.draped.clone(),
+            neighbors: OnceLock::new(),
         })
     }
 
     /// The arrays of the network and what the losses compare with.
     pub(crate) fn prepared(&self, example: &Example) -> Result<Prepared, TrainError> {
         let body = TriMesh::new(example.body.clone(), self.body_faces.clone())?;
+        let (config, graph, input) = (&self.config, &example.graph, example.input());
+        let scene = match example.neighbors.get() {
+            Some(Some(known)) => Scene::of_neighbors(config, graph, &self.sampling, &input, known)?,
+            _ => Scene::new(config, graph, &self.sampling, &input)?,
+        };
+        example.neighbors.get_or_init(|| scene.neighbors());
         Ok(Prepared {
-            scene: Scene::new(
-                &self.config,
-                &example.graph,
-                &self.sampling,
-                &example.input(),
-            )?,
+            scene,
             target: self.losses.target(&example.draped)?,
             body: LossBody::new(&body)?,
         })

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use garnet_net::{GarmentGraph, Predictor, SceneInput, Start, Variant};
+use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput, Start, Variant};
 use garnet_skin::{Body, PosedBody, Warp, WarpedGarment};
 
 use crate::{BoundGarment, Error, Warped};
@@ -38,6 +38,24 @@ impl Network {
         let rest = body.rest().positions();
         Ok(Self {
             predictor: Predictor::load(weights, graph, mesh.positions(), rest)?,
+            body: body.clone(),
+        })
+    }
+
+    /// A network of a named size with random weights: it leaves the warp as it is, but takes as long
+    /// as a trained one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Net`] for a name that there is not.
+    pub fn untrained(preset: &str, garment: &BoundGarment, body: &Body) -> Result<Self, Error> {
+        let mesh = garment.mesh();
+        let graph = GarmentGraph::new(mesh, &[])?;
+        let config = graph.configured(GarNetConfig::preset(preset)?);
+        let rest = body.rest().positions();
+        let sampling = BodySampling::for_garment(rest, mesh.positions(), &config)?;
+        Ok(Self {
+            predictor: Predictor::untrained(&config, 1, graph, sampling)?,
             body: body.clone(),
         })
     }

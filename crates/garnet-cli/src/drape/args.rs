@@ -10,7 +10,7 @@ use garnet::{
 };
 
 use crate::{
-    args::millimetres,
+    args::{millimetres, milliseconds, tolerance},
     failure::{Hint, refused},
     output,
     posing::PoseSource,
@@ -32,6 +32,14 @@ pub(crate) struct DrapeArgs {
     /// dqs, warp, sim, or a network of the package by its name (naive, global, local, params …).
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = MethodName::parse)]
     method: MethodName,
+    /// Take the most accurate network of the package that drapes within this time here, in
+    /// milliseconds, without reading and writing.
+    #[arg(long, value_name = "MS", value_parser = milliseconds, conflicts_with = "tolerance")]
+    budget: Option<f64>,
+    /// Take the cheapest network of the package that is within this distance of the teacher in the
+    /// mean, in millimetres.
+    #[arg(long, value_name = "MM", value_parser = tolerance)]
+    tolerance: Option<f64>,
     /// Smallest distance between cloth and skin, in millimetres.
     #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres)]
     clearance: f32,
@@ -120,6 +128,15 @@ pub(crate) enum NetworkChoice {
     Named(String),
 }
 
+/// What a network that is chosen has to keep within.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Limit {
+    /// Time of a drape.
+    Seconds(f64),
+    /// Mean distance to the teacher, in metres.
+    Distance(f64),
+}
+
 /// The axis that points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum UpName {
@@ -170,6 +187,8 @@ pub(crate) struct Job {
     pub(crate) simulation: Option<Simulation>,
     /// Which network moves the warped garment.
     pub(crate) network: NetworkChoice,
+    /// What the network is chosen by, if not by its name.
+    pub(crate) limit: Option<Limit>,
     /// In metres.
     pub(crate) max_penetration: Option<f32>,
     pub(crate) repeat: u32,
@@ -230,6 +249,14 @@ impl Job {
             frames: None,
         });
         job.network = args.method.network();
+        job.limit = (args.budget.map(Limit::Seconds)).or(args.tolerance.map(Limit::Distance));
+        if job.limit.is_some() && args.method != MethodName::Auto {
+            return Err(refused(
+                "`--method` names what drapes",
+                "`--budget` and `--tolerance` choose it",
+                "leave out one of them",
+            ));
+        }
         job.body_out = args.body_out;
         job.max_penetration = args.max_penetration;
         job.repeat = args.repeat;
@@ -261,6 +288,7 @@ impl Job {
             options: DrapeOptions::default(),
             simulation: None,
             network: NetworkChoice::None,
+            limit: None,
             max_penetration: None,
             repeat: 1,
         })

@@ -1,6 +1,7 @@
 //! `garnet drape`: a garment on bodies.
 
 mod args;
+mod choice;
 mod files;
 mod frame;
 mod learned;
@@ -24,6 +25,7 @@ use garnet::{
 
 pub(crate) use args::DrapeArgs;
 pub(crate) use args::{InputArgs, Job, Simulation};
+use choice::ChoiceReport;
 pub(crate) use frame::Frame;
 use learned::{Found, Learned};
 use prepared::{Prepared, RestBody, Target};
@@ -65,7 +67,18 @@ pub(crate) fn do_job(
         if let Some(simulation) = &job.simulation {
             bound.teacher = Some(Teaching::new(&bound, simulation, &job.source)?);
         }
-        match Learned::find(&bound, &job.network, &job.source)? {
+        let found = match job.limit {
+            None => Learned::find(&bound, &job.network, &job.source)?,
+            Some(limit) => {
+                let (found, choice) = choice::choose(&bound, &job, limit, console)?;
+                if choice.is_met {
+                    console.summary(&format_args!("note: {}", choice.text));
+                }
+                bound.choice = Some(choice);
+                found
+            }
+        };
+        match found {
             Found::Network(learned) => bound.learned = Some(*learned),
             Found::NotAsked => {}
             Found::NoneInPackage => console.summary(
@@ -78,7 +91,8 @@ pub(crate) fn do_job(
             bind,
             total: 0.0,
         };
-        anyhow::Ok((bound.report(&job, drapes, seconds), job))
+        let choice = bound.choice.take();
+        anyhow::Ok((bound.report(&job, drapes, (seconds, choice)), job))
     });
     let (mut report, job) = done?;
     report.seconds.total = total;
@@ -101,6 +115,8 @@ struct Bound {
     teacher: Option<Teaching>,
     /// The network, if one drapes.
     learned: Option<Learned>,
+    /// How that was chosen, if it was.
+    choice: Option<ChoiceReport>,
     warnings: Vec<Warning>,
 }
 
@@ -147,6 +163,7 @@ impl Bound {
             pose,
             teacher: None,
             learned: None,
+            choice: None,
         })
     }
 }
@@ -357,7 +374,12 @@ fn write_body(path: &Path, rest: &RestBody, posed: &PosedBody) -> anyhow::Result
 }
 
 impl Bound {
-    fn report(&self, job: &Job, drapes: Vec<DrapeOutput>, seconds: OnceSeconds) -> DrapeReport {
+    fn report(
+        &self,
+        job: &Job,
+        drapes: Vec<DrapeOutput>,
+        (seconds, choice): (OnceSeconds, Option<ChoiceReport>),
+    ) -> DrapeReport {
         let DrapeOptions { warp, untangle } = job.options;
         let shown = |path: &Path| path.display().to_string();
         let rest = self.body.rest();
@@ -392,6 +414,7 @@ impl Bound {
                 (None, None) => method_name(warp).to_owned(),
             },
             network: self.learned.as_ref().map(Learned::report),
+            choice,
             simulation: self.teacher.as_ref().map(Teaching::report),
             untangled: untangle.is_some(),
             clearance_m: untangle.map(|options| options.clearance),
@@ -439,6 +462,10 @@ fn publish(report: &DrapeReport, job: &Job, console: &Console) -> anyhow::Result
 
 /// Whether the result is within the limit that the user set.
 fn judge(report: &DrapeReport, job: &Job, console: &Console) -> ExitStatus {
+    if let Some(choice) = report.choice.as_ref().filter(|choice| !choice.is_met) {
+        console.exceeded(&choice.text);
+        return ExitStatus::LimitExceeded;
+    }
     let Some(limit) = job.max_penetration else {
         return ExitStatus::Done;
     };

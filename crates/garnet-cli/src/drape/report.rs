@@ -6,7 +6,7 @@ use garnet::{
 };
 use serde::Serialize;
 
-use super::timing::Repeated;
+use super::{choice::ChoiceReport, timing::Repeated};
 
 /// What was draped, how, and what came out.
 #[derive(Debug, Serialize)]
@@ -25,6 +25,8 @@ pub(crate) struct DrapeReport {
     pub(crate) method: String,
     /// The network; none for other methods.
     pub(crate) network: Option<NetworkReport>,
+    /// How the network was chosen; none if it was not by `--budget` or `--tolerance`.
+    pub(crate) choice: Option<ChoiceReport>,
     /// Quality and fabric of the simulation; none for other methods.
     pub(crate) simulation: Option<SimulationReport>,
     /// Whether penetrations were removed.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use garnet::train::{Begin, Recipe, TrainConfig, TrainJob, training_folder};
+use garnet::train::{Begin, Precision, Recipe, TrainConfig, TrainJob, training_folder};
 
 use crate::failure::Hint;
 
@@ -33,6 +33,9 @@ pub(crate) struct TrainArgs {
     /// Seed of the first weights and of the order of the scenes.
     #[arg(long, value_name = "S", conflicts_with = "resume")]
     seed: Option<u64>,
+    /// Store the weights in so many bits: f32, or f16 for half the file.
+    #[arg(long, value_name = "BITS", value_parser = precision, conflicts_with = "resume")]
+    precision: Option<Precision>,
     /// Start from these weights.
     #[arg(long, value_name = "WEIGHTS", conflicts_with = "resume")]
     from: Option<PathBuf>,
@@ -54,11 +57,20 @@ A configuration names what differs from the defaults:
   learning_rate = 1e-3
   schedule = \"cosine\"       # or constant, steps
   accumulate = 1            # scenes a step
+  precision = \"f32\"         # of the weights in the package, or f16
   patience = 0              # stop after so many epochs without a better one
   [loss]                    # weights of the terms
   normal = 0.3
   [network.garment]         # what differs from the preset
   heads = 4";
+
+fn precision(text: &str) -> Result<Precision, String> {
+    match text {
+        "f32" => Ok(Precision::F32),
+        "f16" => Ok(Precision::F16),
+        _ => Err("expected f32 or f16".to_owned()),
+    }
+}
 
 impl TrainArgs {
     /// What is to be done, checked as far as that goes without reading data.
@@ -79,6 +91,7 @@ impl TrainArgs {
             }
             config.epochs = self.epochs.unwrap_or(config.epochs);
             config.seed = self.seed.unwrap_or(config.seed);
+            config.precision = self.precision.unwrap_or(config.precision);
         }
         config.validate().hint(|| {
             "`garnet train --help` shows a configuration; each field has a default".to_owned()

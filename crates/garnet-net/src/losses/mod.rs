@@ -96,7 +96,7 @@ impl Losses {
     /// [`NetError::Count`] for another number of vertices, [`NetError::NotFinite`].
     pub fn target(&self, draped: &[Point3]) -> Result<LossTarget, NetError> {
         self.check_places("target vertex", draped)?;
-        Ok(LossTarget::new(self, draped))
+        Ok(LossTarget::new(draped))
     }
 
     /// The terms that have a weight, and the derivative of their weighted sum.
@@ -173,7 +173,7 @@ impl Losses {
         let faces = topology.faces();
         let max_cotangent = self.config.max_cotangent;
         let rayleigh = |size: usize, gradient: &mut Gradient<'_>| {
-            let quotients = &target.quotients[size];
+            let quotients = target.quotients(self, size);
             rayleigh_loss(places, &self.neighborhoods[size], quotients, gradient)
         };
         match term {
@@ -182,14 +182,14 @@ impl Losses {
                 let tolerance = f64::from(self.config.penetration_tolerance / UNIT);
                 penetration_loss(places, &target.places, fronts, tolerance, gradient)
             }
-            Term::Normal => normal_loss(places, faces, &target.normals, gradient),
-            Term::Bending => bending_loss(places, &self.pairs, &target.lengths, gradient),
+            Term::Normal => normal_loss(places, faces, target.normals(self), gradient),
+            Term::Bending => bending_loss(places, &self.pairs, target.lengths(self), gradient),
             Term::MeanCurvature => {
-                let curvature = &target.mean_curvature;
+                let curvature = target.mean_curvature(self);
                 mean_curvature_loss(places, faces, curvature, max_cotangent, gradient)
             }
             Term::UniformCurvature => {
-                uniform_curvature_loss(places, topology, &target.uniform_curvature, gradient)
+                uniform_curvature_loss(places, topology, target.uniform_curvature(self), gradient)
             }
             Term::Rayleigh8 => rayleigh(0, gradient),
             Term::Rayleigh16 => rayleigh(1, gradient),

@@ -1,5 +1,7 @@
 //! What a scene contributes to the loss: the teacher's drape, and the body.
 
+use std::sync::OnceLock;
+
 use garnet_knn::VertexTree;
 use garnet_mesh::{Point3, TriMesh, Vector3, vertex_normals};
 
@@ -12,32 +14,55 @@ use super::uniform_curvature::uniform_curvatures;
 use super::{Losses, in_units};
 use crate::{NetError, UNIT};
 
-/// The teacher's drape of a scene, measured once.
+/// The teacher's drape of a scene, measured once: when a term first asks for it.
 #[derive(Debug, Clone)]
 pub struct LossTarget {
     pub(super) places: Vec<Place>,
-    pub(super) normals: Vec<Option<Place>>,
-    pub(super) lengths: Vec<f64>,
-    pub(super) mean_curvature: TargetCurvature,
-    pub(super) uniform_curvature: Vec<Place>,
-    pub(super) quotients: [Vec<Extremes>; 3],
+    normals: OnceLock<Vec<Option<Place>>>,
+    lengths: OnceLock<Vec<f64>>,
+    mean_curvature: OnceLock<TargetCurvature>,
+    uniform_curvature: OnceLock<Vec<Place>>,
+    quotients: [OnceLock<Vec<Extremes>>; 3],
 }
 
 impl LossTarget {
-    pub(super) fn new(losses: &Losses, draped: &[Point3]) -> Self {
-        let places = in_units(draped);
-        let topology = &losses.topology;
-        let normal = |&face: &[u32; 3]| unit_normal(&places, face).map(|(normal, _)| normal);
-        let max_cotangent = losses.config.max_cotangent;
+    pub(super) fn new(draped: &[Point3]) -> Self {
         Self {
-            normals: topology.faces().iter().map(normal).collect(),
-            lengths: pair_lengths(&places, &losses.pairs),
-            mean_curvature: TargetCurvature::new(&places, topology, max_cotangent),
-            uniform_curvature: uniform_curvatures(&places, topology),
-            quotients: (losses.neighborhoods.each_ref())
-                .map(|hoods| rayleigh_quotients(&places, hoods)),
-            places,
+            places: in_units(draped),
+            normals: OnceLock::new(),
+            lengths: OnceLock::new(),
+            mean_curvature: OnceLock::new(),
+            uniform_curvature: OnceLock::new(),
+            quotients: Default::default(),
         }
+    }
+
+    /// Unit normals of the faces.
+    pub(super) fn normals(&self, losses: &Losses) -> &[Option<Place>] {
+        let normal = |&face: &[u32; 3]| unit_normal(&self.places, face).map(|(normal, _)| normal);
+        let faces = losses.topology.faces();
+        (self.normals).get_or_init(|| faces.iter().map(normal).collect())
+    }
+
+    /// Distances of two-ring pairs.
+    pub(super) fn lengths(&self, losses: &Losses) -> &[f64] {
+        (self.lengths).get_or_init(|| pair_lengths(&self.places, &losses.pairs))
+    }
+
+    pub(super) fn mean_curvature(&self, losses: &Losses) -> &TargetCurvature {
+        let (topology, max_cotangent) = (&losses.topology, losses.config.max_cotangent);
+        (self.mean_curvature)
+            .get_or_init(|| TargetCurvature::new(&self.places, topology, max_cotangent))
+    }
+
+    pub(super) fn uniform_curvature(&self, losses: &Losses) -> &[Place] {
+        (self.uniform_curvature).get_or_init(|| uniform_curvatures(&self.places, &losses.topology))
+    }
+
+    /// Rayleigh quotients of the neighborhoods of a size.
+    pub(super) fn quotients(&self, losses: &Losses, size: usize) -> &[Extremes] {
+        let hoods = &losses.neighborhoods[size];
+        self.quotients[size].get_or_init(|| rayleigh_quotients(&self.places, hoods))
     }
 }
 

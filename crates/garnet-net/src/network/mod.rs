@@ -13,8 +13,11 @@ mod weights;
 
 pub(crate) use inputs::Inputs;
 
+use std::sync::Arc;
+
 use burn::module::Module;
 use burn::tensor::{Device, Tensor};
+use garnet_kernel::Workspace;
 
 use crate::ops::{Engine, Op, TensorEngine};
 use crate::{BodySampling, GarNetConfig, GarmentGraph, NetError, Scene, Variant};
@@ -36,6 +39,9 @@ pub struct GarNet {
     fusion: Fusion,
     #[module(skip)]
     config: GarNetConfig,
+    /// Memory of the kernels, kept from step to step.
+    #[module(skip)]
+    workspace: Arc<Workspace>,
 }
 
 impl GarNetConfig {
@@ -79,6 +85,7 @@ impl GarNetConfig {
             garment: GarmentStream::new(self, body_global, source),
             fusion: Fusion::new(fused, &self.fusion, source),
             config: self.clone(),
+            workspace: Arc::default(),
         })
     }
 }
@@ -107,7 +114,7 @@ impl GarNet {
         scene: &Scene,
         device: &Device,
     ) -> Tensor<2> {
-        let engine = TensorEngine::new(device);
+        let engine = TensorEngine::new(device, &self.workspace);
         let matrix = |values: &[f32], columns| engine.matrix(values, columns);
         let inputs = Inputs::new(&self.config, garment, sampling, scene, matrix);
         self.run(&engine, &inputs)

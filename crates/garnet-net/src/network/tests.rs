@@ -4,8 +4,8 @@ use garnet_mesh::{Point3, TriMesh, Vector3, vertex_normals};
 use nalgebra::{Isometry3, UnitQuaternion};
 
 use crate::{
-    BodySampling, Frame, GarNet, GarNetConfig, GarmentGraph, PRESET_NAMES, Predictor, Scene,
-    SceneInput, Variant,
+    BodySampling, Frame, GarNet, GarNetConfig, GarmentGraph, NetError, PRESET_NAMES, PoolingConfig,
+    Predictor, Scene, SceneInput, Variant,
 };
 
 /// A garment over a body, with all that networks may ask for.
@@ -135,6 +135,33 @@ fn tensors_and_slices_give_the_same() {
             assert_eq!(predictor.translations(), by_tensors, "{:?}", config.variant);
         }
         assert!(by_tensors.iter().any(|value| value.abs() > 1e-3));
+    }
+}
+
+#[test]
+fn a_scene_of_known_neighbors_is_the_same() {
+    let stage = Stage::new();
+    let normals = vertex_normals(stage.body.positions(), stage.body.faces());
+    let input = stage.input(&normals);
+    for config in variants() {
+        let garment = GarmentGraph::new(&stage.template, &[]).unwrap();
+        let rest = stage.body.positions();
+        let sampling = BodySampling::new(rest, None, &config.pooling).unwrap();
+        let scene = Scene::new(&config, &garment, &sampling, &input).unwrap();
+        let known = scene.neighbors().unwrap();
+        let again = Scene::of_neighbors(&config, &garment, &sampling, &input, &known).unwrap();
+        assert_eq!(format!("{scene:?}"), format!("{again:?}"));
+        if config.has_local_pooling() {
+            let other = GarNetConfig {
+                pooling: PoolingConfig {
+                    neighbors: 3,
+                    ..config.pooling.clone()
+                },
+                ..config.clone()
+            };
+            let wrong = Scene::of_neighbors(&other, &garment, &sampling, &input, &known);
+            assert!(matches!(wrong, Err(NetError::Count { .. })));
+        }
     }
 }
 

@@ -17,11 +17,11 @@ pub(crate) struct TensorEngine {
 }
 
 impl TensorEngine {
-    /// For tensors of `device`.
-    pub(crate) fn new(device: &Device) -> Self {
+    /// For tensors of `device`, with memory for the kernels.
+    pub(crate) fn new(device: &Device, workspace: &Arc<Workspace>) -> Self {
         Self {
             device: device.clone(),
-            workspace: Arc::default(),
+            workspace: Arc::clone(workspace),
         }
     }
 

@@ -47,7 +47,7 @@ fn run(
 
 fn check(op: &Op, shapes: &[[usize; 2]]) {
     let device = Device::flex().autodiff();
-    let engine = TensorEngine::new(&device);
+    let engine = TensorEngine::new(&device, &Arc::default());
     let inputs: Vec<TensorData> = shapes
         .iter()
         .copied()

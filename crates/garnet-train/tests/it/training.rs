@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use burn::tensor::Device;
 use garnet_data::GarmentPackage;
 use garnet_net::Checkpoint;
-use garnet_train::{Begin, TrainConfig, TrainError, TrainEvent, train};
+use garnet_train::{Begin, Precision, TrainConfig, TrainError, TrainEvent, train};
 
 use crate::invented::{Invented, run, tiny};
 
@@ -158,4 +158,22 @@ fn patience_ends_a_training_that_does_not_get_better() {
         (trained.best.epoch, trained.epochs, trained.epochs_asked),
         (0, 2, 50)
     );
+}
+
+#[test]
+fn weights_of_half_precision_drape_the_same() {
+    let invented = Invented::new();
+    let config = |precision| TrainConfig {
+        precision,
+        ..tiny(8)
+    };
+    let whole = run(&invented.job("whole", config(Precision::F32))).unwrap();
+    let half = run(&invented.job("half", config(Precision::F16))).unwrap();
+    let [big, small] = [&whole, &half].map(|trained| std::fs::read(&trained.weights).unwrap());
+    assert!(small.len() < big.len() * 7 / 10);
+    // Of one seed, so that nothing but the rounding of the weights differs.
+    assert_eq!(whole.best, half.best);
+    let [whole, half] = [whole, half].map(|trained| trained.test.unwrap().distance);
+    assert!((whole - half).abs() < 2e-5, "{whole} and {half}");
+    assert!((whole - half).abs() > 0.0);
 }

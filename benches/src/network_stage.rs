@@ -1,0 +1,72 @@
+//! The scene of the benches of networks.
+
+use garnet_mesh::primitives::{capsule, tube};
+use garnet_mesh::{Point3, TriMesh, Vector3, vertex_normals};
+use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput};
+use nalgebra::{Isometry3, UnitQuaternion};
+
+/// A tube around a body of about 6,890 points, ready to be predicted.
+#[derive(Debug)]
+pub struct NetworkStage {
+    template: TriMesh,
+    body: TriMesh,
+    normals: Vec<Vector3>,
+    rotations: Vec<UnitQuaternion<f32>>,
+}
+
+impl NetworkStage {
+    /// Of a garment of about `num_vertices` vertices.
+    pub fn new(num_vertices: usize) -> Self {
+        let segments = (num_vertices as f32).sqrt() as usize;
+        let template = tube(0.22, 0.7, segments, num_vertices / segments - 1);
+        let body = capsule(0.2, 0.8, 83, 27);
+        Self {
+            normals: vertex_normals(body.positions(), body.faces()),
+            rotations: vec![UnitQuaternion::identity(); template.num_vertices()],
+            template,
+            body,
+        }
+    }
+
+    /// The garment at rest.
+    pub fn template(&self) -> &TriMesh {
+        &self.template
+    }
+
+    /// The body.
+    pub fn body(&self) -> &TriMesh {
+        &self.body
+    }
+
+    /// The garment as a teacher might put it: a little wider and lower.
+    pub fn draped(&self) -> Vec<Point3> {
+        let moved = |place: &Point3| Point3::new(1.04 * place.x, place.y - 0.01, 1.04 * place.z);
+        self.template.positions().iter().map(moved).collect()
+    }
+
+    /// A network with random weights, bound.
+    ///
+    /// # Panics
+    ///
+    /// If the configuration is not valid.
+    pub fn predictor(&self, config: GarNetConfig) -> Predictor {
+        let garment = GarmentGraph::new(&self.template, &[]).expect("the tube is a garment");
+        let config = garment.configured(config);
+        let (rest, template) = (self.body.positions(), self.template.positions());
+        let sampling = BodySampling::for_garment(rest, template, &config);
+        let sampling = sampling.expect("the body is near the garment");
+        Predictor::untrained(&config, 1, garment, sampling).expect("the configuration is valid")
+    }
+
+    /// The scene as networks take it.
+    pub fn input(&self) -> SceneInput<'_> {
+        SceneInput {
+            warped: self.template.positions(),
+            body: self.body.positions(),
+            body_normals: &self.normals,
+            world_from_root: Isometry3::identity(),
+            rotations: &self.rotations,
+            parameters: &[],
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The step of a training by itself.
+
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
+
+use burn::optim::{AdamConfig, ModuleOptimizer};
+use burn::tensor::Device;
+use garnet_data::Split;
+use garnet_mesh::{Point3, TriMesh, vertex_normals};
+use garnet_net::losses::LossReport;
+use garnet_net::{GarNet, GarmentGraph};
+use garnet_skin::WarpedGarment;
+use nalgebra::{Isometry3, UnitQuaternion};
+
+use crate::lesson::lesson;
+use crate::subject::{Example, Subject};
+use crate::{SceneName, TrainConfig, TrainError};
+
+/// Times of the parts of a step, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepSeconds {
+    /// Neighbors, features, and what the losses compare with.
+    pub prepare: f64,
+    /// The network.
+    pub forward: f64,
+    /// The losses and their derivatives by the places.
+    pub loss: f64,
+    /// The derivatives by the weights.
+    pub backward: f64,
+    /// The optimizer.
+    pub update: f64,
+}
+
+impl StepSeconds {
+    /// All parts together.
+    pub fn total(&self) -> f64 {
+        self.prepare + self.forward + self.loss + self.backward + self.update
+    }
+}
+
+/// A network that learns one scene again and again: what a training repeats, without a data set.
+///
+/// ```
+/// use garnet_mesh::primitives::{capsule, tube};
+/// use garnet_train::{Exercise, TrainConfig};
+///
+/// let (garment, body) = (tube(0.22, 0.7, 16, 12), capsule(0.2, 0.8, 16, 6));
+/// let config = TrainConfig::parse("preset = \"tiny\"")?;
+/// let mut exercise = Exercise::new(&config, &garment, &body, garment.positions())?;
+/// let (report, seconds) = exercise.step()?;
+/// assert!(report.total().is_finite() && seconds.total() > 0.0);
+/// # Ok::<(), garnet_train::TrainError>(())
+/// ```
+pub struct Exercise {
+    subject: Subject,
+    example: Example,
+    model: GarNet,
+    optimizer: ModuleOptimizer,
+    device: Device,
+    learning_rate: f64,
+}
+
+impl std::fmt::Debug for Exercise {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        // The optimizer has no such form.
+        let Self { model, .. } = self;
+        formatter.debug_tuple("Exercise").field(model).finish()
+    }
+}
+
+impl Exercise {
+    /// Of a garment that lies on a body at rest, and where the teacher puts it `[vertex]`.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Config`], [`TrainError::ConfigText`] and [`TrainError::Net`] for what cannot be
+    /// trained or does not fit.
+    pub fn new(
+        config: &TrainConfig,
+        garment: &TriMesh,
+        body: &TriMesh,
+        draped: &[Point3],
+    ) -> Result<Self, TrainError> {
+        config.validate()?;
+        let network = config.network_config()?;
+        let graph = GarmentGraph::new(garment, &[])?;
+        let subject = Subject::of_meshes(garment, body, graph.configured(network), &config.loss)?;
+        let device = Device::flex().autodiff();
+        let example = Example {
+            scene: SceneName {
+                split: Split::Train,
+                body: 0,
+                pose: 0,
+            },
+            rest: Arc::from(garment.positions()),
+            graph,
+            warped: WarpedGarment {
+                positions: garment.positions().to_vec(),
+                rotations: vec![UnitQuaternion::identity(); garment.num_vertices()],
+                world_from_root: Isometry3::identity(),
+                body_normals: vertex_normals(body.positions(), body.faces()),
+            },
+            body: body.positions().to_vec(),
+            parameters: vec![0.0; subject.config.num_body_parameters],
+            draped: draped.to_vec(),
+            neighbors: OnceLock::new(),
+        };
+        Ok(Self {
+            model: subject.config.init(config.seed, &device)?,
+            optimizer: AdamConfig::new().init(),
+            learning_rate: config.learning_rate,
+            subject,
+            example,
+            device,
+        })
+    }
+
+    /// Multiplications and additions of a forward pass.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Net`] for a garment without vertices.
+    pub fn flops(&self) -> Result<u64, TrainError> {
+        let num_points = self.subject.sampling.used().len();
+        let num_vertices = self.example.rest.len();
+        Ok(self.subject.config.cost(num_vertices, num_points)?.flops)
+    }
+
+    /// One step of the optimizer: the terms of the loss before it, and what took how long.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Diverged`] where loss or derivatives are not finite.
+    pub fn step(&mut self) -> Result<(LossReport, StepSeconds), TrainError> {
+        let found = lesson(&self.subject, &self.example, &self.model, &self.device, 1.0)?;
+        let lesson = found.map_err(|trouble| TrainError::Diverged {
+            epoch: 1,
+            trouble,
+            num_skipped: 1,
+        })?;
+        let start = Instant::now();
+        let model = self.model.clone();
+        self.model = (self.optimizer).step(self.learning_rate, model, lesson.gradients);
+        let mut seconds = lesson.seconds;
+        seconds.update += start.elapsed().as_secs_f64();
+        Ok((lesson.report, seconds))
+    }
+}
