@@ -3,8 +3,7 @@
 use garnet_knn::{Feature, Surface};
 use nalgebra::{Unit, Vector3};
 
-use crate::contact::Skin;
-use crate::{MovingBody, Point3, Scene, SimError};
+use crate::Point3;
 
 /// The nearest point of an [`Obstacle`], as contact sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,79 +105,43 @@ impl Obstacle for Disc {
 
 impl Obstacle for Surface {
     fn nearest(&self, _: usize, place: &Vector3<f64>, reach: f64) -> Option<Nearest> {
-        nearest_where(self, place, reach, |_| true)
-    }
-}
-
-/// A body in its last place: each vertex of the garment sees the parts that it may touch, and no skin
-/// that lies inside another part or is turned over.
-#[derive(Debug)]
-pub(super) struct BodyAtRest {
-    skin: Skin,
-    /// Parts that each vertex may touch `[vertex]`, one bit a part.
-    masks: Vec<u32>,
-}
-
-impl BodyAtRest {
-    pub(super) fn new(scene: &Scene<'_>, body: MovingBody<'_>) -> Result<Self, SimError> {
-        Ok(Self {
-            skin: Skin::new(body.collider, (body.motion)(1.0))?,
-            masks: scene.masks(),
-        })
-    }
-}
-
-impl Obstacle for BodyAtRest {
-    fn nearest(&self, vertex: usize, place: &Vector3<f64>, reach: f64) -> Option<Nearest> {
-        let (skin, mask) = (&self.skin, self.masks[vertex]);
-        nearest_where(skin.surface(), place, reach, |face| {
-            skin.is_allowed(face, mask) && !skin.is_buried(face)
-        })
-    }
-}
-
-/// The nearest point on the faces that `accept` takes.
-fn nearest_where(
-    surface: &Surface,
-    place: &Vector3<f64>,
-    reach: f64,
-    accept: impl Fn(u32) -> bool,
-) -> Option<Nearest> {
-    let point = Point3::from(place.cast::<f32>());
-    let closest = surface.closest_where(point, reach as f32, accept)?;
-    let corners = surface.faces()[closest.face as usize];
-    let [a, b, c] = corners.map(|vertex| surface.positions()[vertex as usize].coords.cast::<f64>());
-    let outward = surface.pseudonormal(&closest).cast::<f64>();
-    // The query rounds to `f32`, which at a stiffness of 500 N/m is the weight of a vertex: the
-    // feature is found there, the distance to it here.
-    let offset = match closest.feature {
-        Feature::Face => {
-            let normal = (b - a).cross(&(c - a)).normalize();
-            normal * normal.dot(&(place - a))
+        let point = Point3::from(place.cast::<f32>());
+        let closest = self.closest_within(point, reach as f32)?;
+        let corners = self.faces()[closest.face as usize];
+        let [a, b, c] =
+            corners.map(|vertex| self.positions()[vertex as usize].coords.cast::<f64>());
+        let outward = self.pseudonormal(&closest).cast::<f64>();
+        // The query rounds to `f32`, which at a stiffness of 500 N/m is the weight of a vertex: the
+        // feature is found there, the distance to it here.
+        let offset = match closest.feature {
+            Feature::Face => {
+                let normal = (b - a).cross(&(c - a)).normalize();
+                normal * normal.dot(&(place - a))
+            }
+            Feature::Edge(corner) => {
+                let corners = [a, b, c];
+                let start = usize::from(corner % 3);
+                let along = corners[(start + 1) % 3] - corners[start];
+                let offset = place - corners[start];
+                let share = (offset.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+                offset - along * share
+            }
+            Feature::Vertex(corner) => place - [a, b, c][usize::from(corner % 3)],
+        };
+        let length = offset.norm();
+        if length < MIN_OFFSET {
+            return (outward.norm_squared() > 0.5).then_some(Nearest {
+                distance: 0.0,
+                normal: outward,
+            });
         }
-        Feature::Edge(corner) => {
-            let corners = [a, b, c];
-            let start = usize::from(corner % 3);
-            let along = corners[(start + 1) % 3] - corners[start];
-            let offset = place - corners[start];
-            let share = (offset.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-            offset - along * share
-        }
-        Feature::Vertex(corner) => place - [a, b, c][usize::from(corner % 3)],
-    };
-    let length = offset.norm();
-    if length < MIN_OFFSET {
-        return (outward.norm_squared() > 0.5).then_some(Nearest {
-            distance: 0.0,
-            normal: outward,
-        });
+        let side = if outward.dot(&offset) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        within(reach, side * length, offset * (side / length))
     }
-    let side = if outward.dot(&offset) < 0.0 {
-        -1.0
-    } else {
-        1.0
-    };
-    within(reach, side * length, offset * (side / length))
 }
 
 /// Below this distance, in metres, an offset has no direction.

@@ -2,10 +2,9 @@
 
 use garnet_knn::Surface;
 
-use super::obstacle::{BodyAtRest, Nothing, Obstacle};
 use super::options::ReferenceOptions;
 use super::solver::Reference;
-use crate::{Cloth, Point3, Scene, SimError};
+use crate::{Cloth, Point3, SimError};
 
 /// Longer steps than this, in seconds, have no inertia to speak of.
 const MAX_STEP: f64 = 100.0;
@@ -82,36 +81,7 @@ pub fn settle(
     collider: &Surface,
     options: ReferenceOptions,
 ) -> Result<(Vec<Point3>, Settled), SimError> {
-    settled_on(cloth, start, collider, options)
-}
-
-/// Brings the garment of a scene into balance on the body in its last place, from `positions`
-/// `[vertex]`: what [`drape`](crate::drape) found.
-///
-/// # Errors
-///
-/// As [`settle`], and those of the body.
-pub fn balance(
-    scene: &Scene<'_>,
-    positions: &[Point3],
-    options: ReferenceOptions,
-) -> Result<(Vec<Point3>, Settled), SimError> {
-    match scene.body {
-        None => settled_on(scene.cloth, positions, &Nothing, options),
-        Some(body) => {
-            let body = BodyAtRest::new(scene, body)?;
-            settled_on(scene.cloth, positions, &body, options)
-        }
-    }
-}
-
-fn settled_on(
-    cloth: &Cloth,
-    start: &[Point3],
-    obstacle: &dyn Obstacle,
-    options: ReferenceOptions,
-) -> Result<(Vec<Point3>, Settled), SimError> {
-    let mut reference = Reference::new(cloth, start, obstacle, options)?;
+    let mut reference = Reference::new(cloth, start, collider, options)?;
     let settled = reference.settle()?;
     let positions = reference
         .positions()
