@@ -55,7 +55,7 @@ fn sim(criterion: &mut Criterion) {
             body: Some(MovingBody {
                 collider: &collider,
                 motion: &between,
-                carried: None,
+                wind: None,
                 allowed_parts: None,
             }),
             ..free

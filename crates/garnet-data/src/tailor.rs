@@ -112,7 +112,7 @@ impl Tailor {
             body: Some(MovingBody {
                 collider: &collider(body)?,
                 motion: &|_| positions.to_vec(),
-                carried: None,
+                wind: None,
                 allowed_parts: None,
             }),
         };

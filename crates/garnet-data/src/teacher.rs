@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_mesh::Point3;
 use garnet_sim::{
-    Cloth, Collider, Drape, Event, Fabric, MovingBody, RestShape, Scene, Schedule, drape,
+    Cloth, Collider, Drape, Event, Fabric, MovingBody, RestShape, Scene, Schedule, Wind, drape,
 };
 use garnet_skin::{Body, BoundGarment, Garment};
 
@@ -13,6 +13,10 @@ pub use garnet_sim::Quality;
 
 use crate::parts::{allowed_parts, collider};
 use crate::{BodyPath, DataError, GarmentPackage};
+
+/// Distances from the skin at rest from which on air carries cloth along, a little and wholly, in
+/// metres. Tight cloth is carried by skin: jeans that air holds to the way of the skinning are strained.
+const LOOSE: [f32; 2] = [0.005, 0.02];
 
 /// More of the vertices inside the body at rest than this, and the garment does not lie on it.
 const MAX_SHARE_INSIDE: f64 = 0.3;
@@ -41,6 +45,8 @@ pub struct Teacher {
     start: Vec<Point3>,
     collider: Collider,
     allowed: Option<Vec<u32>>,
+    /// How loose the garment is `[simulated node]`, from 0 to 1.
+    looseness: Vec<f32>,
     /// Whether the garment was cut from a pattern.
     is_sewn: bool,
 }
@@ -102,6 +108,7 @@ impl Teacher {
             is_sewn: matches!(rest, RestShape::Flat { .. }),
             cloth: Cloth::new(&faces, nodes.len(), &rest, fabric)?,
             carried: carried(&garment, &nodes),
+            looseness: looseness(&garment, &nodes),
             collider: collider(body)?,
             garment,
             nodes,
@@ -146,7 +153,10 @@ impl Teacher {
             body: Some(MovingBody {
                 collider: &self.collider,
                 motion: &motion,
-                carried: Some(&carried),
+                wind: Some(Wind {
+                    motion: &carried,
+                    looseness: &self.looseness,
+                }),
                 allowed_parts: self.allowed.as_deref(),
             }),
         };
@@ -190,6 +200,16 @@ pub(crate) fn stopping<'a>(
             ControlFlow::Continue(())
         }
     }
+}
+
+/// How loose the garment is at each node, by its distance from the skin at rest.
+fn looseness(garment: &BoundGarment, nodes: &[u32]) -> Vec<f32> {
+    let [tight, loose] = LOOSE;
+    let distance = |&node: &u32| garment.skin()[node as usize].distance_squared.sqrt();
+    let distances = nodes.iter().map(distance);
+    distances
+        .map(|distance| ((distance - tight) / (loose - tight)).clamp(0.0, 1.0))
+        .collect()
 }
 
 /// Whether the work goes on.

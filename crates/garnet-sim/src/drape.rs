@@ -84,7 +84,7 @@ const FRAMES_OF_FOLDS: u32 = 3;
 ///     body: Some(MovingBody {
 ///         collider: &collider,
 ///         motion: &|_| ball.positions().to_vec(),
-///         carried: None,
+///         wind: None,
 ///         allowed_parts: None,
 ///     }),
 /// };
@@ -123,7 +123,7 @@ pub fn drape(
         for frame in 0..stage.frames {
             if let (0, Some(skin)) = (index, &mut skin) {
                 skin.begin_frame(frame)?;
-                let wind = skin.wind(frame, scene.cloth.num_vertices())?;
+                let wind = skin.wind(frame)?;
                 solver.set_wind(&wind);
             }
             for refresh in 0..schedule.refreshes_per_frame {
@@ -250,17 +250,22 @@ impl<'a> BodyOnWay<'a> {
         Ok(())
     }
 
-    /// How far the air next to each garment vertex moves in a frame `[vertex]`, in metres; empty if
-    /// nobody says.
-    fn wind(&self, frame: u32, num_vertices: usize) -> Result<Vec<Vector3>, SimError> {
-        let Some(carried) = self.body.carried else {
+    /// How far the air next to each garment vertex moves in a frame, in metres, and how loose the cloth
+    /// is there `[vertex]`; empty if the air stands still.
+    fn wind(&self, frame: u32) -> Result<Vec<(Vector3, f32)>, SimError> {
+        let Some(wind) = self.body.wind else {
             return Ok(Vec::new());
         };
-        let [from, to] = [frame, frame + 1].map(|frame| carried(self.time_of(frame)));
+        let [from, to] = [frame, frame + 1].map(|frame| (wind.motion)(self.time_of(frame)));
         for positions in [&from, &to] {
-            check_count("carried positions", positions.len(), num_vertices)?;
+            check_count(
+                "positions of the air",
+                positions.len(),
+                wind.looseness.len(),
+            )?;
         }
-        Ok(from.iter().zip(&to).map(|(from, to)| to - from).collect())
+        let moves = from.iter().zip(&to).map(|(from, to)| to - from);
+        Ok(moves.zip(wind.looseness.iter().copied()).collect())
     }
 
     /// The time of the motion at the beginning of a frame.

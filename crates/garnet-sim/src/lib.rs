@@ -26,5 +26,5 @@ pub use fabric::{DEFAULT_THICKNESS, FABRIC_NAMES, Fabric};
 pub use garnet_mesh::{Point3, Vector3};
 pub use report::{DrapeReport, Energy, Penetration, STILL_SPEED, Speeds, Strain};
 pub use rest_shape::RestShape;
-pub use scene::{MovingBody, Scene};
+pub use scene::{MovingBody, Scene, Wind};
 pub use schedule::{MAX_SUBSTEPS, Quality, STANDARD_GRAVITY, Schedule, SelfContact, Stage};

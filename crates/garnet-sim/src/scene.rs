@@ -23,13 +23,22 @@ pub struct MovingBody<'a> {
     pub collider: &'a Collider,
     /// Where its vertices are at each time from 0 to 1.
     pub motion: &'a Motion<'a>,
-    /// Where the garment's vertices `[vertex]` would be at each time from 0 to 1 if they went along
-    /// with the body, as skinning moves them. The air goes so while the body moves. `None`: the air
-    /// stands still.
-    pub carried: Option<&'a Motion<'a>>,
+    /// The air between garment and body while the body moves. `None`: it stands still.
+    pub wind: Option<Wind<'a>>,
     /// Parts of the body that each garment vertex may touch `[vertex]`: bit k stands for part k.
     /// `None`: all may touch all.
     pub allowed_parts: Option<&'a [u32]>,
+}
+
+/// Air that goes along with a body and carries loose cloth.
+#[derive(Clone, Copy)]
+pub struct Wind<'a> {
+    /// Where the garment's vertices `[vertex]` would be at each time from 0 to 1 if they went along
+    /// with the body, as skinning moves them.
+    pub motion: &'a Motion<'a>,
+    /// How loose the garment is around each vertex `[vertex]`: 1 for cloth that the wind carries, 0
+    /// for cloth that skin alone does.
+    pub looseness: &'a [f32],
 }
 
 impl std::fmt::Debug for Scene<'_> {
@@ -38,6 +47,15 @@ impl std::fmt::Debug for Scene<'_> {
             .debug_struct("Scene")
             .field("num_vertices", &self.cloth.num_vertices())
             .field("body", &self.body)
+            .finish_non_exhaustive()
+    }
+}
+
+impl std::fmt::Debug for Wind<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("Wind")
+            .field("num_vertices", &self.looseness.len())
             .finish_non_exhaustive()
     }
 }
@@ -68,6 +86,9 @@ impl Scene<'_> {
         }
         if let Some(masks) = self.body.and_then(|body| body.allowed_parts) {
             check_count("masks of allowed parts", masks.len(), num_vertices)?;
+        }
+        if let Some(wind) = self.body.and_then(|body| body.wind) {
+            check_count("loosenesses", wind.looseness.len(), num_vertices)?;
         }
         Ok(())
     }

@@ -25,7 +25,8 @@ pub(crate) struct Solver<'a> {
     /// Length of a substep, in seconds, and how many there are from one refresh to the next.
     step: f32,
     num_substeps: u32,
-    /// Displacement of the air next to each vertex a substep, m; empty if it stands still.
+    /// Displacement of the air next to each vertex a substep, m, and the share of its velocity against
+    /// it that the vertex loses; empty if it stands still.
     wind: Vec<Quad>,
     /// Velocity lost to air that stands still, 1/s.
     drag: f32,
@@ -112,13 +113,15 @@ impl<'a> Solver<'a> {
             .set_step(self.cloth, &self.inverse_masses, step, every);
     }
 
-    /// Lets the air move by so much in the next frame `[vertex]`, in metres; not at all if empty.
-    pub(crate) fn set_wind(&mut self, of_frame: &[Vector3]) {
+    /// Lets the air move by so much in the next frame around cloth so loose `[vertex]`, in metres; not
+    /// at all if empty.
+    pub(crate) fn set_wind(&mut self, of_frame: &[(Vector3, f32)]) {
         let per_frame = self.num_substeps * self.schedule.refreshes_per_frame;
-        let share = 1.0 / per_frame as f32;
+        let rate = self.schedule.carry * self.step;
         self.wind.clear();
-        self.wind
-            .extend(of_frame.iter().map(|wind| Quad::new(share * wind, 0.0)));
+        self.wind.extend(of_frame.iter().map(|(wind, looseness)| {
+            Quad::new(wind / per_frame as f32, 1.0 - (-looseness * rate).exp())
+        }));
     }
 
     /// Looks for contacts anew. `frame` counts from the start of the run.
@@ -165,7 +168,6 @@ impl<'a> Solver<'a> {
         let push = Push {
             gravity: schedule.gravity * step * step,
             keep: (-self.drag * step).exp(),
-            carry: 1.0 - (-schedule.carry * step).exp(),
             max_travel: schedule.max_speed * step,
         };
         let friction = self.cloth.fabric().friction;

@@ -34,8 +34,6 @@ pub(crate) struct Push {
     pub(crate) gravity: f32,
     /// What is left of a velocity after drag.
     pub(crate) keep: f32,
-    /// Share of its velocity against air that moves that a vertex loses.
-    pub(crate) carry: f32,
     /// No vertex moves on its own by more than this, m.
     pub(crate) max_travel: f32,
 }
@@ -80,7 +78,8 @@ impl Particles {
 
     /// Begins a substep: every vertex flies on.
     ///
-    /// `wind` `[vertex]` is the displacement of the air a substep, m; empty if it stands still.
+    /// `wind` `[vertex]` is the displacement of the air a substep, m, and the share of its velocity
+    /// against it that the vertex loses; empty if the air stands still.
     #[inline(never)]
     pub(crate) fn fly(&mut self, push: Push, wind: &[Quad]) {
         let fall = Quad([0.0, -push.gravity, 0.0, 0.0]);
@@ -89,7 +88,7 @@ impl Particles {
         for (offset, last) in self.offsets.iter_mut().zip(&mut self.last) {
             let mut travel = (*offset - *last) * push.keep;
             if let Some(&wind) = wind.next() {
-                travel += (wind - travel) * push.carry;
+                travel += (wind.vector() - travel) * wind.0[3];
             }
             let squared = travel.dot3(travel);
             if squared > limit {

@@ -28,7 +28,7 @@ fn on_ball(motion: &dyn Fn(f32) -> Vec<Point3>) -> Result<garnet_sim::Drape, Sim
         body: Some(MovingBody {
             collider: &collider,
             motion,
-            carried: None,
+            wind: None,
             allowed_parts: None,
         }),
     };
@@ -122,7 +122,7 @@ fn a_garment_far_inside_the_body_ends_and_is_reported() {
         body: Some(MovingBody {
             collider: &collider,
             motion: &|_| ball.positions().to_vec(),
-            carried: None,
+            wind: None,
             allowed_parts: None,
         }),
     };

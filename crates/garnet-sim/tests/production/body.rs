@@ -6,7 +6,7 @@ use garnet_mesh::TriMesh;
 use garnet_mesh::primitives::{capsule, cuboid, grid, icosphere, tube};
 use garnet_sim::{
     Cloth, Collider, Fabric, MovingBody, Point3, Quality, STANDARD_GRAVITY, Scene, Schedule,
-    SelfContact, Vector3,
+    SelfContact, Vector3, Wind,
 };
 
 use crate::stage::{cloth_of, run, undamped};
@@ -37,7 +37,7 @@ fn scene<'a>(
         body: Some(MovingBody {
             collider,
             motion,
-            carried: None,
+            wind: None,
             allowed_parts: None,
         }),
     }
@@ -107,7 +107,11 @@ fn a_moving_body_carries_its_cloth_along() {
     let motion = |time: f32| ball.positions().iter().map(|p| p + shift * time).collect();
     let carried = |time: f32| sheet.positions().iter().map(|p| p + shift * time).collect();
     let mut scene = scene(&cloth, sheet.positions(), &collider, &motion);
-    scene.body.as_mut().unwrap().carried = Some(&carried);
+    let looseness = vec![1.0; cloth.num_vertices()];
+    scene.body.as_mut().unwrap().wind = Some(Wind {
+        motion: &carried,
+        looseness: &looseness,
+    });
     // Nothing but friction and the air that goes along holds this sheet.
     let schedule = Schedule {
         motion_friction: 1.0,
