@@ -58,9 +58,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             let worn = tailor.dress(&body, &wearer, &stop)?;
             let teacher = tailor.teacher(&worn, &body)?;
             let floor = |sound: &SoundPose| {
-                noise_floor(&teacher, &body, &sound.pose, Quality::Teacher, &stop)
+                noise_floor(&teacher, &body, &sound.pose, Quality::Teacher, &stop).map_err(Box::new)
             };
-            let floors: Result<Vec<f64>, DataError> = poses.par_iter().map(floor).collect();
+            let floors: Result<Vec<f64>, Box<DataError>> = poses.par_iter().map(floor).collect();
             let mut floors = floors?;
             floors.sort_unstable_by(f64::total_cmp);
             writeln!(
