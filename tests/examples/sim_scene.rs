@@ -14,23 +14,16 @@ use std::{
 };
 
 use garnet::{
-    data::{BodyPath, Quality, Tailor, default_rest_body, usual_fabric, wearer_of},
+    data::{BodyPath, Quality, Tailor, default_rest_body, noise_floor, usual_fabric, wearer_of},
     pattern::GarmentKind,
     poses::{Poser, SelfContact, SeparationOptions, key_pose},
     shape::ParametricBody,
     sim::Drape,
 };
-use garnet_mesh::{TriMesh, vertex_distances};
+use garnet_mesh::TriMesh;
 use garnet_skin::{Body, Method, Pose};
 use garnet_tests::{Scene, Sheet};
 use garnet_view::{Camera, palette};
-use nalgebra::{UnitQuaternion, Vector3};
-
-/// The turn of the noise floor, in radians.
-const NOISE_TURN: f32 = 0.001;
-
-/// The joint that it turns.
-const NOISE_JOINT: &str = "left_shoulder";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -54,25 +47,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             writeln!(log, "{name}: the body cannot do this")?;
             continue;
         };
-        let run = |pose: &Pose| -> Result<Drape, Box<dyn Error>> {
-            let path = BodyPath::to_shape(&body, &body, pose)?;
-            Ok(teacher.drape(&path, Quality::Teacher, &stop, &mut |_| {})?)
-        };
+        let path = BodyPath::to_shape(&body, &body, &pose)?;
         let began = Instant::now();
-        let drape = run(&pose)?;
+        let drape = teacher.drape(&path, Quality::Teacher, &stop, &mut |_| {})?;
         let seconds = began.elapsed().as_secs_f64();
-        let noise = match body.skeleton().find(NOISE_JOINT) {
-            Some(joint) => {
-                let mut turned = pose.clone();
-                let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), NOISE_TURN);
-                turned.rotations[joint] = turn * turned.rotations[joint];
-                mean(&vertex_distances(
-                    &drape.positions,
-                    &run(&turned)?.positions,
-                )?)
-            }
-            None => f64::NAN,
-        };
+        let noise = noise_floor(&teacher, &body, &pose, Quality::Teacher, &stop)?;
         writeln!(
             log,
             "{name}: {seconds:.2} s | {} | noise {:.3} mm",
@@ -88,10 +67,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         )?;
     }
     Ok(())
-}
-
-fn mean(values: &[f32]) -> f64 {
-    values.iter().map(|&value| f64::from(value)).sum::<f64>() / values.len().max(1) as f64
 }
 
 fn line(drape: &Drape) -> String {

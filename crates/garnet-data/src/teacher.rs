@@ -16,7 +16,7 @@ use crate::{BodyPath, DataError, GarmentPackage};
 
 /// Distances from the skin at rest from which on air carries cloth along, a little and wholly, in
 /// metres. Tight cloth is carried by skin: jeans that air holds to the way of the skinning are strained.
-const LOOSE: [f32; 2] = [0.005, 0.02];
+const LOOSE: [f32; 2] = [0.002, 0.006];
 
 /// More of the vertices inside the body at rest than this, and the garment does not lie on it.
 const MAX_SHARE_INSIDE: f64 = 0.3;
