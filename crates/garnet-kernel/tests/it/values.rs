@@ -55,15 +55,24 @@ impl Values {
 /// Asserts that results agree, relative to the largest expected value.
 #[track_caller]
 pub(crate) fn assert_close(name: &str, found: &[f32], expected: &[f64], tolerance: f64) {
+    let largest = expected.iter().map(|value| value.abs());
+    assert_close_at(
+        name,
+        found,
+        expected,
+        tolerance * largest.fold(1e-3, f64::max),
+    );
+}
+
+/// Asserts that results agree to an absolute tolerance.
+#[track_caller]
+pub(crate) fn assert_close_at(name: &str, found: &[f32], expected: &[f64], tolerance: f64) {
     assert_eq!(found.len(), expected.len(), "{name}");
-    let scale = expected
-        .iter()
-        .fold(1e-3_f64, |scale, value| scale.max(value.abs()));
     for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
         let error = (f64::from(*found) - expected).abs();
         assert!(
-            error <= tolerance * scale,
-            "{name}[{i}]: {found} instead of {expected} (largest {scale})"
+            error <= tolerance,
+            "{name}[{i}]: {found} instead of {expected} (tolerance {tolerance})"
         );
     }
 }
