@@ -1,8 +1,7 @@
 //! Drapes of the teacher on poses of the built-in body, in numbers and pictures:
 //! `cargo run --release -p garnet-tests --example sim_scene -- GARMENT VERTICES FOLDER POSE…`.
 //!
-//! Each pose is one line: time, strain, speeds, penetration, and the noise floor, which is how far
-//! the drape moves if one joint turns by 0.001 rad more.
+//! Each pose is one line: time, strain, speeds and penetration.
 
 use std::{
     env,
@@ -14,7 +13,7 @@ use std::{
 };
 
 use garnet::{
-    data::{BodyPath, Quality, Tailor, default_rest_body, noise_floor, usual_fabric, wearer_of},
+    data::{BodyPath, Quality, Tailor, default_rest_body, usual_fabric, wearer_of},
     pattern::GarmentKind,
     poses::{Poser, SelfContact, SeparationOptions, key_pose},
     shape::ParametricBody,
@@ -51,13 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let began = Instant::now();
         let drape = teacher.drape(&path, Quality::Teacher, &stop, &mut |_| {})?;
         let seconds = began.elapsed().as_secs_f64();
-        let noise = noise_floor(&teacher, &body, &pose, Quality::Teacher, &stop)?;
-        writeln!(
-            log,
-            "{name}: {seconds:.2} s | {} | noise {:.3} mm",
-            line(&drape),
-            1e3 * noise
-        )?;
+        writeln!(log, "{name}: {seconds:.2} s | {}", line(&drape))?;
         let mesh = TriMesh::new(drape.positions, worn.sewn.faces.clone())?;
         picture(
             &body,

@@ -15,7 +15,7 @@ use crate::parts::{allowed_parts, collider};
 use crate::{BodyPath, DataError, GarmentPackage};
 
 /// Distances from the skin at rest from which on air carries cloth along, a little and wholly, in
-/// metres. Tight cloth is carried by skin: jeans that air holds to the way of the skinning are strained.
+/// metres. With air between skin and the tightest cloth, too, more dresses do not come to rest.
 const LOOSE: [f32; 2] = [0.002, 0.006];
 
 /// More of the vertices inside the body at rest than this, and the garment does not lie on it.
