@@ -3,6 +3,7 @@
 use crate::contact::plane::{Brake, Plane, PlaneOptions};
 use crate::contact::seeker::{FACING, Near, Reach, Seeker, Track};
 use crate::contact::skin::{Skin, unit};
+use crate::contact::unrest::Unrest;
 use crate::xpbd::particles::Particles;
 use crate::{Point3, Vector3};
 
@@ -10,10 +11,12 @@ use crate::{Point3, Vector3};
 ///
 /// In a narrow gap between two skins cloth keeps a third of it to its own skin: a second layer has
 /// room on the other side. Where limbs run through each other cloth lies near the middle of what they
-/// share, as if both gave way.
+/// share, as if both gave way. Where the skin is so crumpled that a vertex is pushed to and fro, it is
+/// held instead.
 #[derive(Debug)]
 pub(crate) struct Contacts {
     tracks: Vec<Track>,
+    unrest: Vec<Unrest>,
     masks: Vec<u32>,
     /// Whether a vertex is of a rib or waistband.
     grips: Vec<bool>,
@@ -23,7 +26,7 @@ pub(crate) struct Contacts {
     orientation: f32,
     normals: Vec<Vector3>,
     pub(crate) planes: Vec<Plane>,
-    /// Whether a vertex lies between two skins with no room for two layers of cloth.
+    /// Whether a vertex lies between two skins with no room for two layers of cloth, or is caught.
     pub(crate) is_squeezed: Vec<bool>,
 }
 
@@ -91,6 +94,7 @@ impl Contacts {
     pub(crate) fn new(masks: Vec<u32>, grips: Vec<bool>, thickness: f32) -> Self {
         Self {
             tracks: vec![Track::new(); masks.len()],
+            unrest: vec![Unrest::default(); masks.len()],
             planes: Vec::with_capacity(2 * masks.len()),
             is_squeezed: vec![false; masks.len()],
             normals: Vec::new(),
@@ -119,6 +123,7 @@ impl Contacts {
         for vertex in 0..self.tracks.len() {
             let point = particles.position(vertex);
             let track = &mut self.tracks[vertex];
+            self.is_squeezed[vertex] = false;
             if self.masks[vertex] == 0 || track.is_free(point, skin) {
                 continue;
             }
@@ -134,9 +139,18 @@ impl Contacts {
             let other = seeker.other(track, own, is_turn);
             let holds = holds(skin, &self.reach, own, other);
             let thickness = self.reach.thickness;
+            let is_caught = holds[1].is_some_and(|Hold { near, .. }| {
+                let moves = skin.velocity(&near.foot) != Vector3::zeros();
+                self.unrest[vertex].is_caught(near.normal, moves)
+            });
             let mut held = holds.iter().flatten();
-            self.is_squeezed[vertex] = held.any(|hold| hold.clearance < thickness);
+            self.is_squeezed[vertex] = is_caught || held.any(|hold| hold.clearance < thickness);
             for Hold { near, clearance } in holds.into_iter().flatten() {
+                let clearance = if is_caught {
+                    clearance.min(near.distance)
+                } else {
+                    clearance
+                };
                 self.planes.push(Plane::new(&PlaneOptions {
                     vertex: vertex as u32,
                     normal: near.normal,
@@ -144,7 +158,7 @@ impl Contacts {
                     clearance,
                     drift: skin.velocity(&near.foot) * interval.step,
                     max_rise: interval.max_rise(clearance - near.distance),
-                    brake: if clearance < thickness {
+                    brake: if is_caught || clearance < thickness {
                         interval.drag()
                     } else {
                         interval.brake(self.grips[vertex])

@@ -5,6 +5,7 @@ mod plane;
 mod seeker;
 mod skin;
 mod triangle;
+mod unrest;
 
 pub(crate) use contacts::{Contacts, Interval};
 pub(crate) use plane::project;
