@@ -4,13 +4,10 @@ use std::path::Path;
 
 use burn::optim::{AdamConfig, GradientsParams, ModuleOptimizer};
 use burn::tensor::{Bytes, Device};
-use garnet_mesh::primitives::{capsule, tube};
-use garnet_mesh::vertex_normals;
 use garnet_net::{
-    BodySampling, Checkpoint, GarNet, GarNetConfig, GarmentGraph, Precision, Scene, SceneInput,
+    BodySampling, Checkpoint, GarNet, GarNetConfig, GarmentGraph, Precision, ReferenceStage, Scene,
     surrogate,
 };
-use nalgebra::{Isometry3, UnitQuaternion};
 
 /// One scene that pulls all vertices the same way.
 struct Lesson {
@@ -22,20 +19,9 @@ struct Lesson {
 
 impl Lesson {
     fn new() -> (Self, GarNetConfig) {
-        let (template, body) = (tube(0.22, 0.7, 7, 7), capsule(0.2, 0.8, 8, 2));
-        let garment = GarmentGraph::new(&template, &[]).unwrap();
-        let config = garment.configured(GarNetConfig::preset("tiny").unwrap());
-        let (rest, places) = (body.positions(), template.positions());
-        let sampling = BodySampling::for_garment(rest, places, &config).unwrap();
-        let input = SceneInput {
-            warped: places,
-            body: rest,
-            body_normals: &vertex_normals(rest, body.faces()),
-            world_from_root: Isometry3::identity(),
-            rotations: &vec![UnitQuaternion::identity(); template.num_vertices()],
-            parameters: &[],
-        };
-        let scene = Scene::new(&config, &garment, &sampling, &input).unwrap();
+        let stage = ReferenceStage::new(60, 80);
+        let (config, garment, sampling) = stage.bound(GarNetConfig::preset("tiny").unwrap());
+        let scene = Scene::new(&config, &garment, &sampling, &stage.input()).unwrap();
         let device = Device::flex().autodiff();
         let lesson = Self {
             garment,
