@@ -7,8 +7,8 @@
 
 use std::process::Command;
 
-use garnet_benches::NetworkStage;
-use garnet_net::GarNetConfig;
+use garnet_benches::NUM_BODY_POINTS;
+use garnet_net::{GarNetConfig, ReferenceStage};
 use garnet_train::{Exercise, TrainConfig};
 
 /// The allocator of the command.
@@ -51,7 +51,7 @@ fn main() {
 
 /// Prints a row.
 fn measure(preset: &str, size: usize, what: &str) {
-    let stage = NetworkStage::new(size);
+    let stage = ReferenceStage::new(size, NUM_BODY_POINTS);
     let before = peak_megabytes();
     let mut kept = None;
     if what == "prediction" {

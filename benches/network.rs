@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
 use garnet::{Draper, Network};
-use garnet_benches::{NetworkStage, Scene};
-use garnet_net::{GarNetConfig, Variant};
+use garnet_benches::{NUM_BODY_POINTS, Scene};
+use garnet_net::{GarNetConfig, ReferenceStage, Variant};
 use garnet_train::{Exercise, TrainConfig};
 
 /// The allocator of the command.
@@ -64,7 +64,7 @@ fn on_threads<T>(
 fn predict(criterion: &mut Criterion) {
     for name in PRESETS {
         for size in SIZES {
-            let stage = NetworkStage::new(size);
+            let stage = ReferenceStage::new(size, NUM_BODY_POINTS);
             let make = || stage.predictor(preset(name));
             on_threads(criterion, "predict", (name, size), make, |predictor| {
                 predictor
@@ -84,7 +84,7 @@ fn variants(criterion: &mut Criterion) {
         ("global-params", Variant::GlobalParams, NUM_BODY_PARAMETERS),
     ] {
         for size in SIZES {
-            let stage = NetworkStage::new(size);
+            let stage = ReferenceStage::new(size, NUM_BODY_POINTS);
             let make = || {
                 let config = preset("small").with_variant(variant, num_parameters);
                 let mut predictor = stage.predictor(config);
@@ -108,7 +108,7 @@ fn variants(criterion: &mut Criterion) {
 fn training_step(criterion: &mut Criterion) {
     for name in PRESETS {
         for size in [5_000, 10_000] {
-            let stage = NetworkStage::new(size);
+            let stage = ReferenceStage::new(size, NUM_BODY_POINTS);
             let make = || {
                 let text = format!("preset = \"{name}\"");
                 let config = TrainConfig::parse(&text).expect("the preset is there");
@@ -149,7 +149,7 @@ fn drape(criterion: &mut Criterion) {
 /// What is done once a garment.
 fn bind(criterion: &mut Criterion) {
     for size in SIZES {
-        let stage = NetworkStage::new(size);
+        let stage = ReferenceStage::new(size, NUM_BODY_POINTS);
         on_threads(
             criterion,
             "bind network",

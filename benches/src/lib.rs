@@ -4,10 +4,6 @@
 //! the thighs, so that real contacts are found and solved. Times are wall time of one operation on
 //! all threads that rayon takes: `RAYON_NUM_THREADS` sets how many.
 
-mod network_stage;
-
-pub use network_stage::NetworkStage;
-
 use std::time::Duration;
 
 use criterion::{BenchmarkGroup, Criterion, measurement::WallTime};
@@ -17,6 +13,9 @@ use garnet_tests::{Tunic, mannequin, stride, tunic};
 
 /// About how many vertices the garments have.
 pub const SIZES: [usize; 4] = [2_500, 5_000, 10_000, 50_000];
+
+/// About how many points the body of networks has.
+pub const NUM_BODY_POINTS: usize = 6_890;
 
 /// Spacing of the mannequin's vertices, in metres.
 const SPACING: f32 = 0.0132;

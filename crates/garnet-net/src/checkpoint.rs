@@ -36,14 +36,11 @@ use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::path::Path;
 
-use burn::module::Module;
 use burn::tensor::Device;
 use garnet_mesh::{Fingerprint, write_atomically};
 use safetensors::SafeTensors;
 use safetensors::tensor::TensorView;
 use serde::{Deserialize, Serialize};
-
-use tensors::{Filler, Tensors};
 
 use crate::{CheckpointError, GarNet, GarNetConfig, GarmentGraph, NetError, UNIT};
 
@@ -132,28 +129,19 @@ impl Checkpoint {
     ///
     /// [`CheckpointError::NotFinite`] for weights that are no numbers.
     pub fn to_bytes(&self, path: &Path, precision: Precision) -> Result<Vec<u8>, CheckpointError> {
-        let mut tensors = Tensors {
-            precision,
-            path: Vec::new(),
-            found: BTreeMap::new(),
-        };
-        self.model.visit(&mut tensors);
+        let tensors = tensors::collected(&self.model, precision);
         let mut views = Vec::new();
-        for (name, tensor) in &tensors.found {
-            if !tensor.is_finite {
-                return Err(CheckpointError::NotFinite { name: name.clone() });
-            }
-            let view = TensorView::new(tensor.dtype, tensor.shape.clone(), &tensor.bytes);
-            let view = view.map_err(|source| not_safetensors(path, source))?;
+        for (name, tensor) in &tensors {
+            let view = tensor.view(path, precision)?;
+            tensors::check(path, name, &view)?;
             views.push((name.as_str(), view));
         }
-        let numbers = views.iter().map(|(name, view)| (*name, view.data()));
         let header = CheckpointHeader {
             schema: SCHEMA.to_owned(),
             config: self.model.config().clone(),
             garment: self.garment.to_string(),
             unit: UNIT,
-            checksum: checksum(numbers).to_string(),
+            checksum: checksum(&views).to_string(),
             record: self.record.clone(),
             scores: self.scores.clone(),
         };
@@ -174,7 +162,7 @@ impl Checkpoint {
     /// version.
     pub fn load(path: impl AsRef<Path>, device: &Device) -> Result<Self, CheckpointError> {
         let path = path.as_ref();
-        Self::from_bytes(path, &read(path)?, device)
+        Self::from_bytes(path, read(path)?, device)
     }
 
     /// Reads the bytes of the file `path`.
@@ -182,55 +170,29 @@ impl Checkpoint {
     /// # Errors
     ///
     /// As [`Checkpoint::load`].
-    pub fn from_bytes(path: &Path, bytes: &[u8], device: &Device) -> Result<Self, CheckpointError> {
-        let (header, tensors) = parse(path, bytes)?;
-        let altered = |expected: Fingerprint, found| CheckpointError::Altered {
-            path: path.to_path_buf(),
-            found,
-            expected,
-        };
-        let numbers: BTreeMap<&str, TensorView<'_>> = tensors.iter().collect();
-        let found = checksum(numbers.iter().map(|(name, view)| (*name, view.data())));
-        let expected = header
-            .checksum
-            .parse()
-            .unwrap_or(Fingerprint::of_bytes(&[]));
-        if found != expected {
-            return Err(altered(expected, found));
-        }
+    pub fn from_bytes(
+        path: &Path,
+        bytes: Vec<u8>,
+        device: &Device,
+    ) -> Result<Self, CheckpointError> {
+        let header = checked(path, &bytes)?;
         let garment = header.garment.parse::<Fingerprint>().ok();
         let garment = garment.ok_or_else(|| CheckpointError::Foreign {
             path: path.to_path_buf(),
             key: "garment",
-        });
+        })?;
         let unusable = |source| CheckpointError::Config {
             path: path.to_path_buf(),
             source,
         };
-        let model = header.config.blank(device).map_err(unusable)?;
-        let mut filler = Filler {
-            file: path,
-            device,
-            numbers,
-            path: Vec::new(),
-            problem: None,
-        };
-        let model = model.map(&mut filler);
-        match (filler.problem, filler.numbers.first_key_value()) {
-            (Some(problem), _) => Err(problem),
-            (None, Some((name, view))) => Err(CheckpointError::Tensor {
-                path: path.to_path_buf(),
-                name: (*name).to_owned(),
-                found: format!("{:?}", view.shape()),
-                expected: "none of this name".to_owned(),
-            }),
-            (None, None) => Ok(Self {
-                model,
-                garment: garment?,
-                record: header.record,
-                scores: header.scores,
-            }),
-        }
+        let mut model = header.config.blank(device).map_err(unusable)?;
+        tensors::fill(&mut model, path, bytes)?;
+        Ok(Self {
+            model,
+            garment,
+            record: header.record,
+            scores: header.scores,
+        })
     }
 
     /// Reads what a file says about itself, and checks no weights.
@@ -296,11 +258,31 @@ fn parse<'a>(
     Ok((header, tensors))
 }
 
-fn checksum<'a>(tensors: impl Iterator<Item = (&'a str, &'a [u8])>) -> Fingerprint {
-    let mut sums = Vec::new();
-    for (name, bytes) in tensors {
-        sums.extend_from_slice(name.as_bytes());
-        sums.extend_from_slice(Fingerprint::of_bytes(bytes).to_string().as_bytes());
+/// What a file says about itself, if its numbers are those that were written.
+fn checked(path: &Path, bytes: &[u8]) -> Result<CheckpointHeader, CheckpointError> {
+    let (header, tensors) = parse(path, bytes)?;
+    let mut views: Vec<(&str, TensorView<'_>)> = tensors.iter().collect();
+    views.sort_unstable_by_key(|(name, _)| *name);
+    let found = checksum(&views);
+    let expected = header.checksum.parse();
+    let expected = expected.unwrap_or(Fingerprint::of_bytes(&[]));
+    if found != expected {
+        return Err(CheckpointError::Altered {
+            path: path.to_path_buf(),
+            found,
+            expected,
+        });
     }
-    Fingerprint::of_bytes(&sums)
+    (views.iter()).try_for_each(|(name, view)| tensors::check(path, name, view))?;
+    Ok(header)
+}
+
+/// Of names and numbers, in the order of the names.
+fn checksum(tensors: &[(&str, TensorView<'_>)]) -> Fingerprint {
+    let sum = |(name, view): &(&str, TensorView<'_>)| {
+        let numbers = Fingerprint::of_bytes(view.data());
+        format!("{name}{numbers}")
+    };
+    let sums: Vec<String> = tensors.iter().map(sum).collect();
+    Fingerprint::of_bytes(sums.concat().as_bytes())
 }

@@ -178,6 +178,14 @@ pub enum CheckpointError {
         /// What was expected.
         expected: String,
     },
+    /// The tensors cannot be brought into the network for another reason.
+    #[error("weights `{}` cannot be loaded", path.display())]
+    Unloadable {
+        /// The file.
+        path: PathBuf,
+        /// What the store of Burn says.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
     /// A weight is not a number: such a model is neither written nor read.
     #[error("weight `{name}` holds a value that is not finite")]
     NotFinite {

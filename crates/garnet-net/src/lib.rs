@@ -47,6 +47,7 @@ mod ops;
 mod predictor;
 mod presets;
 mod reference_case;
+mod reference_stage;
 mod scene;
 
 pub use body_sampling::BodySampling;
@@ -62,4 +63,5 @@ pub use network::{GarNet, surrogate};
 pub use predictor::Predictor;
 pub use presets::PRESET_NAMES;
 pub use reference_case::write_reference_case;
+pub use reference_stage::ReferenceStage;
 pub use scene::{Scene, SceneInput, SceneNeighbors};

@@ -4,10 +4,7 @@
 
 use std::path::Path;
 
-use garnet_mesh::primitives::{capsule, tube};
-use garnet_mesh::vertex_normals;
-use garnet_net::{GarmentGraph, Predictor, SceneInput};
-use nalgebra::{Isometry3, UnitQuaternion};
+use garnet_net::{GarmentGraph, Predictor, ReferenceStage};
 
 /// Bound on the difference, relative to the largest translation.
 const TOLERANCE: f64 = 1e-4;
@@ -21,21 +18,12 @@ fn the_same_weights_give_the_same_translations_as_in_pytorch() {
     let expected = rows.flat_map(|row| row.as_array().unwrap());
     let expected: Vec<f64> = expected.map(|value| value.as_f64().unwrap()).collect();
 
-    let (template, body) = (tube(0.22, 0.7, 7, 7), capsule(0.2, 0.8, 8, 2));
-    let garment = GarmentGraph::new(&template, &[]).unwrap();
+    let stage = ReferenceStage::new(60, 80);
+    let garment = GarmentGraph::new(stage.template(), &[]).unwrap();
+    let (template, body) = (stage.template().positions(), stage.body().positions());
     let weights = data.join("network.weights.safetensors");
-    let mut predictor =
-        Predictor::load(weights, garment, template.positions(), body.positions()).unwrap();
-    let normals = vertex_normals(body.positions(), body.faces());
-    let scene = SceneInput {
-        warped: template.positions(),
-        body: body.positions(),
-        body_normals: &normals,
-        world_from_root: Isometry3::identity(),
-        rotations: &vec![UnitQuaternion::identity(); template.num_vertices()],
-        parameters: &[],
-    };
-    predictor.prepare(&scene).unwrap();
+    let mut predictor = Predictor::load(weights, garment, template, body).unwrap();
+    predictor.prepare(&stage.input()).unwrap();
     let translations = predictor.translations();
     assert_eq!(translations.len(), expected.len());
     let largest = expected

@@ -1,7 +1,6 @@
 //! The step of a training by itself.
 
 use std::sync::{Arc, OnceLock};
-use std::time::Instant;
 
 use burn::optim::{AdamConfig, ModuleOptimizer};
 use burn::tensor::Device;
@@ -16,28 +15,6 @@ use crate::lesson::lesson;
 use crate::subject::{Example, Subject};
 use crate::{SceneName, TrainConfig, TrainError};
 
-/// Times of the parts of a step, in seconds.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct StepSeconds {
-    /// Neighbors, features, and what the losses compare with.
-    pub prepare: f64,
-    /// The network.
-    pub forward: f64,
-    /// The losses and their derivatives by the places.
-    pub loss: f64,
-    /// The derivatives by the weights.
-    pub backward: f64,
-    /// The optimizer.
-    pub update: f64,
-}
-
-impl StepSeconds {
-    /// All parts together.
-    pub fn total(&self) -> f64 {
-        self.prepare + self.forward + self.loss + self.backward + self.update
-    }
-}
-
 /// A network that learns one scene again and again: what a training repeats, without a data set.
 ///
 /// ```
@@ -47,8 +24,7 @@ impl StepSeconds {
 /// let (garment, body) = (tube(0.22, 0.7, 16, 12), capsule(0.2, 0.8, 16, 6));
 /// let config = TrainConfig::parse("preset = \"tiny\"")?;
 /// let mut exercise = Exercise::new(&config, &garment, &body, garment.positions())?;
-/// let (report, seconds) = exercise.step()?;
-/// assert!(report.total().is_finite() && seconds.total() > 0.0);
+/// assert!(exercise.step()?.total().is_finite());
 /// # Ok::<(), garnet_train::TrainError>(())
 /// ```
 pub struct Exercise {
@@ -115,34 +91,20 @@ impl Exercise {
         })
     }
 
-    /// Multiplications and additions of a forward pass.
-    ///
-    /// # Errors
-    ///
-    /// [`TrainError::Net`] for a garment without vertices.
-    pub fn flops(&self) -> Result<u64, TrainError> {
-        let num_points = self.subject.sampling.used().len();
-        let num_vertices = self.example.rest.len();
-        Ok(self.subject.config.cost(num_vertices, num_points)?.flops)
-    }
-
-    /// One step of the optimizer: the terms of the loss before it, and what took how long.
+    /// One step of the optimizer: the terms of the loss before it.
     ///
     /// # Errors
     ///
     /// [`TrainError::Diverged`] where loss or derivatives are not finite.
-    pub fn step(&mut self) -> Result<(LossReport, StepSeconds), TrainError> {
+    pub fn step(&mut self) -> Result<LossReport, TrainError> {
         let found = lesson(&self.subject, &self.example, &self.model, &self.device, 1.0)?;
         let lesson = found.map_err(|trouble| TrainError::Diverged {
             epoch: 1,
             trouble,
             num_skipped: 1,
         })?;
-        let start = Instant::now();
         let model = self.model.clone();
         self.model = (self.optimizer).step(self.learning_rate, model, lesson.gradients);
-        let mut seconds = lesson.seconds;
-        seconds.update += start.elapsed().as_secs_f64();
-        Ok((lesson.report, seconds))
+        Ok(lesson.report)
     }
 }

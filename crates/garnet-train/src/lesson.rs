@@ -1,7 +1,5 @@
 //! One scene of training: forward, loss, backward.
 
-use std::time::Instant;
-
 use burn::optim::GradientsParams;
 use burn::tensor::Device;
 use garnet_net::losses::LossReport;
@@ -9,7 +7,7 @@ use garnet_net::{GarNet, NetError, surrogate};
 
 use crate::gradients;
 use crate::subject::{Example, Subject};
-use crate::{StepSeconds, TrainError, Trouble, TroubleKind};
+use crate::{TrainError, Trouble, TroubleKind};
 
 /// What a scene teaches.
 #[derive(Debug)]
@@ -18,8 +16,6 @@ pub(crate) struct Lesson {
     pub(crate) report: LossReport,
     /// Derivatives of the loss by the weights, times the share.
     pub(crate) gradients: GradientsParams,
-    /// What took how long.
-    pub(crate) seconds: StepSeconds,
 }
 
 /// Runs the network on a scene and derives the loss by its weights; `share` is what the scene
@@ -35,15 +31,7 @@ pub(crate) fn lesson(
     device: &Device,
     share: f32,
 ) -> Result<Result<Lesson, Trouble>, TrainError> {
-    let mut seconds = StepSeconds::default();
-    let mut start = Instant::now();
-    let mut took = || {
-        let seconds = start.elapsed().as_secs_f64();
-        start = Instant::now();
-        seconds
-    };
     let prepared = subject.prepared(example)?;
-    seconds.prepare = took();
     let trouble = |kind| {
         Ok(Err(Trouble {
             scene: example.scene,
@@ -53,7 +41,6 @@ pub(crate) fn lesson(
     let output = model.forward(&example.graph, &subject.sampling, &prepared.scene, device);
     let translations: Vec<f32> =
         (output.to_data().try_into_vec()).expect("networks compute in single precision");
-    seconds.forward = took();
     let predicted = match prepared.scene.moved(&translations) {
         Err(NetError::Diverged { vertex }) => return trouble(TroubleKind::Place { vertex }),
         moved => moved?,
@@ -72,15 +59,9 @@ pub(crate) fn lesson(
     for value in &mut gradient {
         *value *= share;
     }
-    seconds.loss = took();
     let gradients = GradientsParams::from_grads(surrogate(output, gradient).backward(), model);
     if let Err(name) = gradients::norm(model, &gradients) {
         return trouble(TroubleKind::Weight { name });
     }
-    seconds.backward = took();
-    Ok(Ok(Lesson {
-        report,
-        gradients,
-        seconds,
-    }))
+    Ok(Ok(Lesson { report, gradients }))
 }

@@ -60,7 +60,7 @@ pub use evaluate::{
     Candidate, EvalEvent, Evaluation, Finish, Percentiles, Row, StageSeconds, Untangled, evaluate,
 };
 pub use event::{Began, EpochRecord, TrainEvent};
-pub use exercise::{Exercise, StepSeconds};
+pub use exercise::Exercise;
 pub use garnet_net::losses::{LossConfig, LossValue, Term};
 pub use garnet_net::{GarNetConfig, PRESET_NAMES, Precision, Variant};
 pub use publish::{Trained, weights_of};

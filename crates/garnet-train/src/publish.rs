@@ -86,7 +86,7 @@ pub(crate) fn publish(
     if precision != Precision::F32 {
         // What is tested are the weights that the file will have.
         let bytes = checkpoint.to_bytes(&weights, precision)?;
-        checkpoint.model = Checkpoint::from_bytes(&weights, &bytes, &Device::flex())?.model;
+        checkpoint.model = Checkpoint::from_bytes(&weights, bytes, &Device::flex())?.model;
     }
     let test = match stage.num_scenes(Split::Test) {
         Ok(_) => {

@@ -121,8 +121,8 @@ impl State {
                 .map_err(|error| unsound(error.to_string()))?;
             Ok::<_, TrainError>(view.data().to_vec())
         };
-        let model = Checkpoint::from_bytes(&path, &part("model")?, device)?.model;
-        let best = Checkpoint::from_bytes(&path, &part("best")?, device)?.model;
+        let model = Checkpoint::from_bytes(&path, part("model")?, device)?.model;
+        let best = Checkpoint::from_bytes(&path, part("best")?, device)?.model;
         let adam = adam().from_bytes(Bytes::from_bytes_vec(part("adam")?));
         Ok(Self {
             progress,

@@ -1,136 +1,130 @@
-//! The weights of a network, one by one, on their way into a file and out of it.
+//! The weights of a network on their way into a file and out of it, by Burn's store.
+//!
+//! The store would write files too, but the checksum stands in the metadata, before the numbers: they
+//! are collected first and written by safetensors itself.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use burn::module::{ModuleMapper, ModuleVisitor, Param};
-use burn::tensor::{DType, Device, Tensor, TensorData, f16};
+use burn::store::{
+    ApplyError, FloatCastAdapter, ModuleSnapshot, SafetensorsStore, SafetensorsStoreError,
+    burn_pack,
+};
+use burn::tensor::{Bytes, DType, Shape, f16};
 use safetensors::Dtype;
 use safetensors::tensor::TensorView;
 
-use super::Precision;
-use crate::CheckpointError;
+use super::{Precision, not_safetensors};
+use crate::{CheckpointError, GarNet};
 
-/// A tensor on its way into a file.
+/// Numbers of a tensor on its way into a file.
 pub(super) struct Stored {
-    pub(super) dtype: Dtype,
-    pub(super) shape: Vec<usize>,
-    pub(super) bytes: Vec<u8>,
-    pub(super) is_finite: bool,
+    shape: Shape,
+    bytes: Bytes,
 }
 
-/// Collects the weights of a network by name.
-pub(super) struct Tensors {
-    pub(super) precision: Precision,
-    pub(super) path: Vec<String>,
-    pub(super) found: BTreeMap<String, Stored>,
-}
-
-impl ModuleVisitor for Tensors {
-    fn enter_module(&mut self, name: &str, _: &str) {
-        self.path.push(name.to_owned());
-    }
-
-    fn exit_module(&mut self, _: &str, _: &str) {
-        self.path.pop();
-    }
-
-    fn visit_float<const D: usize>(&mut self, param: &Param<Tensor<D>>) {
-        let tensor = param.val();
-        let shape = tensor.dims().to_vec();
-        let data = tensor.into_data().convert_dtype(DType::F32);
-        let numbers: Vec<f32> = data.try_into_vec().expect("the data was converted to f32");
-        let (dtype, bytes, is_finite) = match self.precision {
-            Precision::F32 => (
-                Dtype::F32,
-                numbers
-                    .iter()
-                    .flat_map(|value| value.to_le_bytes())
-                    .collect(),
-                numbers.iter().all(|value| value.is_finite()),
-            ),
-            Precision::F16 => {
-                let halves: Vec<f16> = numbers.into_iter().map(f16::from_f32).collect();
-                (
-                    Dtype::F16,
-                    halves
-                        .iter()
-                        .flat_map(|value| value.to_le_bytes())
-                        .collect(),
-                    halves.iter().all(|value| value.is_finite()),
-                )
-            }
+impl Stored {
+    /// As safetensors takes them.
+    pub(super) fn view(
+        &self,
+        path: &Path,
+        precision: Precision,
+    ) -> Result<TensorView<'_>, CheckpointError> {
+        let dtype = match precision {
+            Precision::F32 => Dtype::F32,
+            Precision::F16 => Dtype::F16,
         };
-        let stored = Stored {
-            dtype,
-            shape,
-            bytes,
-            is_finite,
-        };
-        self.found.insert(self.path.join("."), stored);
+        let view = TensorView::new(dtype, self.shape.to_vec(), &self.bytes);
+        view.map_err(|source| not_safetensors(path, source))
     }
 }
 
-/// Puts weights from a file into a network.
-pub(super) struct Filler<'a> {
-    pub(super) file: &'a Path,
-    pub(super) device: &'a Device,
-    pub(super) numbers: BTreeMap<&'a str, TensorView<'a>>,
-    pub(super) path: Vec<String>,
-    pub(super) problem: Option<CheckpointError>,
+/// The weights of a network by name.
+pub(super) fn collected(model: &GarNet, precision: Precision) -> BTreeMap<String, Stored> {
+    let dtype = match precision {
+        Precision::F32 => DType::F32,
+        Precision::F16 => DType::F16,
+    };
+    let read = |tensor: burn_pack::Tensor| {
+        let parts = tensor.into_parts();
+        let (name, _, shape, _, bytes) = parts.expect("the weights of a network can be read");
+        (name, Stored { shape, bytes })
+    };
+    let adapter = Box::new(FloatCastAdapter::to(dtype));
+    let tensors = model.collect(None, Some(adapter), false);
+    tensors.into_iter().map(read).collect()
 }
 
-impl ModuleMapper for Filler<'_> {
-    fn enter_module(&mut self, name: &str, _: &str) {
-        self.path.push(name.to_owned());
-    }
-
-    fn exit_module(&mut self, _: &str, _: &str) {
-        self.path.pop();
-    }
-
-    fn map_float<const D: usize>(&mut self, param: Param<Tensor<D>>) -> Param<Tensor<D>> {
-        let name = self.path.join(".");
-        let shape = param.dims().to_vec();
-        let Some(view) = self.numbers.remove(name.as_str()) else {
-            return self.refuse(param, name, "missing".to_owned(), format!("{shape:?}"));
-        };
-        if view.shape() != shape {
-            let found = format!("{:?}", view.shape());
-            return self.refuse(param, name, found, format!("{shape:?}"));
-        }
-        let numbers: Vec<f32> = match view.dtype() {
-            Dtype::F32 => (view.data().as_chunks::<4>().0.iter())
-                .map(|&bytes| f32::from_le_bytes(bytes))
-                .collect(),
-            Dtype::F16 => (view.data().as_chunks::<2>().0.iter())
-                .map(|&bytes| f16::from_le_bytes(bytes).to_f32())
-                .collect(),
+/// Whether the numbers of a tensor are such as weights have.
+pub(super) fn check(path: &Path, name: &str, view: &TensorView<'_>) -> Result<(), CheckpointError> {
+    let bytes = view.data();
+    let is_finite =
+        match view.dtype() {
+            Dtype::F32 => (bytes.as_chunks::<4>().0.iter())
+                .all(|&number| f32::from_le_bytes(number).is_finite()),
+            Dtype::F16 => (bytes.as_chunks::<2>().0.iter())
+                .all(|&number| f16::from_le_bytes(number).is_finite()),
             other => {
-                let found = format!("of type {other:?}");
-                return self.refuse(param, name, found, "F32 or F16".to_owned());
+                return Err(CheckpointError::Tensor {
+                    path: path.to_path_buf(),
+                    name: name.to_owned(),
+                    found: format!("of type {other:?}"),
+                    expected: "F32 or F16".to_owned(),
+                });
             }
         };
-        if !numbers.iter().all(|value| value.is_finite()) {
-            (self.problem).get_or_insert(CheckpointError::NotFinite { name });
-            return param;
-        }
-        let tensor = Tensor::from_data(TensorData::new(numbers, shape), self.device);
-        // A plain device records no derivatives; the parameter remembers that training wants them.
-        param.map(|_| tensor.set_require_grad(self.device.is_autodiff()))
+    if is_finite {
+        return Ok(());
     }
+    Err(CheckpointError::NotFinite {
+        name: name.to_owned(),
+    })
 }
 
-impl Filler<'_> {
-    /// Keeps the first problem.
-    fn refuse<P>(&mut self, param: P, name: String, found: String, expected: String) -> P {
-        let path: PathBuf = self.file.to_path_buf();
-        (self.problem).get_or_insert(CheckpointError::Tensor {
-            path,
-            name,
-            found,
-            expected,
+/// Puts the tensors of a file, which are checked, into a network.
+///
+/// All have to be there, and no others. Names and matrices stay as they are, halves become `f32`;
+/// numbers of parameters, by which an optimizer knows them, and their derivatives are those of the
+/// network.
+pub(super) fn fill(model: &mut GarNet, path: &Path, bytes: Vec<u8>) -> Result<(), CheckpointError> {
+    // The store is told to go on, for it then says what is wrong tensor by tensor, not in one text.
+    let mut store = SafetensorsStore::from_bytes(Some(bytes))
+        .with_from_adapter(FloatCastAdapter::to(DType::F32))
+        .validate(false)
+        .allow_partial(true);
+    let unloadable = |source| CheckpointError::Unloadable {
+        path: path.to_path_buf(),
+        source,
+    };
+    let misfit = |name: &str, found: String, expected: String| CheckpointError::Tensor {
+        path: path.to_path_buf(),
+        name: name.to_owned(),
+        found,
+        expected,
+    };
+    let loaded = model.load_from(&mut store).map_err(|error| match error {
+        SafetensorsStoreError::Safetensors(source) => not_safetensors(path, source),
+        other => unloadable(other.into()),
+    })?;
+    if let Some(error) = loaded.errors.into_iter().next() {
+        return Err(match error {
+            ApplyError::ShapeMismatch {
+                path: name,
+                expected,
+                found,
+            } => {
+                let [found, expected] = [found, expected].map(|shape| format!("{:?}", &shape[..]));
+                misfit(&name, found, expected)
+            }
+            other => unloadable(other.into()),
         });
-        param
     }
+    if let Some((name, _)) = loaded.missing.first() {
+        return Err(misfit(name, "missing".to_owned(), "one".to_owned()));
+    }
+    if let Some(name) = loaded.unused.first() {
+        let none = "none of this name".to_owned();
+        return Err(misfit(name, "there".to_owned(), none));
+    }
+    Ok(())
 }

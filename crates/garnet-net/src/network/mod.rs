@@ -54,7 +54,7 @@ impl GarNetConfig {
         self.made_of(&mut WeightSource::new(seed, device))
     }
 
-    /// Makes a network of zeros, to be filled.
+    /// Makes a network of shapes alone, to be filled.
     pub(crate) fn blank(&self, device: &Device) -> Result<GarNet, NetError> {
         self.made_of(&mut WeightSource::blank(device))
     }

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 /// Draws weights in the order in which modules ask.
 #[derive(Debug)]
 pub(crate) struct WeightSource {
-    /// None where all weights are zero, because a file fills them.
+    /// None where no weights are drawn, because a file fills them or their shapes are enough.
     random: Option<ChaCha8Rng>,
     device: Device,
     num_made: u64,
@@ -24,7 +24,8 @@ impl WeightSource {
         }
     }
 
-    /// Zeros, onto a device.
+    /// Shapes alone, for a device: zeros take memory only where they are looked at, so that a file
+    /// that claims to be huge takes none.
     pub(crate) fn blank(device: &Device) -> Self {
         Self {
             random: None,
@@ -35,27 +36,35 @@ impl WeightSource {
 
     /// Independent normal numbers of the given deviation.
     pub(crate) fn normal(&mut self, shape: [usize; 2], deviation: f32) -> Param<Tensor<2>> {
-        let mut values = vec![0.0; shape[0] * shape[1]];
-        if let Some(random) = &mut self.random {
-            values.fill_with(|| deviation * standard_normal(random));
-        }
-        let data = TensorData::new(values, shape);
-        let tensor = Tensor::from_data(data, &self.device);
-        self.param(tensor)
+        let values = self.random.as_mut().map(|random| {
+            let draw = |_| deviation * standard_normal(random);
+            (0..shape[0] * shape[1]).map(draw).collect()
+        });
+        self.param(shape, values)
     }
 
     /// Zeros.
     pub(crate) fn zeros(&mut self, len: usize) -> Param<Tensor<1>> {
-        let tensor = Tensor::zeros([len], &self.device);
-        self.param(tensor)
+        self.param([len], None)
     }
 
     /// Weights are numbered in the order in which they are made, not at random: the state of an
     /// optimizer, which is stored by these numbers, then fits the same network made again.
-    fn param<const D: usize>(&mut self, tensor: Tensor<D>) -> Param<Tensor<D>> {
+    fn param<const D: usize>(
+        &mut self,
+        shape: [usize; D],
+        values: Option<Vec<f32>>,
+    ) -> Param<Tensor<D>> {
         self.num_made += 1;
-        let (_, tensor, mapper) = Param::from_tensor(tensor).consume();
-        Param::from_mapped_value(ParamId::from(self.num_made), tensor, mapper)
+        let id = ParamId::from(self.num_made);
+        let make = move |device: &Device, require_grad| {
+            let tensor = match values {
+                Some(values) => Tensor::from_data(TensorData::new(values, shape), device),
+                None => Tensor::zeros(shape, device),
+            };
+            tensor.set_require_grad(require_grad)
+        };
+        Param::uninitialized(id, make, self.device.clone(), true, shape.into())
     }
 }
 

@@ -30,7 +30,7 @@ impl Engine for CostEngine {
     type Matrix = Extent;
 
     fn weights<const D: usize>(&self, param: &Param<Tensor<D>>) -> Extent {
-        let shape = param.dims();
+        let shape = param.lazy_shape();
         let columns = shape[D - 1];
         [shape.iter().product::<usize>() / columns, columns]
     }

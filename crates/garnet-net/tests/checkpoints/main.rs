@@ -1,13 +1,17 @@
 //! Weight files come back as they were, or are refused by name.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+mod hostile;
+mod learning_on;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use burn::tensor::Device;
+use burn::tensor::{Device, f16};
 use garnet_mesh::primitives::{grid, tube};
 use garnet_net::{Checkpoint, CheckpointError, GarNetConfig, GarmentGraph, NetError, Precision};
+use safetensors::{Dtype, SafeTensors};
 
 fn checkpoint() -> (Checkpoint, GarmentGraph) {
     let garment = GarmentGraph::new(&tube(0.2, 0.4, 12, 8), &[]).unwrap();
@@ -54,6 +58,28 @@ fn half_precision_halves_the_file() {
     let again = folder.path().join("c.safetensors");
     load(&half).unwrap().save(&again, Precision::F16).unwrap();
     assert_eq!(fs::read(&half).unwrap(), fs::read(&again).unwrap());
+}
+
+#[test]
+fn halves_are_loaded_as_single_precision_and_lose_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let [half, whole] = ["a.safetensors", "b.safetensors"].map(|name| folder.path().join(name));
+    checkpoint().0.save(&half, Precision::F16).unwrap();
+    load(&half).unwrap().save(&whole, Precision::F32).unwrap();
+    let [half, whole] = [half, whole].map(|path| fs::read(path).unwrap());
+    let [half, whole] = [&half, &whole].map(|bytes| SafeTensors::deserialize(bytes).unwrap());
+    assert_eq!(half.len(), whole.len());
+    for (name, half) in half.iter() {
+        let whole = whole.tensor(name).unwrap();
+        assert_eq!((half.dtype(), whole.dtype()), (Dtype::F16, Dtype::F32));
+        assert_eq!(half.shape(), whole.shape());
+        let halves = half.data().as_chunks::<2>().0.iter();
+        let wholes = whole.data().as_chunks::<4>().0.iter();
+        for (&half, &whole) in halves.zip(wholes) {
+            let half = f16::from_le_bytes(half).to_f32();
+            assert_eq!(half.to_bits(), u32::from_le_bytes(whole), "{name}");
+        }
+    }
 }
 
 #[test]

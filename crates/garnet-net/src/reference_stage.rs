@@ -1,25 +1,27 @@
-//! The scene of the benches of networks.
+//! The one scene on which networks are timed and compared.
 
 use garnet_mesh::primitives::{capsule, tube};
 use garnet_mesh::{Point3, TriMesh, Vector3, vertex_normals};
-use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput};
 use nalgebra::{Isometry3, UnitQuaternion};
 
-/// A tube around a body of about 6,890 points, ready to be predicted.
+use crate::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput};
+
+/// A tube around a capsule: a garment on a body, of any numbers of vertices.
 #[derive(Debug)]
-pub struct NetworkStage {
+pub struct ReferenceStage {
     template: TriMesh,
     body: TriMesh,
     normals: Vec<Vector3>,
     rotations: Vec<UnitQuaternion<f32>>,
 }
 
-impl NetworkStage {
-    /// Of a garment of about `num_vertices` vertices.
-    pub fn new(num_vertices: usize) -> Self {
-        let segments = (num_vertices as f32).sqrt() as usize;
+impl ReferenceStage {
+    /// Of about as many vertices.
+    pub fn new(num_vertices: usize, num_points: usize) -> Self {
+        let [segments, meridians] =
+            [num_vertices, num_points].map(|count| (count as f32).sqrt() as usize);
         let template = tube(0.22, 0.7, segments, num_vertices / segments - 1);
-        let body = capsule(0.2, 0.8, 83, 27);
+        let body = capsule(0.2, 0.8, meridians, meridians / 3);
         Self {
             normals: vertex_normals(body.positions(), body.faces()),
             rotations: vec![UnitQuaternion::identity(); template.num_vertices()],
@@ -44,17 +46,27 @@ impl NetworkStage {
         self.template.positions().iter().map(moved).collect()
     }
 
+    /// What a network of the configuration, which is completed, knows before any scene.
+    ///
+    /// # Panics
+    ///
+    /// If the stage has next to no vertices.
+    pub fn bound(&self, config: GarNetConfig) -> (GarNetConfig, GarmentGraph, BodySampling) {
+        let garment = GarmentGraph::new(&self.template, &[]).expect("the tube is a garment");
+        let config = garment.configured(config);
+        let (rest, template) = (self.body.positions(), self.template.positions());
+        let sampling = BodySampling::for_garment(rest, template, &config);
+        let sampling = sampling.expect("the body is near the garment");
+        (config, garment, sampling)
+    }
+
     /// A network with random weights, bound.
     ///
     /// # Panics
     ///
     /// If the configuration is not valid.
     pub fn predictor(&self, config: GarNetConfig) -> Predictor {
-        let garment = GarmentGraph::new(&self.template, &[]).expect("the tube is a garment");
-        let config = garment.configured(config);
-        let (rest, template) = (self.body.positions(), self.template.positions());
-        let sampling = BodySampling::for_garment(rest, template, &config);
-        let sampling = sampling.expect("the body is near the garment");
+        let (config, garment, sampling) = self.bound(config);
         Predictor::untrained(&config, 1, garment, sampling).expect("the configuration is valid")
     }
 
