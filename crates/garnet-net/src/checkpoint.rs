@@ -2,7 +2,7 @@
 //!
 //! One safetensors file holds the weights and, under the metadata key `garnet`, one JSON text: the
 //! schema version, the configuration, the fingerprint of the garment, the length unit, a checksum
-//! of the weights, the record of the training and its scores. One key alone, because several would
+//! of this text and the weights, the record of the training and its scores. One key alone, because several would
 //! be written in random order, and the same model must give the same bytes.
 //!
 //! Tensors are named by their place in the network (`garment.blocks.0.convolutions.1.w`) and lie
@@ -47,6 +47,9 @@ use crate::{CheckpointError, GarNet, GarNetConfig, GarmentGraph, NetError, UNIT}
 /// The metadata key of the JSON text.
 const KEY: &str = "garnet";
 
+/// How a text without its checksum says so.
+const UNSIGNED: &str = r#""checksum":"""#;
+
 /// The schema that this version reads and writes.
 pub const SCHEMA: &str = "garnet-weights/1";
 
@@ -72,7 +75,7 @@ pub struct CheckpointHeader {
     pub garment: String,
     /// The length unit in metres.
     pub unit: f32,
-    /// Checksum of names and numbers, as [`Fingerprint`] writes it.
+    /// Checksum of this text without it, and of names and numbers, as [`Fingerprint`] writes it.
     pub checksum: String,
     /// How the model was trained; whatever the trainer finds worth keeping.
     pub record: serde_json::Value,
@@ -136,19 +139,23 @@ impl Checkpoint {
             tensors::check(path, name, &view)?;
             views.push((name.as_str(), view));
         }
-        let header = CheckpointHeader {
+        let mut header = CheckpointHeader {
             schema: SCHEMA.to_owned(),
             config: self.model.config().clone(),
             garment: self.garment.to_string(),
             unit: UNIT,
-            checksum: checksum(&views).to_string(),
+            checksum: String::new(),
             record: self.record.clone(),
             scores: self.scores.clone(),
         };
-        let text = serde_json::to_string(&header).map_err(|source| CheckpointError::Metadata {
-            path: path.to_path_buf(),
-            source,
-        })?;
+        let text = |header: &CheckpointHeader| {
+            serde_json::to_string(header).map_err(|source| CheckpointError::Metadata {
+                path: path.to_path_buf(),
+                source,
+            })
+        };
+        header.checksum = checksum(&text(&header)?, &views).to_string();
+        let text = text(&header)?;
         let metadata = HashMap::from([(KEY.to_owned(), text)]);
         let bytes = safetensors::serialize(views, Some(metadata));
         bytes.map_err(|source| not_safetensors(path, source))
@@ -224,7 +231,7 @@ fn not_safetensors(path: &Path, source: safetensors::SafeTensorError) -> Checkpo
 fn parse<'a>(
     path: &Path,
     bytes: &'a [u8],
-) -> Result<(CheckpointHeader, SafeTensors<'a>), CheckpointError> {
+) -> Result<(CheckpointHeader, String, SafeTensors<'a>), CheckpointError> {
     let failed = |source| not_safetensors(path, source);
     let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(failed)?;
     let tensors = SafeTensors::deserialize(bytes).map_err(failed)?;
@@ -255,15 +262,16 @@ fn parse<'a>(
             expected: SCHEMA,
         });
     }
-    Ok((header, tensors))
+    Ok((header, text.clone(), tensors))
 }
 
-/// What a file says about itself, if its numbers are those that were written.
+/// What a file says about itself, if it and its numbers are those that were written.
 fn checked(path: &Path, bytes: &[u8]) -> Result<CheckpointHeader, CheckpointError> {
-    let (header, tensors) = parse(path, bytes)?;
+    let (header, text, tensors) = parse(path, bytes)?;
     let mut views: Vec<(&str, TensorView<'_>)> = tensors.iter().collect();
     views.sort_unstable_by_key(|(name, _)| *name);
-    let found = checksum(&views);
+    let signed = format!(r#""checksum":"{}""#, header.checksum);
+    let found = checksum(&text.replacen(&signed, UNSIGNED, 1), &views);
     let expected = header.checksum.parse();
     let expected = expected.unwrap_or(Fingerprint::of_bytes(&[]));
     if found != expected {
@@ -277,12 +285,12 @@ fn checked(path: &Path, bytes: &[u8]) -> Result<CheckpointHeader, CheckpointErro
     Ok(header)
 }
 
-/// Of names and numbers, in the order of the names.
-fn checksum(tensors: &[(&str, TensorView<'_>)]) -> Fingerprint {
+/// Of the unsigned text, and of names and numbers in the order of the names.
+fn checksum(text: &str, tensors: &[(&str, TensorView<'_>)]) -> Fingerprint {
     let sum = |(name, view): &(&str, TensorView<'_>)| {
         let numbers = Fingerprint::of_bytes(view.data());
         format!("{name}{numbers}")
     };
     let sums: Vec<String> = tensors.iter().map(sum).collect();
-    Fingerprint::of_bytes(sums.concat().as_bytes())
+    Fingerprint::of_bytes((text.to_owned() + &sums.concat()).as_bytes())
 }

@@ -28,7 +28,9 @@ impl File {
     /// With other tensors, and a checksum that agrees with them.
     fn with(mut self, edit: impl FnOnce(&mut Self)) -> Vec<u8> {
         edit(&mut self);
-        let mut sums = String::new();
+        self.edit_metadata(|metadata| metadata["checksum"] = json!(""));
+        let text = self.header["__metadata__"]["garnet"].as_str();
+        let mut sums = text.unwrap().to_owned();
         let mut tensors: Vec<(&String, &Value)> = self.header.iter().collect();
         tensors.sort_by_key(|(name, _)| *name);
         for (name, tensor) in tensors {
@@ -259,6 +261,22 @@ fn a_tensor_twice_is_refused_or_one_of_them() {
             }
         }
     }
+}
+
+#[test]
+fn an_altered_configuration_is_refused() {
+    let heads = |file: &mut File, heads: u64| {
+        file.edit_metadata(|metadata| metadata["config"]["garment"]["heads"] = json!(heads));
+    };
+    let mut altered = File::sound();
+    heads(&mut altered, 5);
+    let header = Value::Object(altered.header).to_string();
+    let error = load(file(&header, &altered.numbers)).unwrap_err();
+    assert!(matches!(error, CheckpointError::Altered { .. }), "{error}");
+
+    // With a checksum that agrees: the weights have another width.
+    let error = load(File::sound().with(|file| heads(file, 5))).unwrap_err();
+    assert!(matches!(error, CheckpointError::Tensor { .. }), "{error}");
 }
 
 #[test]

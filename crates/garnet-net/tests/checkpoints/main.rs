@@ -150,7 +150,7 @@ fn foreign_files_and_other_versions_are_refused() {
     assert!(matches!(error, CheckpointError::Schema { .. }), "{error}");
     assert!(error.to_string().contains("`garnet-weights/9`"));
 
-    // Another width than the weights have.
+    // Another configuration than the one it was written with.
     let text = br#"\"heads\":4"#;
     let at = bytes
         .windows(text.len())
@@ -159,7 +159,7 @@ fn foreign_files_and_other_versions_are_refused() {
     let mut wider = bytes.clone();
     wider[at + text.len() - 1] = b'5';
     fs::write(&path, &wider).unwrap();
-    assert!(matches!(load(&path), Err(CheckpointError::Tensor { .. })));
+    assert!(matches!(load(&path), Err(CheckpointError::Altered { .. })));
     assert!(matches!(
         load(&folder.path().join("none")),
         Err(CheckpointError::Io { .. })
