@@ -66,7 +66,7 @@ fn line(drape: &Drape) -> String {
     let report = &drape.report;
     let (strain, speeds, inside) = (report.strain, report.speeds, report.penetration);
     format!(
-        "strain p50 {:.2} p99 {:.2} max {:.0} % | {:.2} % moving, at most {:.1} mm/s | {} inside, {} trapped, {} freed | {} crossings",
+        "strain p50 {:.2} p99 {:.2} max {:.0} % | {:.2} % moving, at most {:.1} mm/s | {} inside, {} trapped, {} freed | {} crossings and {} trapped",
         1e2 * strain.p50,
         1e2 * strain.p99,
         1e2 * strain.max,
@@ -75,7 +75,8 @@ fn line(drape: &Drape) -> String {
         inside.num_inside,
         inside.num_trapped,
         report.num_freed,
-        report.num_self_intersections,
+        report.self_intersections.num_free,
+        report.self_intersections.num_trapped,
     )
 }
 

@@ -21,6 +21,8 @@ pub struct SceneReport {
     pub deepest: f32,
     /// Pairs of triangles of the garment that cross.
     pub self_intersections: u32,
+    /// Such pairs where the body has no room for two layers of cloth, apart from those.
+    pub trapped_intersections: u32,
 }
 
 /// Above these values a scene is not learned from.
@@ -39,6 +41,8 @@ pub struct Limits {
     pub moving: f32,
     /// Pairs of triangles of the garment that cross.
     pub self_intersections: u32,
+    /// Such pairs where the body has no room for two layers of cloth.
+    pub trapped_intersections: u32,
 }
 
 impl Default for Limits {
@@ -48,6 +52,7 @@ impl Default for Limits {
             strain_p99: 0.25,
             moving: 0.015,
             self_intersections: 20,
+            trapped_intersections: 100,
         }
     }
 }
@@ -61,7 +66,8 @@ impl From<&DrapeReport> for SceneReport {
             moving: report.speeds.share_moving,
             inside: report.penetration.num_inside as u32,
             deepest: report.penetration.deepest,
-            self_intersections: report.num_self_intersections as u32,
+            self_intersections: report.self_intersections.num_free as u32,
+            trapped_intersections: report.self_intersections.num_trapped as u32,
         }
     }
 }
@@ -73,6 +79,7 @@ impl Limits {
         strain_p99: f32::MAX,
         moving: f32::MAX,
         self_intersections: u32::MAX,
+        trapped_intersections: u32::MAX,
     };
 
     /// The first limit that a scene exceeds: a short name, and what was measured.
@@ -93,6 +100,11 @@ impl Limits {
         if report.self_intersections > self.self_intersections {
             let reason = format!("{} pairs of triangles cross", report.self_intersections);
             return Some(("self-intersection", reason));
+        }
+        if report.trapped_intersections > self.trapped_intersections {
+            let pairs = report.trapped_intersections;
+            let reason = format!("{pairs} pairs of triangles cross where the body has no room");
+            return Some(("trapped self-intersection", reason));
         }
         if is_beyond(report.moving, self.moving) {
             let share = 100.0 * report.moving;

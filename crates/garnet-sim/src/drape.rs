@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::contact::Skin;
-use crate::report::{Penetration, Speeds, Strain, free, self_intersections};
+use crate::report::{Penetration, SelfIntersections, Speeds, Strain, free};
 use crate::rest_shape::check_count;
 use crate::solver::Solver;
 use crate::{DrapeReport, Energy, MovingBody, Point3, Scene, Schedule, SimError, Stage, Vector3};
@@ -181,7 +181,7 @@ fn finish(
         penetration: body.map_or_else(Penetration::default, |body| {
             Penetration::of(&positions, body.skin.surface())
         }),
-        num_self_intersections: self_intersections(scene.cloth, &positions),
+        self_intersections: SelfIntersections::of(scene.cloth, &positions, solver.is_trapped()),
         energy: Energy::of(scene.cloth, &positions, schedule.gravity),
         num_substeps: clock.substeps_done,
         seconds: clock.seconds(),

@@ -24,7 +24,9 @@ pub use drape::{Drape, Event, drape};
 pub use error::SimError;
 pub use fabric::{DEFAULT_THICKNESS, FABRIC_NAMES, Fabric};
 pub use garnet_mesh::{Point3, Vector3};
-pub use report::{DrapeReport, Energy, Penetration, STILL_SPEED, Speeds, Strain};
+pub use report::{
+    DrapeReport, Energy, Penetration, STILL_SPEED, SelfIntersections, Speeds, Strain,
+};
 pub use rest_shape::RestShape;
 pub use scene::{MovingBody, Scene, Wind};
 pub use schedule::{MAX_SUBSTEPS, Quality, STANDARD_GRAVITY, Schedule, SelfContact, Stage};

@@ -19,8 +19,8 @@ pub struct DrapeReport {
     /// Vertices at the rims of contacts of the body with itself that were inside at the end of the
     /// last step, and were put on the nearest skin.
     pub num_freed: usize,
-    /// Pairs of garment triangles that cross.
-    pub num_self_intersections: usize,
+    /// Where the garment crosses itself.
+    pub self_intersections: SelfIntersections,
     /// Energy of the garment.
     pub energy: Energy,
     /// Substeps that were simulated.
@@ -237,10 +237,34 @@ pub(crate) fn free(points: &mut [Point3], skin: &Surface) -> usize {
 /// limbs run through each other cloth lies up to so deep, and may have slid out of what they share.
 const MAX_FREED: f32 = 0.02;
 
-/// How many pairs of triangles of the garment cross.
-pub(crate) fn self_intersections(cloth: &Cloth, positions: &[Point3]) -> usize {
-    TriMesh::new(positions.to_vec(), cloth.faces().to_vec())
-        .map_or(0, |mesh| Surface::new(&mesh).self_intersections().len())
+/// Pairs of triangles of a garment that cross.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct SelfIntersections {
+    /// Pairs with room around them.
+    pub num_free: usize,
+    /// Pairs with a vertex that lies where the body has no room for two layers of cloth: in an armpit
+    /// that closes, where limbs run through each other, in crumpled skin.
+    pub num_trapped: usize,
+}
+
+impl SelfIntersections {
+    /// `is_trapped` `[vertex]`; nowhere if empty.
+    pub(crate) fn of(cloth: &Cloth, positions: &[Point3], is_trapped: &[bool]) -> Self {
+        let Ok(mesh) = TriMesh::new(positions.to_vec(), cloth.faces().to_vec()) else {
+            return Self::default();
+        };
+        let pairs = Surface::new(&mesh).self_intersections();
+        let is_trapped = |&vertex: &u32| is_trapped.get(vertex as usize).is_some_and(|&is| is);
+        let has_trapped = |pair: &&[u32; 2]| {
+            let vertices = pair.iter().flat_map(|&face| &cloth.faces()[face as usize]);
+            vertices.into_iter().any(is_trapped)
+        };
+        let num_trapped = pairs.iter().filter(has_trapped).count();
+        Self {
+            num_free: pairs.len() - num_trapped,
+            num_trapped,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -248,6 +272,26 @@ mod tests {
     use super::*;
     use crate::{Fabric, RestShape};
     use garnet_mesh::primitives::{grid, icosphere};
+
+    #[test]
+    fn sheets_that_cross_are_counted_apart_where_there_is_no_room() {
+        let sheet = grid(1, 1, [0.2, 0.2]);
+        let upright = |p: &Point3| Point3::new(p.x - 0.01, p.z + 0.02, p.y);
+        let mut positions = sheet.positions().to_vec();
+        positions.extend(sheet.positions().iter().map(upright));
+        let faces = sheet.faces().iter().copied();
+        let faces: Vec<[u32; 3]> = faces
+            .clone()
+            .chain(faces.map(|face| face.map(|vertex| vertex + 4)))
+            .collect();
+        let rest = RestShape::Worn(positions.clone());
+        let cloth = Cloth::new(&faces, 8, &rest, &Fabric::cotton()).unwrap();
+        let free = SelfIntersections::of(&cloth, &positions, &[]);
+        assert!(free.num_free > 0 && free.num_trapped == 0, "{free:?}");
+        let trapped = SelfIntersections::of(&cloth, &positions, &[true; 8]);
+        assert_eq!(trapped.num_trapped, free.num_free);
+        assert_eq!(trapped.num_free, 0);
+    }
 
     #[test]
     fn cloth_stretched_by_a_tenth_has_a_strain_of_a_tenth() {

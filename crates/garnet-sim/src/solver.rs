@@ -163,6 +163,12 @@ impl<'a> Solver<'a> {
         }
     }
 
+    /// Whether each vertex lay where the body has no room for it when the contacts were refreshed last
+    /// `[vertex]`.
+    pub(crate) fn is_trapped(&self) -> &[bool] {
+        &self.contacts.is_squeezed
+    }
+
     pub(crate) fn substep(&mut self) {
         let (schedule, step) = (self.schedule, self.step);
         let push = Push {

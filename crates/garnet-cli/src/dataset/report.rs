@@ -50,6 +50,7 @@ struct Measured {
     strain_p99: [f32; 2],
     moving: [f32; 2],
     self_intersections: [u32; 2],
+    trapped_intersections: [u32; 2],
 }
 
 impl DatasetReport {
@@ -109,15 +110,16 @@ impl Measured {
             values.sort_by(f32::total_cmp);
             Some([*values.get(values.len() / 2)?, *values.last()?])
         };
-        let mut crossings: Vec<u32> = reports
-            .iter()
-            .map(|report| report.self_intersections)
-            .collect();
-        crossings.sort_unstable();
+        let pairs = |value: fn(&SceneReport) -> u32| {
+            let mut values: Vec<u32> = reports.iter().map(value).collect();
+            values.sort_unstable();
+            Some([*values.get(values.len() / 2)?, *values.last()?])
+        };
         Some(Self {
             strain_p99: of(|report| report.strain_p99)?,
             moving: of(|report| report.moving)?,
-            self_intersections: [*crossings.get(crossings.len() / 2)?, *crossings.last()?],
+            self_intersections: pairs(|report| report.self_intersections)?,
+            trapped_intersections: pairs(|report| report.trapped_intersections)?,
         })
     }
 }
