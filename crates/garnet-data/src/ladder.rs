@@ -100,7 +100,11 @@ mod tests {
     #[test]
     fn a_mesh_is_subdivided_to_about_as_many_vertices() {
         let mesh = grid(9, 9, [1.0, 1.0]); // 100 vertices, then 361
-        let found = |count| nearest(&mesh, count).unwrap().map(|mesh| mesh.num_vertices());
+        let found = |count| {
+            nearest(&mesh, count)
+                .unwrap()
+                .map(|mesh| mesh.num_vertices())
+        };
         assert_eq!(found(100), Some(100));
         assert_eq!(found(400), Some(361));
         assert_eq!(found(30), None);

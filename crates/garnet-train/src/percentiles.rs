@@ -50,6 +50,12 @@ mod tests {
         assert_eq!(Percentiles::of(values), expected);
         assert_eq!(Percentiles::of(Vec::new()), Percentiles::default());
         let one = Percentiles::of(vec![4.0]);
-        assert_eq!(one, Percentiles { median: 4.0, p95: 4.0 });
+        assert_eq!(
+            one,
+            Percentiles {
+                median: 4.0,
+                p95: 4.0
+            }
+        );
     }
 }

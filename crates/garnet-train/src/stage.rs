@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use garnet_body::shape::ParametricBody;
-use garnet_data::{BodyPath, BodyRecord, Dataset, GarmentPackage, Posed, SceneRecord, Shard, Sizing, Split};
+use garnet_data::{
+    BodyPath, BodyRecord, Dataset, GarmentPackage, Posed, SceneRecord, Shard, Sizing, Split,
+};
 use garnet_mesh::{Point3, TriMesh};
 use garnet_net::{GarmentGraph, Start};
 use garnet_skin::{Body, BoundGarment, Garment, Pose, PosedBody, Warp, WarpedGarment};

@@ -1,11 +1,15 @@
 //! What drapes of the same garment cost with more and fewer vertices.
 
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use garnet_data::{BodyPath, Quality, Rung, Split};
 use garnet_mesh::Point3;
-use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput, Variant};
+use garnet_net::{
+    BodySampling, Checkpoint, CheckpointHeader, GarNetConfig, GarmentGraph, Predictor, SceneInput,
+    Variant,
+};
 use garnet_skin::{PosedBody, Warp, WarpedGarment};
 use garnet_untangle::{Binding, UntangleOptions, untangle};
 use serde::{Deserialize, Serialize};
@@ -43,6 +47,15 @@ pub struct CostAt {
     pub simulation: Option<f64>,
 }
 
+/// What a weight file says about itself.
+///
+/// # Errors
+///
+/// [`TrainError::Checkpoint`].
+pub fn header_of(weights: &Path) -> Result<CheckpointHeader, TrainError> {
+    Ok(Checkpoint::header(weights)?)
+}
+
 /// The bodies of scenes, as targets of the garment of the package.
 ///
 /// # Errors
@@ -57,12 +70,15 @@ pub fn targets(
     let keep = |name| scenes.contains(&name);
     let fitted = |places: &[Point3]| Ok(stage.package.body.fitted(places)?);
     let mut first_error = None;
-    stage.for_each_of(split, keep, Ok, &mut |staged| {
-        match fitted(staged.posed.skin().positions()) {
+    stage.for_each_of(
+        split,
+        keep,
+        Ok,
+        &mut |staged| match fitted(staged.posed.skin().positions()) {
             Ok(body) => bodies.push(body),
             Err(error) => first_error = first_error.take().or(Some(error)),
-        }
-    })?;
+        },
+    )?;
     first_error.map_or(Ok(bodies), Err)
 }
 
@@ -99,7 +115,10 @@ pub fn cost_at(
         for body in bodies {
             let found = drape(stage, &rung, &binding, &mut networks, body, options)?;
             if round > 0 {
-                times.iter_mut().zip(found).for_each(|(times, time)| times.push(time));
+                times
+                    .iter_mut()
+                    .zip(found)
+                    .for_each(|(times, time)| times.push(time));
             }
         }
     }

@@ -14,7 +14,7 @@ mod spread;
 
 pub use drapes::{NetworkCost, Task, Timing, time_drapes};
 pub use front::pareto_front;
-pub use growth::{CostAt, GrowthOptions, cost_at, targets};
+pub use growth::{CostAt, GrowthOptions, cost_at, header_of, targets};
 pub use power_law::PowerLaw;
 pub use sample::{Figures, Sample, Seconds, Times};
 pub use simulations::{Answer, Question, ask_teacher};

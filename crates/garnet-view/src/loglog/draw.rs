@@ -118,7 +118,11 @@ impl<'a> Prepared<'a> {
                 };
                 sheet.line(&ends, solid(GRID), 1.0)?;
                 let along = far * size[axis];
-                let room = if axis == 0 { TICKS_APART } else { 0.6 * TICKS_APART };
+                let room = if axis == 0 {
+                    TICKS_APART
+                } else {
+                    0.6 * TICKS_APART
+                };
                 if last - along < room {
                     continue;
                 }

@@ -67,9 +67,8 @@ pub(super) fn placed(names: &[Named], obstacles: &Obstacles, frame: Area) -> Vec
                 let outside = area.size[0] * area.size[1] - area.overlap(frame);
                 20.0 * (names + marks) + 40.0 * outside + 60.0 * crossed.count() as f64 + bias
             };
-            let best = candidates(name).min_by(|(a, bias_a), (b, bias_b)| {
-                cost(a, *bias_a).total_cmp(&cost(b, *bias_b))
-            });
+            let best = candidates(name)
+                .min_by(|(a, bias_a), (b, bias_b)| cost(a, *bias_a).total_cmp(&cost(b, *bias_b)));
             boxes[number] = best.map(|(area, _)| area);
         }
     }
@@ -79,18 +78,15 @@ pub(super) fn placed(names: &[Named], obstacles: &Obstacles, frame: Area) -> Vec
 /// Places for a name, each with how little it is liked.
 fn candidates(name: &Named) -> impl Iterator<Item = (Area, f64)> + '_ {
     GAPS.iter().enumerate().flat_map(move |(far, gap)| {
-        DIRECTIONS
-            .iter()
-            .enumerate()
-            .map(move |(rank, direction)| {
-                let reach = name.radius + gap;
-                let at = [0, 1].map(|axis| {
-                    let center = name.at[axis] + direction[axis] * reach;
-                    center + 0.5 * (direction[axis].clamp(-1.0, 1.0) - 1.0) * name.size[axis]
-                });
-                let size = name.size;
-                (Area { at, size }, 25.0 * far as f64 + rank as f64)
-            })
+        DIRECTIONS.iter().enumerate().map(move |(rank, direction)| {
+            let reach = name.radius + gap;
+            let at = [0, 1].map(|axis| {
+                let center = name.at[axis] + direction[axis] * reach;
+                center + 0.5 * (direction[axis].clamp(-1.0, 1.0) - 1.0) * name.size[axis]
+            });
+            let size = name.size;
+            (Area { at, size }, 25.0 * far as f64 + rank as f64)
+        })
     })
 }
 
@@ -115,8 +111,7 @@ impl Area {
     fn overlap(self, other: Self) -> f64 {
         let sides = [0, 1].map(|axis| {
             let low = self.at[axis].max(other.at[axis]);
-            let high =
-                (self.at[axis] + self.size[axis]).min(other.at[axis] + other.size[axis]);
+            let high = (self.at[axis] + self.size[axis]).min(other.at[axis] + other.size[axis]);
             (high - low).max(0.0)
         });
         sides[0] * sides[1]
@@ -168,7 +163,12 @@ mod tests {
     #[test]
     fn names_of_near_marks_do_not_overlap() {
         let marks: Vec<Place> = (0..8)
-            .map(|number| [400.0 + 9.0 * f64::from(number), 200.0 + f64::from(number % 3)])
+            .map(|number| {
+                [
+                    400.0 + 9.0 * f64::from(number),
+                    200.0 + f64::from(number % 3),
+                ]
+            })
             .collect();
         let names: Vec<Named> = marks.iter().copied().map(named).collect();
         let areas = marks.iter().map(|&mark| Area::around(mark, 5.0)).collect();

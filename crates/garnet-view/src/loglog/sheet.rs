@@ -89,12 +89,7 @@ where
     }
 
     /// A line of a width in pixels.
-    pub(super) fn line(
-        &self,
-        points: &[Place],
-        stroke: Stroke,
-        width: f64,
-    ) -> Result<(), String> {
+    pub(super) fn line(&self, points: &[Place], stroke: Stroke, width: f64) -> Result<(), String> {
         let style = color(stroke.color).stroke_width((width * f64::from(FINE)) as u32);
         let pieces = if stroke.is_dashed {
             dashes(points)
@@ -178,10 +173,7 @@ mod tests {
     #[test]
     fn dashes_go_on_round_corners() {
         let pieces = dashes(&[[0.0, 0.0], [8.0, 0.0], [8.0, 12.0]]);
-        let expected = [
-            [[0.0, 0.0], [6.0, 0.0]],
-            [[8.0, 2.0], [8.0, 8.0]],
-        ];
+        let expected = [[[0.0, 0.0], [6.0, 0.0]], [[8.0, 2.0], [8.0, 8.0]]];
         for (piece, expected) in pieces.iter().zip(expected) {
             for (place, expected) in piece.iter().zip(expected) {
                 assert!((place[0] - expected[0]).hypot(place[1] - expected[1]) < 1e-12);
