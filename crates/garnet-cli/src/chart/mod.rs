@@ -92,9 +92,10 @@ impl Chosen {
         let drapes = spread(&all, args.num_scenes(all.len()));
         let simulations = spread(&drapes, args.teacher_scenes);
         Ok(Self {
-            noise: match args.noise_floor {
-                Some(_) => Vec::new(),
-                None => spread(&simulations, NOISE_SCENES),
+            // Drapes made elsewhere have no teacher, and no poses to turn a joint of.
+            noise: match (args.noise_floor, &stage.dataset.manifest.quality) {
+                (None, Some(_)) => spread(&simulations, NOISE_SCENES),
+                _ => Vec::new(),
             },
             growth: spread(&drapes, GROWTH_SCENES),
             drapes,

@@ -121,7 +121,7 @@ fn legend(report: &ChartReport) -> Vec<Entry> {
         && report.noise_floor_m.is_some()
     {
         let text = format!(
-            "`{}` made the targets: its distance is the noise floor",
+            "{} made the targets: its distance is the noise floor",
             target.name
         );
         entries.push(entry(Key::Line(FLOOR), &text));

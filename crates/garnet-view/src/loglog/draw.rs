@@ -5,14 +5,14 @@ use plotters::{coord::Shift, prelude::*};
 use super::labels::{Area, Named, Obstacles, Place, placed};
 use super::sheet::{Anchor, Letters, RADIUS, Sheet};
 use super::ticks::{Span, label};
-use super::{Key, LogLog, Stroke};
+use super::{Key, LogLog, Mark, Stroke};
 use crate::{Rgb, ViewError, canvas::Drawing, palette};
 
 /// Width and height of a chart, in pixels.
 const SIZE: (u32, u32) = (900, 580);
 
 /// Room left of and right of the axes.
-const MARGINS: [f64; 2] = [74.0, 22.0];
+const MARGINS: [f64; 2] = [74.0, 32.0];
 
 /// Room below the axes.
 const BELOW: f64 = 62.0;
@@ -214,7 +214,9 @@ impl<'a> Prepared<'a> {
         DB::ErrorType: 'static,
     {
         let marks = self.chart.marks.iter().filter(|mark| is_shown(mark.at));
-        let marks: Vec<_> = marks.map(|mark| (mark, self.place(mark.at))).collect();
+        let mut marks: Vec<_> = marks.map(|mark| (mark, self.place(mark.at))).collect();
+        // Strong ones lie over the others, and their names are placed first.
+        marks.sort_by_key(|(mark, _)| mark.is_strong);
         for (mark, at) in &marks {
             if let Some(reach) = mark.reach.filter(|&reach| reach > mark.at[0]) {
                 let end = self.place([reach, mark.at[1]]);
@@ -224,31 +226,31 @@ impl<'a> Prepared<'a> {
                 sheet.line(&tips, stroke, 1.0)?;
                 obstacles.lines.push([*at, end]);
             }
-        }
-        for (mark, at) in &marks {
-            sheet.symbol(*at, mark.symbol)?;
             obstacles.areas.push(Area::around(*at, RADIUS));
         }
-        let named: Vec<_> = marks
-            .into_iter()
-            .filter(|(mark, _)| !mark.name.is_empty())
-            .collect();
-        let letters = |is_strong| if is_strong { STRONG } else { NAME };
+        let letters = |mark: &Mark| if mark.is_strong { STRONG } else { NAME };
+        let named = marks.iter().rev();
+        let named: Vec<_> = named.filter(|(mark, _)| !mark.name.is_empty()).collect();
         let names: Vec<Named> = (named.iter())
             .map(|(mark, at)| Named {
                 at: *at,
                 radius: RADIUS,
-                size: letters(mark.is_strong).size_of(&mark.name),
+                size: letters(mark).size_of(&mark.name),
             })
             .collect();
-        for ((mark, at), area) in named.iter().zip(placed(&names, &obstacles, self.frame)) {
-            let near = area.nearest(*at);
-            if (near[0] - at[0]).hypot(near[1] - at[1]) > RADIUS + FAR {
-                sheet.line(&[*at, near], solid(GREY), 0.75)?;
-                sheet.symbol(*at, mark.symbol)?;
+        let areas = placed(&names, &obstacles, self.frame);
+        for ((_, at), area) in named.iter().zip(&areas) {
+            let [from, to] = area.tie(*at);
+            if (to[0] - from[0]).hypot(to[1] - from[1]) > RADIUS + FAR {
+                sheet.line(&[from, to], solid(GREY), 0.75)?;
             }
+        }
+        for (mark, at) in &marks {
+            sheet.symbol(*at, mark.symbol)?;
+        }
+        for ((mark, _), area) in named.iter().zip(&areas) {
             let middle = [area.at[0], area.at[1] + 0.5 * area.size[1]];
-            sheet.text(&mark.name, middle, Anchor::Left, letters(mark.is_strong))?;
+            sheet.text(&mark.name, middle, Anchor::Left, letters(mark))?;
         }
         Ok(())
     }
@@ -259,12 +261,16 @@ impl Drawing for Prepared<'_> {
         SIZE
     }
 
-    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Result<(), String>
+    fn draw<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        drop: f64,
+    ) -> Result<(), String>
     where
         DB::ErrorType: 'static,
     {
         area.fill(&WHITE).map_err(crate::canvas::told)?;
-        let sheet = Sheet(area);
+        let sheet = Sheet { area, drop };
         self.heads(&sheet)?;
         self.axes(&sheet)?;
         let obstacles = self.lines(&sheet)?;

@@ -18,7 +18,7 @@ pub(super) struct Named {
     pub(super) size: Place,
 }
 
-/// What names should stay away from.
+/// What names should stay away from, beside each other and each other's ties.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Obstacles {
     /// Marks and other names: not to be covered.
@@ -28,7 +28,7 @@ pub(super) struct Obstacles {
 }
 
 /// Free space between a mark and the places for its name.
-const GAPS: [f64; 6] = [3.0, 9.0, 18.0, 30.0, 45.0, 64.0];
+const GAPS: [f64; 8] = [3.0, 9.0, 18.0, 30.0, 45.0, 64.0, 86.0, 110.0];
 
 /// Directions that are tried, the first ones preferred.
 const DIRECTIONS: [Place; 12] = [
@@ -58,11 +58,21 @@ pub(super) fn placed(names: &[Named], obstacles: &Obstacles, frame: Area) -> Vec
     for _ in 0..ROUNDS {
         for (number, name) in names.iter().enumerate() {
             boxes[number] = None;
-            let others: Vec<Area> = boxes.iter().flatten().copied().collect();
+            let others = names.iter().zip(&boxes);
+            let others: Vec<(Area, [Place; 2])> = others
+                .filter_map(|(name, area)| Some(((*area)?, area.as_ref()?.tie(name.at))))
+                .collect();
             let cost = |area: &Area, bias: f64| {
                 let covered = |other: &Area| area.wider(APART).overlap(*other);
-                let names: f64 = others.iter().map(covered).sum();
+                let names: f64 = others.iter().map(|(other, _)| covered(other)).sum();
                 let marks: f64 = obstacles.areas.iter().map(covered).sum();
+                let own = area.tie(name.at);
+                let ties = others.iter().map(|(other, tie)| {
+                    f64::from(u8::from(other.meets(own))) + f64::from(u8::from(area.meets(*tie)))
+                });
+                let hidden = obstacles.areas.iter();
+                let hidden = hidden.filter(|mark| mark.meets(own) && !mark.has(name.at));
+                let bias = bias + 60.0 * (ties.sum::<f64>() + hidden.count() as f64);
                 let crossed = (obstacles.lines.iter()).filter(|line| area.wider(1.0).meets(**line));
                 let outside = area.size[0] * area.size[1] - area.overlap(frame);
                 20.0 * (names + marks) + 40.0 * outside + 60.0 * crossed.count() as f64 + bias
@@ -107,6 +117,11 @@ impl Area {
         }
     }
 
+    /// Whether a place is in it.
+    fn has(self, place: Place) -> bool {
+        self.meets([place, place])
+    }
+
     /// The area that both cover.
     fn overlap(self, other: Self) -> f64 {
         let sides = [0, 1].map(|axis| {
@@ -117,9 +132,11 @@ impl Area {
         sides[0] * sides[1]
     }
 
-    /// The place in it that is nearest to another.
-    pub(super) fn nearest(self, place: Place) -> Place {
-        [0, 1].map(|axis| place[axis].clamp(self.at[axis], self.at[axis] + self.size[axis]))
+    /// The line from a place to the nearest place in it.
+    pub(super) fn tie(self, place: Place) -> [Place; 2] {
+        let nearest =
+            [0, 1].map(|axis| place[axis].clamp(self.at[axis], self.at[axis] + self.size[axis]));
+        [place, nearest]
     }
 
     /// Whether a line runs through it (Liang and Barsky 1984).

@@ -42,7 +42,11 @@ pub(super) enum Anchor {
 }
 
 /// What is drawn on.
-pub(super) struct Sheet<'a, DB: DrawingBackend>(pub(super) &'a DrawingArea<DB, Shift>);
+pub(super) struct Sheet<'a, DB: DrawingBackend> {
+    pub(super) area: &'a DrawingArea<DB, Shift>,
+    /// By how much of their size texts are moved down.
+    pub(super) drop: f64,
+}
 
 impl Letters {
     fn font(self) -> FontDesc<'static> {
@@ -85,7 +89,12 @@ where
         }
         let ink = color(letters.color);
         let style = TextStyle::from(font).pos(pos).color(&ink);
-        self.0.draw_text(text, &style, units(at)).map_err(told)
+        let drop = self.drop * letters.size;
+        let at = match anchor {
+            Anchor::Turned => [at[0] + drop, at[1]],
+            _ => [at[0], at[1] + drop],
+        };
+        self.area.draw_text(text, &style, units(at)).map_err(told)
     }
 
     /// A line of a width in pixels.
@@ -98,7 +107,9 @@ where
         };
         for piece in pieces {
             let path: Vec<(i32, i32)> = piece.into_iter().map(units).collect();
-            self.0.draw(&PathElement::new(path, style)).map_err(told)?;
+            self.area
+                .draw(&PathElement::new(path, style))
+                .map_err(told)?;
         }
         Ok(())
     }
@@ -118,14 +129,14 @@ where
             Shape::Circle => {
                 let radius = (radius * f64::from(FINE)).round() as i32;
                 let circle = Circle::new(units(at), radius, ink.filled());
-                return self.0.draw(&circle).map_err(told);
+                return self.area.draw(&circle).map_err(told);
             }
             Shape::Square => vec![(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
             Shape::Triangle => vec![(0.0, -1.2), (1.15, 0.85), (-1.15, 0.85)],
             Shape::Diamond => vec![(0.0, -1.25), (1.25, 0.0), (0.0, 1.25), (-1.25, 0.0)],
         };
         let corners: Vec<(i32, i32)> = corners.into_iter().map(|(x, y)| corner(x, y)).collect();
-        self.0
+        self.area
             .draw(&Polygon::new(corners, ink.filled()))
             .map_err(told)
     }
