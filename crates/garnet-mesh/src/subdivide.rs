@@ -9,6 +9,10 @@ use crate::{MeshError, Point3, Topology, TriMesh};
 ///
 /// [`MeshError`], which a sound mesh does not give.
 ///
+/// # Panics
+///
+/// Never: every side is an edge.
+///
 /// # Examples
 ///
 /// ```

@@ -1,4 +1,4 @@
-//! The letters of charts: a part of DejaVu Sans, so that every machine draws the same.
+//! The letters of charts: a part of `DejaVu` Sans, so that every machine draws the same.
 
 use std::sync::OnceLock;
 
