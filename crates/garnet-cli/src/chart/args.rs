@@ -3,10 +3,15 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use garnet::{UntangleOptions, data::GarmentPackage, train::Candidate};
+use garnet::{
+    UntangleOptions,
+    data::{GarmentPackage, Quality},
+    train::Candidate,
+};
 
 use crate::{
     args::{millimetres, tolerance},
+    dataset::QualityName,
     eval, output,
 };
 
@@ -39,6 +44,14 @@ pub(crate) struct ChartArgs {
     /// Simulate so many scenes in each quality; 0 leaves the teacher out.
     #[arg(long, value_name = "N", default_value = "8")]
     pub(crate) teacher_scenes: usize,
+    /// The qualities of the simulations.
+    #[arg(
+        long,
+        value_name = "QUALITY",
+        value_delimiter = ',',
+        default_value = "fast,teacher,reference"
+    )]
+    quality: Vec<QualityName>,
     /// The noise floor of the teacher, in millimetres [default: measured on up to 4 scenes].
     #[arg(long, value_name = "MM", value_parser = tolerance)]
     pub(crate) noise_floor: Option<f64>,
@@ -102,6 +115,17 @@ impl ChartArgs {
     /// Skinning, warp, and the models.
     pub(crate) fn candidates(&self, package: &GarmentPackage) -> anyhow::Result<Vec<Candidate>> {
         eval::candidates(&self.package, package, &self.model)
+    }
+
+    /// The qualities of the simulations, from the fastest.
+    pub(crate) fn qualities(&self) -> Vec<Quality> {
+        if self.teacher_scenes == 0 {
+            return Vec::new();
+        }
+        let mut qualities: Vec<Quality> = self.quality.iter().map(|name| name.quality()).collect();
+        qualities.sort_unstable();
+        qualities.dedup();
+        qualities
     }
 
     /// How many of so many scenes are draped.

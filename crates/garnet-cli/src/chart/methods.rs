@@ -45,11 +45,12 @@ pub(super) struct Weights {
     pub(super) bytes: u64,
 }
 
-const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Teacher, Quality::Reference];
-
 impl Method {
-    /// Candidates, and the teacher in its qualities if it is asked for.
-    pub(super) fn all(candidates: Vec<Candidate>, with_teacher: bool) -> anyhow::Result<Vec<Self>> {
+    /// Candidates, and the teacher in qualities.
+    pub(super) fn all(
+        candidates: Vec<Candidate>,
+        qualities: &[Quality],
+    ) -> anyhow::Result<Vec<Self>> {
         let drapes = candidates.into_iter().map(|candidate| {
             let (name, weights) = match &candidate {
                 Candidate::Skinning => ("dqs".to_owned(), None),
@@ -63,13 +64,11 @@ impl Method {
             })
         });
         let mut methods: Vec<Self> = drapes.collect::<anyhow::Result<_>>()?;
-        if with_teacher {
-            methods.extend(QUALITIES.map(|quality| Self {
-                name: format!("simulation {}", quality_name(quality)),
-                way: Way::Simulation(quality),
-                weights: None,
-            }));
-        }
+        methods.extend(qualities.iter().map(|&quality| Self {
+            name: format!("simulation {}", quality_name(quality)),
+            way: Way::Simulation(quality),
+            weights: None,
+        }));
         Ok(methods)
     }
 

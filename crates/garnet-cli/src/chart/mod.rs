@@ -43,7 +43,7 @@ pub(crate) fn run(args: &ChartArgs, console: &Console) -> anyhow::Result<ExitSta
     let candidates = args.candidates(&package)?;
     let stage = Stage::new(package, Dataset::open(&args.dataset)?).map_err(advised)?;
     let scenes = Chosen::new(args, &stage)?;
-    let methods = Method::all(candidates, args.teacher_scenes > 0)?;
+    let methods = Method::all(candidates, &args.qualities())?;
 
     output::make_folder(&args.output)?;
     let (mut keeper, why) = Keeper::open(args, Setting::new(args, &stage))?;
