@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use garnet::{Draper, Garment, io::ObjFile};
-use garnet_benches::{group, subdivided};
+use garnet_benches::group;
+use garnet_mesh::subdivided;
 use garnet_skin::Scene;
 
 #[expect(
@@ -34,7 +35,8 @@ fn bench_scenes(criterion: &mut Criterion) {
         };
         let posed = posed.expect("the target has the vertices of the rest body");
         let authored = mesh_of(&scene.garment);
-        for mesh in [subdivided(&authored), authored] {
+        let finer = subdivided(&authored).expect("the mesh can be subdivided");
+        for mesh in [finer, authored] {
             let bound = Garment::new(mesh).bind(&body).expect("the garment binds");
             let draper = Draper::new();
             let warped = draper.warp(&bound, &posed).expect("the body fits");

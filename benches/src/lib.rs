@@ -7,8 +7,7 @@
 use std::time::Duration;
 
 use criterion::{BenchmarkGroup, Criterion, measurement::WallTime};
-use garnet::{Body, BoundGarment, Garment, Point3, PosedBody, TriMesh};
-use garnet_mesh::Topology;
+use garnet::{Body, BoundGarment, Garment, PosedBody};
 use garnet_tests::{Tunic, mannequin, stride, tunic};
 
 /// About how many vertices the garments have.
@@ -60,30 +59,6 @@ impl Scene {
             .bind(&self.body)
             .expect("the tunic lies on the mannequin")
     }
-}
-
-/// The mesh with each triangle split into four at the middles of its sides.
-///
-/// # Panics
-///
-/// Never: the corners exist.
-pub fn subdivided(mesh: &TriMesh) -> TriMesh {
-    let topology = Topology::new(mesh.num_vertices(), mesh.faces());
-    let mut positions = mesh.positions().to_vec();
-    for &[a, b] in topology.edges() {
-        let [a, b] = [a, b].map(|vertex| mesh.positions()[vertex as usize]);
-        positions.push(Point3::from(0.5 * (a.coords + b.coords)));
-    }
-    let middle = |a: u32, b: u32| {
-        let edge = topology.edges().binary_search(&[a.min(b), a.max(b)]);
-        mesh.num_vertices() as u32 + edge.expect("every side is an edge") as u32
-    };
-    let split = |&[a, b, c]: &[u32; 3]| {
-        let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-    };
-    let faces = mesh.faces().iter().flat_map(split).collect();
-    TriMesh::new(positions, faces).expect("corners and middles are vertices")
 }
 
 /// A group that measures for a second or two an operation.

@@ -7,6 +7,7 @@
 
 mod bad_input;
 mod body;
+mod chart;
 mod drape;
 mod fixtures;
 mod garbage;

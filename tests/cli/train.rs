@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::fixtures::{Fixture, stderr, stdout};
 
-fn done(fixture: &Fixture, arguments: &str) -> String {
+pub(crate) fn done(fixture: &Fixture, arguments: &str) -> String {
     let output = fixture.garnet(arguments);
     assert_eq!(
         output.status.code(),
@@ -16,7 +16,7 @@ fn done(fixture: &Fixture, arguments: &str) -> String {
 }
 
 /// A package `net` of the sleeve and a data set `scenes` of it.
-fn prepared() -> Fixture {
+pub(crate) fn prepared() -> Fixture {
     let fixture = Fixture::new();
     done(
         &fixture,

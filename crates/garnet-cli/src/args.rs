@@ -3,8 +3,9 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::{
-    body::BodyArgs, dataset::DatasetArgs, drape::DrapeArgs, eval::EvalArgs, garment::GarmentArgs,
-    info::InfoArgs, render::RenderArgs, simulate::SimulateArgs, train::TrainArgs,
+    body::BodyArgs, chart::ChartArgs, dataset::DatasetArgs, drape::DrapeArgs, eval::EvalArgs,
+    garment::GarmentArgs, info::InfoArgs, render::RenderArgs, simulate::SimulateArgs,
+    train::TrainArgs,
 };
 
 /// Drapes garment meshes on body meshes.
@@ -37,6 +38,8 @@ pub(crate) enum Command {
     Train(Box<TrainArgs>),
     /// Compare the networks of a package with the warp, on a data set.
     Eval(Box<EvalArgs>),
+    /// Chart time against accuracy of all ways to drape a package, on this machine.
+    Chart(Box<ChartArgs>),
     /// Tell what is in a file, and what is unusual about a mesh.
     Info(InfoArgs),
     /// Draw a shaded picture of meshes.

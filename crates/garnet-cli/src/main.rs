@@ -5,6 +5,7 @@
 
 mod args;
 mod body;
+mod chart;
 mod console;
 mod dataset;
 mod drape;
@@ -13,6 +14,7 @@ mod failure;
 mod garment;
 mod hints;
 mod info;
+mod machine;
 mod output;
 mod posing;
 mod render;
@@ -57,6 +59,7 @@ fn run(command: Command, console: &Console) -> anyhow::Result<ExitStatus> {
         Command::Dataset(args) => dataset::run(&args, console),
         Command::Train(args) => train::run(&args, console),
         Command::Eval(args) => eval::run(&args, console),
+        Command::Chart(args) => chart::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Render(args) => render::run(&args, console),
     }

@@ -8,6 +8,7 @@ mod body_path;
 mod check;
 mod dataset;
 mod error;
+mod ladder;
 mod noise;
 mod package;
 mod parts;
@@ -25,6 +26,7 @@ pub use dataset::{
     StoredParameters, Tally, generate, import, sampler, sequences,
 };
 pub use error::DataError;
+pub use ladder::Rung;
 pub use noise::{NOISE_TURN, noise_floor};
 pub use package::{
     GarmentPackage, MANIFEST_FILE, Manifest, PACKAGE_SCHEMA, PackageParts, StoredFabric,

@@ -83,6 +83,16 @@ impl Tailor {
         Ok(Some(tailor.with_size(size)))
     }
 
+    /// The same with a template of another number of vertices.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Pattern`].
+    pub fn with_vertices(self, num_vertices: usize) -> Result<Self, DataError> {
+        let tailor = Self::new(self.parameters, num_vertices, self.fabric)?;
+        Ok(tailor.with_size(self.size))
+    }
+
     /// The parameters that garments are cut with.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters

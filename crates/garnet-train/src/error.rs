@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use garnet_data::{DataError, Split};
+use garnet_data::{DataError, SceneRecord, Split};
 use garnet_mesh::{MeshError, WriteError};
 use garnet_net::losses::Term;
 use garnet_net::{CheckpointError, NetError};
@@ -18,6 +18,17 @@ pub struct SceneName {
     pub body: u32,
     /// Number of the scene on the body.
     pub pose: u32,
+}
+
+impl SceneName {
+    /// Of a scene of a split.
+    pub(crate) fn of(split: Split, scene: &SceneRecord) -> Self {
+        Self {
+            split,
+            body: scene.body,
+            pose: scene.pose,
+        }
+    }
 }
 
 impl std::fmt::Display for SceneName {

@@ -4,16 +4,15 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use garnet_data::Split;
-use garnet_mesh::{Point3, Topology};
-use garnet_net::losses::{LossBody, LossConfig, Losses};
-use garnet_net::{Checkpoint, GarNetConfig, NetError, Predictor, SceneInput, Start, Variant};
-use garnet_skin::{Warp, WarpedGarment};
+use garnet_net::GarNetConfig;
 use garnet_untangle::{Binding, UntangleOptions, untangle};
 use serde::Serialize;
 
+use crate::contender::Contender;
 use crate::curves::Counts;
-use crate::scores::{Compared, Errors, Tally};
-use crate::{Curves, Scores, Stage, StagedScene, TrainError, warp_of};
+use crate::measure::Measure;
+use crate::scores::{Errors, Tally};
+use crate::{Curves, Percentiles, Scores, Stage, StagedScene, TrainError};
 
 /// A way to drape that is measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,32 +106,6 @@ pub struct StageSeconds {
     pub untangle: Percentiles,
 }
 
-/// Median and 95th percentile.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Percentiles {
-    /// Half are below.
-    pub median: f64,
-    /// 95 of 100 are below.
-    pub p95: f64,
-}
-
-impl Percentiles {
-    fn of(mut values: Vec<f64>) -> Self {
-        values.sort_by(f64::total_cmp);
-        let at = |percent: usize| {
-            let last = values.len().saturating_sub(1);
-            values
-                .get((last * percent).div_ceil(100))
-                .copied()
-                .unwrap_or(0.0)
-        };
-        Self {
-            median: at(50),
-            p95: at(95),
-        }
-    }
-}
-
 /// Measures candidates on a split, one scene after the other.
 ///
 /// # Errors
@@ -147,24 +120,15 @@ pub fn evaluate(
     observer: &mut dyn FnMut(EvalEvent),
 ) -> Result<Evaluation, TrainError> {
     let total = stage.num_scenes(split)?;
-    let mut contenders: Vec<Contender> = (candidates.iter())
-        .map(|candidate| Contender::new(stage, candidate))
-        .collect::<Result<_, _>>()?;
-    let measure = Measure {
-        losses: Losses::new(&stage.package.mesh, &LossConfig::paper())?,
-        edges: Topology::new(
-            stage.package.mesh.num_vertices(),
-            stage.package.mesh.faces(),
-        )
-        .edges()
-        .to_vec(),
-        finish,
-    };
+    let mut entrants: Vec<Entrant> = (candidates.iter())
+        .map(|candidate| Ok(Entrant::new(Contender::new(stage, candidate)?)))
+        .collect::<Result<_, TrainError>>()?;
+    let measure = Measure::new(stage)?;
     let mut done = 0;
     let mut first_error = None;
     stage.for_each(split, Ok, &mut |staged: StagedScene| {
         if first_error.is_none() {
-            first_error = measure.scene(&mut contenders, &staged).err();
+            first_error = scene(&mut entrants, &measure, finish, &staged).err();
         }
         done += 1;
         observer(EvalEvent::Scene { done, total });
@@ -174,18 +138,14 @@ pub fn evaluate(
         None => Ok(Evaluation {
             split,
             scenes: total,
-            rows: contenders.into_iter().map(Contender::into_row).collect(),
+            rows: entrants.into_iter().map(Entrant::into_row).collect(),
         }),
     }
 }
 
 /// A candidate with what it has measured so far.
-struct Contender {
-    name: String,
-    start: Start,
-    predictor: Option<Predictor>,
-    parameters: u64,
-    flops: u64,
+struct Entrant {
+    contender: Contender,
     tally: Tally,
     distances: Counts,
     angles: Counts,
@@ -195,42 +155,10 @@ struct Contender {
     times: [Vec<f64>; 3],
 }
 
-/// What all candidates are measured with.
-struct Measure {
-    losses: Losses,
-    edges: Vec<[u32; 2]>,
-    finish: Finish,
-}
-
-impl Contender {
-    fn new(stage: &Stage, candidate: &Candidate) -> Result<Self, TrainError> {
-        let package = &stage.package;
-        let (name, start, predictor) = match candidate {
-            Candidate::Skinning => ("dqs", Start::DualQuaternion, None),
-            Candidate::Warp => ("warp", Start::Shape, None),
-            Candidate::Model { name, weights } => {
-                let graph = stage.template().graph.clone();
-                let config = Checkpoint::header(weights)?.config;
-                // Sewing parameters may be those of bodies alone.
-                let zeros = vec![0.0; config.num_sewing_parameters];
-                let graph = graph.with_sewing_parameters(&zeros)?;
-                let rest = package.body.rest().positions();
-                let template = package.mesh.positions();
-                let predictor = Predictor::load(weights, graph, template, rest)?;
-                (name.as_str(), config.start, Some(predictor))
-            }
-        };
-        let cost = predictor.as_ref().map(|predictor| {
-            let config = predictor.model().config();
-            config.cost(package.mesh.num_vertices(), predictor.num_body_points())
-        });
-        let cost = cost.transpose()?;
-        Ok(Self {
-            name: name.to_owned(),
-            start,
-            predictor,
-            parameters: cost.map_or(0, |cost| cost.parameters),
-            flops: cost.map_or(0, |cost| cost.flops),
+impl Entrant {
+    fn new(contender: Contender) -> Self {
+        Self {
+            contender,
             tally: Tally::default(),
             distances: Counts::of_distances(),
             angles: Counts::of_angles(),
@@ -238,55 +166,17 @@ impl Contender {
             inside: 0,
             trapped: 0,
             times: Default::default(),
-        })
-    }
-
-    /// Drapes without untangling; gives the times of the warp and of the network.
-    fn drape(&mut self, staged: &StagedScene) -> Result<Vec<Point3>, TrainError> {
-        let worn = &staged.worn;
-        let Some(predictor) = &mut self.predictor else {
-            let warp: Warp = warp_of(self.start);
-            let start = Instant::now();
-            let nodes = worn.garment.warped(&staged.posed, warp)?;
-            self.times[0].push(start.elapsed().as_secs_f64());
-            return Ok(worn.garment.weld().scatter(&nodes));
-        };
-        let config = predictor.model().config().clone();
-        let graph = worn.graph.clone();
-        let graph = match config.num_sewing_parameters {
-            0 => graph.with_sewing_parameters(&[])?,
-            _ => graph,
-        };
-        predictor.rebind(graph)?;
-        let start = Instant::now();
-        let warped: WarpedGarment = staged.warped(self.start)?;
-        self.times[0].push(start.elapsed().as_secs_f64());
-        let start = Instant::now();
-        let parameters = match config.variant {
-            Variant::GlobalParams => worn.body.pose_and_shape(&staged.posed),
-            _ => Vec::new(),
-        };
-        let predicted = predictor.predict(&SceneInput {
-            warped: &warped.positions,
-            body: staged.posed.skin().positions(),
-            body_normals: &warped.body_normals,
-            world_from_root: warped.world_from_root,
-            rotations: &warped.rotations,
-            parameters: &parameters,
-        })?;
-        self.times[1].push(start.elapsed().as_secs_f64());
-        Ok(predicted)
+        }
     }
 
     fn into_row(self) -> Row {
         let [warp, network, untangle] = self.times.map(Percentiles::of);
+        let cost = self.contender.cost();
         Row {
-            name: self.name,
-            config: self
-                .predictor
-                .map(|predictor| predictor.model().config().clone()),
-            parameters: self.parameters,
-            flops: self.flops,
+            name: self.contender.name().to_owned(),
+            config: self.contender.config().cloned(),
+            parameters: cost.map_or(0, |cost| cost.parameters),
+            flops: cost.map_or(0, |cost| cost.flops),
             scores: self.tally.scores(),
             curves: Curves {
                 distance: self.distances.curve(),
@@ -306,70 +196,38 @@ impl Contender {
     }
 }
 
-impl Measure {
-    fn scene(&self, contenders: &mut [Contender], staged: &StagedScene) -> Result<(), TrainError> {
-        let garment = &staged.worn.garment;
-        let binding = match self.finish {
-            Finish::None => None,
-            Finish::Untangle(options) => Some((Binding::new(garment)?, options)),
+/// Measures a scene with all candidates.
+fn scene(
+    entrants: &mut [Entrant],
+    measure: &Measure,
+    finish: Finish,
+    staged: &StagedScene,
+) -> Result<(), TrainError> {
+    let garment = &staged.worn.garment;
+    let binding = match finish {
+        Finish::None => None,
+        Finish::Untangle(options) => Some((Binding::new(garment)?, options)),
+    };
+    for entrant in entrants {
+        let draped = entrant.contender.drape(staged)?;
+        entrant.times[0].push(draped.warp);
+        entrant.times[1].extend(draped.network);
+        let Errors { distances, angles } =
+            measure.add(&mut entrant.tally, staged, &draped.positions)?;
+        entrant.distances.add(&distances);
+        entrant.angles.add(&angles);
+        let Some((binding, options)) = &binding else {
+            continue;
         };
-        for contender in contenders {
-            let drape = contender.drape(staged);
-            let predicted = drape.map_err(|source| TrainError::Scene {
-                scene: staged.name,
-                source: Box::new(source),
-            })?;
-            let mut tally = std::mem::take(&mut contender.tally);
-            let Errors { distances, angles } = self.add(&mut tally, staged, &predicted)?;
-            contender.tally = tally;
-            contender.distances.add(&distances);
-            contender.angles.add(&angles);
-            let Some((binding, options)) = &binding else {
-                continue;
-            };
-            let nodes = garment.weld().gather(&predicted);
-            let start = Instant::now();
-            let untangled = untangle(garment, binding, &staged.posed, &nodes, options)?;
-            contender.times[2].push(start.elapsed().as_secs_f64());
-            contender.inside += untangled.report.inside;
-            contender.trapped += untangled.report.trapped;
-            let positions = garment.weld().scatter(&untangled.positions);
-            let mut tally = contender.untangled.take().unwrap_or_default();
-            self.add(&mut tally, staged, &positions)?;
-            contender.untangled = Some(tally);
-        }
-        Ok(())
+        let nodes = garment.weld().gather(&draped.positions);
+        let start = Instant::now();
+        let untangled = untangle(garment, binding, &staged.posed, &nodes, options)?;
+        entrant.times[2].push(start.elapsed().as_secs_f64());
+        entrant.inside += untangled.report.inside;
+        entrant.trapped += untangled.report.trapped;
+        let positions = garment.weld().scatter(&untangled.positions);
+        let tally = entrant.untangled.get_or_insert_with(Tally::default);
+        measure.add(tally, staged, &positions)?;
     }
-
-    fn add(
-        &self,
-        tally: &mut Tally,
-        staged: &StagedScene,
-        predicted: &[Point3],
-    ) -> Result<Errors, TrainError> {
-        let mesh = staged.worn.garment.mesh();
-        let skin = staged.posed.skin();
-        let body = staged
-            .worn
-            .body
-            .rest()
-            .with_positions(skin.positions().to_vec())?;
-        let target = self.losses.target(&staged.draped)?;
-        let losses = self
-            .losses
-            .measure(predicted, &target, &LossBody::new(&body)?);
-        let losses = losses.map_err(|error: NetError| TrainError::Scene {
-            scene: staged.name,
-            source: Box::new(error.into()),
-        })?;
-        tally.add(&Compared {
-            predicted,
-            draped: &staged.draped,
-            rest: mesh.positions(),
-            faces: mesh.faces(),
-            edges: &self.edges,
-            skin,
-            losses: &losses,
-        })
-    }
+    Ok(())
 }

@@ -33,7 +33,9 @@
 
 #![allow(clippy::doc_markdown, reason = "GarNet and PyTorch are names")]
 
+pub mod chart;
 mod config;
+mod contender;
 mod curves;
 mod error;
 mod evaluate;
@@ -42,6 +44,8 @@ mod examples;
 mod exercise;
 mod gradients;
 mod lesson;
+mod measure;
+mod percentiles;
 mod publish;
 mod recipe;
 mod run_log;
@@ -57,15 +61,16 @@ pub use config::{Choice, TrainConfig};
 pub use curves::{Curve, Curves};
 pub use error::{SceneName, TrainError, Trouble, TroubleKind};
 pub use evaluate::{
-    Candidate, EvalEvent, Evaluation, Finish, Percentiles, Row, StageSeconds, Untangled, evaluate,
+    Candidate, EvalEvent, Evaluation, Finish, Row, StageSeconds, Untangled, evaluate,
 };
 pub use event::{Began, EpochRecord, TrainEvent};
 pub use exercise::Exercise;
 pub use garnet_net::losses::{LossConfig, LossValue, Term};
 pub use garnet_net::{GarNetConfig, PRESET_NAMES, Precision, Variant};
+pub use percentiles::Percentiles;
 pub use publish::{Trained, weights_of};
 pub use recipe::Recipe;
 pub use schedule::Schedule;
-pub use scores::Scores;
+pub use scores::{Scores, Tally};
 pub use stage::{Stage, StagedScene, Worn, warp_of};
 pub use trainer::{Begin, TrainJob, train, training_folder};

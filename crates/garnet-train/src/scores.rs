@@ -61,9 +61,9 @@ pub(crate) struct Errors {
     pub(crate) angles: Vec<f32>,
 }
 
-/// Sums over scenes.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Tally {
+/// Sums over scenes, of which [`Scores`] are the means.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Tally {
     scenes: usize,
     distances: Sums,
     angles: Sums,
@@ -77,7 +77,7 @@ pub(crate) struct Tally {
 }
 
 /// Sums of values and of their squares.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 struct Sums {
     count: usize,
     sum: f64,
@@ -91,6 +91,12 @@ impl Sums {
             self.sum += f64::from(value);
             self.squares += f64::from(value).powi(2);
         }
+    }
+
+    fn merge(&mut self, other: Self) {
+        self.count += other.count;
+        self.sum += other.sum;
+        self.squares += other.squares;
     }
 
     fn mean_and_std(self) -> [f64; 2] {
@@ -148,8 +154,24 @@ impl Tally {
         Ok(Errors { distances, angles })
     }
 
+    /// Counts the scenes of another tally, too.
+    pub fn merge(&mut self, other: &Self) {
+        self.scenes += other.scenes;
+        self.distances.merge(other.distances);
+        self.angles.merge(other.angles);
+        for (sum, other) in self.terms.iter_mut().zip(other.terms) {
+            *sum += other;
+        }
+        self.vertices += other.vertices;
+        self.inside += other.inside;
+        self.deepest = self.deepest.max(other.deepest);
+        self.self_intersections += other.self_intersections;
+        self.stretch_p99 += other.stretch_p99;
+        self.stretch_max = self.stretch_max.max(other.stretch_max);
+    }
+
     /// The means.
-    pub(crate) fn scores(&self) -> Scores {
+    pub fn scores(&self) -> Scores {
         let scenes = self.scenes.max(1) as f64;
         let [distance, distance_std] = self.distances.mean_and_std();
         let [normal, normal_std] = self.angles.mean_and_std();
@@ -177,6 +199,28 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn merged_tallies_are_those_of_all_scenes() {
+        let tally = |distance: f32, stretch: f64| {
+            let mut tally = Tally {
+                scenes: 1,
+                stretch_p99: stretch,
+                stretch_max: stretch,
+                ..Tally::default()
+            };
+            tally.distances.add(&[distance]);
+            tally
+        };
+        let mut both = tally(1.0, 1.25);
+        both.merge(&tally(3.0, 1.75));
+        let scores = both.scores();
+        assert_eq!(scores.scenes, 2);
+        assert!((scores.distance - 2.0).abs() < 1e-12);
+        assert!((scores.distance_std - 1.0).abs() < 1e-12);
+        assert!((scores.stretch_p99 - 1.5).abs() < 1e-12);
+        assert!((scores.stretch_max - 1.75).abs() < 1e-12);
+    }
 
     #[test]
     fn sums_give_mean_and_deviation_of_the_whole() {

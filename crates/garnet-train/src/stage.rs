@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use garnet_body::shape::ParametricBody;
-use garnet_data::{BodyRecord, Dataset, GarmentPackage, Posed, SceneRecord, Shard, Sizing, Split};
+use garnet_data::{
+    BodyPath, BodyRecord, Dataset, GarmentPackage, Posed, SceneRecord, Shard, Sizing, Split,
+};
 use garnet_mesh::{Point3, TriMesh};
 use garnet_net::{GarmentGraph, Start};
-use garnet_skin::{Body, BoundGarment, Garment, PosedBody, Warp, WarpedGarment};
+use garnet_skin::{Body, BoundGarment, Garment, Pose, PosedBody, Warp, WarpedGarment};
 use rayon::prelude::*;
 
 use crate::{SceneName, TrainError};
@@ -58,6 +60,8 @@ pub struct StagedScene {
     pub posed: PosedBody,
     /// What the teacher made of it `[vertex]`, in metres.
     pub draped: Vec<Point3>,
+    /// The body of the data set at rest and its pose; none of those made elsewhere.
+    pub own: Option<(Arc<Body>, Pose)>,
 }
 
 /// The warp that a network starts from.
@@ -82,6 +86,19 @@ impl StagedScene {
             &self.posed,
             warp_of(start),
         )?)
+    }
+
+    /// How the teacher moved the body from rest.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Skin`].
+    pub fn path(&self) -> Result<BodyPath, TrainError> {
+        let body = &self.worn.body;
+        match &self.own {
+            Some((own, pose)) => Ok(BodyPath::to_shape(body, own, pose)?),
+            None => Ok(BodyPath::to_posed(body, &self.posed)),
+        }
     }
 }
 
@@ -171,6 +188,27 @@ impl Stage {
         }
     }
 
+    /// The scenes of a split, in order.
+    ///
+    /// # Errors
+    ///
+    /// As [`Stage::num_scenes`].
+    pub fn scene_names(&self, split: Split) -> Result<Vec<SceneName>, TrainError> {
+        let mut names = Vec::new();
+        for shard in self.dataset.split(split) {
+            let shard = shard?;
+            for body in &shard.bodies {
+                let scenes = shard.scenes.iter();
+                let on_body = scenes.filter(|scene| scene.body == body.number);
+                names.extend(on_body.map(|scene| SceneName::of(split, scene)));
+            }
+        }
+        if names.is_empty() {
+            return Err(TrainError::EmptySplit { split });
+        }
+        Ok(names)
+    }
+
     /// Gives all scenes of a split to `take`, in order; bodies are built in parallel.
     ///
     /// # Errors
@@ -183,12 +221,27 @@ impl Stage {
         take: impl Fn(StagedScene) -> Result<T, TrainError> + Sync,
         observer: &mut dyn FnMut(T),
     ) -> Result<(), TrainError> {
+        self.for_each_of(split, |_| true, take, observer)
+    }
+
+    /// As [`Stage::for_each`], for the scenes alone that `keep` lets through.
+    ///
+    /// # Errors
+    ///
+    /// As [`Stage::for_each`].
+    pub fn for_each_of<T: Send>(
+        &self,
+        split: Split,
+        keep: impl Fn(SceneName) -> bool + Sync,
+        take: impl Fn(StagedScene) -> Result<T, TrainError> + Sync,
+        observer: &mut dyn FnMut(T),
+    ) -> Result<(), TrainError> {
         for shard in self.dataset.split(split) {
             let shard = shard?;
             let bodies = shard.bodies.chunks(rayon::current_num_threads().max(1));
             for bodies in bodies {
                 let taken: Vec<Vec<T>> = (bodies.par_iter())
-                    .map(|body| self.scenes_on(&shard, body, &take))
+                    .map(|body| self.scenes_on(&shard, body, &keep, &take))
                     .collect::<Result<_, _>>()?;
                 taken.into_iter().flatten().for_each(&mut *observer);
             }
@@ -200,16 +253,13 @@ impl Stage {
         &self,
         shard: &Shard,
         body: &BodyRecord,
+        keep: &impl Fn(SceneName) -> bool,
         take: &impl Fn(StagedScene) -> Result<T, TrainError>,
     ) -> Result<Vec<T>, TrainError> {
+        let name = |scene: &SceneRecord| SceneName::of(shard.split, scene);
         let scenes: Vec<&SceneRecord> = (shard.scenes.iter())
-            .filter(|scene| scene.body == body.number)
+            .filter(|scene| scene.body == body.number && keep(name(scene)))
             .collect();
-        let name = |scene: &SceneRecord| SceneName {
-            split: shard.split,
-            body: scene.body,
-            pose: scene.pose,
-        };
         let Some(first) = scenes.first() else {
             return Ok(Vec::new());
         };
@@ -259,7 +309,7 @@ impl Stage {
         };
         Ok(Dressed {
             is_cut_to_measure: own.is_some() && record.worn.is_some(),
-            own,
+            own: own.map(Arc::new),
             worn,
         })
     }
@@ -268,7 +318,7 @@ impl Stage {
 /// A body of the data set and what it wears.
 struct Dressed {
     /// The body at rest; none for bodies made elsewhere.
-    own: Option<Body>,
+    own: Option<Arc<Body>>,
     worn: Arc<Worn>,
     /// Whether the garment was cut for the body.
     is_cut_to_measure: bool,
@@ -290,6 +340,10 @@ impl Dressed {
             worn: Arc::clone(&self.worn),
             posed,
             draped: scene.garment.clone(),
+            own: match (&self.own, &scene.posed) {
+                (Some(own), Posed::Pose(pose)) => Some((Arc::clone(own), pose.clone())),
+                _ => None,
+            },
         })
     }
 

@@ -2,7 +2,11 @@
 
 use plotters::prelude::*;
 
-use crate::{Rgb, ViewError, palette};
+use crate::{
+    Rgb, ViewError,
+    canvas::{color, told},
+    letters, palette,
+};
 
 /// Lines over one pair of axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,7 +104,8 @@ impl Chart {
             });
         };
         let mut svg = String::new();
-        self.draw(&mut svg, &shown, [x_range, y_range])
+        letters::ready()
+            .and_then(|()| self.draw(&mut svg, &shown, [x_range, y_range]))
             .map_err(|reason| ViewError::Chart { reason })?;
         Ok(svg)
     }
@@ -180,14 +185,6 @@ fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
         let room = if high > low { 0.03 * (high - low) } else { 0.5 };
         [low - room, high + room]
     })
-}
-
-fn color(rgb: Rgb) -> RGBColor {
-    RGBColor(rgb.red, rgb.green, rgb.blue)
-}
-
-fn told(error: impl std::fmt::Display) -> String {
-    error.to_string()
 }
 
 #[cfg(test)]

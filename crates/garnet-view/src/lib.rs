@@ -1,4 +1,4 @@
-//! Pictures: shaded PNG of meshes, and charts as SVG.
+//! Pictures: shaded PNG of meshes, and charts as SVG and PNG.
 //!
 //! A small software renderer for looking at cloth on bodies: several meshes from several sides in
 //! one picture, lit like clay, with creases darkened so that folds, contact and skin that pokes
@@ -27,6 +27,7 @@
 //! ```
 
 mod camera;
+mod canvas;
 mod chart;
 mod clip;
 mod color_bar;
@@ -37,7 +38,9 @@ mod image;
 mod layer;
 mod layout;
 mod lens;
+mod letters;
 mod lighting;
+mod loglog;
 mod normals;
 mod occlusion;
 pub mod palette;
@@ -59,6 +62,7 @@ pub use color_map::ColorMap;
 pub use error::ViewError;
 pub use image::Image;
 pub use layer::{BackSide, Heat, Layer, Paint, Shading};
+pub use loglog::{Entry, Key, Level, Line, LogLog, Mark, Shape, Stroke, Symbol, safe};
 pub use picture::{MAX_SIZE, MAX_SUPERSAMPLING, Picture, View};
 pub use render::render;
 pub use rgb::Rgb;

@@ -42,7 +42,7 @@ use warning::{Problem, Warning};
 use crate::{
     console::{Console, print_document},
     failure::ExitStatus,
-    output,
+    machine, output,
 };
 
 /// Reads, binds, drapes on each body, writes and reports.
@@ -421,6 +421,7 @@ impl Bound {
             threads: rayon::current_num_threads(),
             repeat: job.repeat,
             drapes,
+            peak_bytes: machine::peak_bytes(),
             seconds,
             warnings: self.warnings.iter().map(WarningReport::from).collect(),
         }

@@ -41,6 +41,8 @@ pub(crate) struct DrapeReport {
     pub(crate) drapes: Vec<DrapeOutput>,
     /// Times of what is done once.
     pub(crate) seconds: OnceSeconds,
+    /// The most memory that the process had by then, where the system tells.
+    pub(crate) peak_bytes: Option<u64>,
     /// What may be wrong.
     pub(crate) warnings: Vec<WarningReport>,
 }

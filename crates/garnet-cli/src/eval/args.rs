@@ -83,32 +83,37 @@ impl EvalArgs {
 
     /// Skinning, warp, and the models.
     pub(crate) fn candidates(&self, package: &GarmentPackage) -> anyhow::Result<Vec<Candidate>> {
-        let variants = &package.manifest.variants;
-        let all = || {
-            variants
-                .iter()
-                .map(|variant| variant.name.clone())
-                .collect()
-        };
-        let names: Vec<String> = if self.model.is_empty() {
-            all()
-        } else {
-            self.model.clone()
-        };
-        let mut candidates = vec![Candidate::Skinning, Candidate::Warp];
-        for name in names {
-            let path = Path::new(&name);
-            let is_file = path
-                .extension()
-                .is_some_and(|extension| extension == "safetensors");
-            let weights = if is_file {
-                path.to_path_buf()
-            } else {
-                weights_of(&self.package, &package.manifest, &name)
-                    .hint(|| "`garnet train` adds variants to a package".to_owned())?
-            };
-            candidates.push(Candidate::Model { name, weights });
-        }
-        Ok(candidates)
+        candidates(&self.package, package, &self.model)
     }
+}
+
+/// Skinning, warp, and models of a package in a folder by name or file; all of the package if none are
+/// named.
+pub(crate) fn candidates(
+    folder: &Path,
+    package: &GarmentPackage,
+    models: &[String],
+) -> anyhow::Result<Vec<Candidate>> {
+    let variants = &package.manifest.variants;
+    let all = variants.iter().map(|variant| variant.name.clone());
+    let names: Vec<String> = if models.is_empty() {
+        all.collect()
+    } else {
+        models.to_vec()
+    };
+    let mut candidates = vec![Candidate::Skinning, Candidate::Warp];
+    for name in names {
+        let path = Path::new(&name);
+        let is_file = path
+            .extension()
+            .is_some_and(|extension| extension == "safetensors");
+        let weights = if is_file {
+            path.to_path_buf()
+        } else {
+            weights_of(folder, &package.manifest, &name)
+                .hint(|| "`garnet train` adds variants to a package".to_owned())?
+        };
+        candidates.push(Candidate::Model { name, weights });
+    }
+    Ok(candidates)
 }

@@ -11,7 +11,7 @@ use garnet::{
     train::{EvalEvent, Stage, evaluate},
 };
 
-pub(crate) use args::EvalArgs;
+pub(crate) use args::{EvalArgs, candidates};
 use report::EvalReport;
 
 use crate::{

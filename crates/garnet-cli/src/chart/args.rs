@@ -1,0 +1,167 @@
+//! The arguments of `chart`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use garnet::{
+    UntangleOptions,
+    data::{GarmentPackage, Quality},
+    train::Candidate,
+};
+
+use crate::{
+    args::{millimetres, tolerance},
+    dataset::QualityName,
+    eval, output,
+};
+
+/// Arguments of `chart`.
+#[derive(Debug, Args)]
+#[command(after_long_help = LONG_HELP)]
+pub(crate) struct ChartArgs {
+    /// Garment package.
+    #[arg(value_name = "PACKAGE")]
+    pub(crate) package: PathBuf,
+    /// Data set of the garment; its test split is draped.
+    #[arg(value_name = "DATASET")]
+    pub(crate) dataset: PathBuf,
+    /// Where charts, tables and samples go.
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Variants of the package, or weight files, beside the skinning and the warp [default: all
+    /// variants].
+    #[arg(long, value_name = "NAME|FILE", value_delimiter = ',')]
+    model: Vec<String>,
+    /// Drape so many scenes, evenly spread over the split.
+    #[arg(long, value_name = "N", default_value = "40", value_parser = at_least_one)]
+    scenes: usize,
+    /// Drape all scenes of the split.
+    #[arg(long, conflicts_with = "scenes")]
+    all: bool,
+    /// Drape each scene so often; its time is the median.
+    #[arg(long, value_name = "N", default_value = "3", value_parser = at_least_one)]
+    pub(crate) repeat: usize,
+    /// Simulate so many scenes in each quality; 0 leaves the teacher out.
+    #[arg(long, value_name = "N", default_value = "8")]
+    pub(crate) teacher_scenes: usize,
+    /// The qualities of the simulations.
+    #[arg(
+        long,
+        value_name = "QUALITY",
+        value_delimiter = ',',
+        default_value = "fast,teacher,reference"
+    )]
+    quality: Vec<QualityName>,
+    /// The noise floor of the teacher, in millimetres [default: measured on up to 4 scenes].
+    #[arg(long, value_name = "MM", value_parser = tolerance)]
+    pub(crate) noise_floor: Option<f64>,
+    /// Smallest distance between cloth and skin after untangling, in millimetres.
+    #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres)]
+    clearance: f32,
+    /// Vertices of the garments of the second chart; 0 leaves it out.
+    #[arg(
+        long,
+        value_name = "N",
+        value_delimiter = ',',
+        default_value = "1000,2000,5000,10000,20000,50000",
+        value_parser = vertices
+    )]
+    sizes: Vec<usize>,
+    /// Simulate garments of the second chart with at most so many vertices.
+    #[arg(long, value_name = "N", default_value = "20000")]
+    pub(crate) most_simulated: usize,
+    /// Measure all anew.
+    #[arg(long)]
+    pub(crate) fresh: bool,
+}
+
+const LONG_HELP: &str = "\
+Each way to drape is timed on single scenes in this process, on the threads of `--threads`, from a \
+posed body in memory to the drape; all ways drape a scene before the next one comes. Simulations run \
+on one thread and are not untangled. Distances are those to the drapes of the data set: a simulation \
+of the quality that made them has none, and is drawn at the noise floor, which is how far its drapes \
+move when one shoulder turns by 0.001 rad.
+
+DIR gets
+  chart.svg, chart.png     time against distance, with the methods that no other beats in both
+  chart.csv, chart.json    the same as numbers, with all other scores
+  growth.svg, growth.png   time against vertices of the same garment, with fitted exponents; networks
+                           have random weights there, which cost as much as any
+  growth.csv               the same as numbers
+  samples.json             all samples: a run that is repeated or was stopped goes on from there";
+
+const MOST_VERTICES: usize = 200_000;
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if count > 0 => Ok(count),
+        _ => Err("expected a number, 1 or more".to_owned()),
+    }
+}
+
+fn vertices(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if count == 0 || (500..=MOST_VERTICES).contains(&count) => Ok(count),
+        _ => Err(format!("expected vertices, from 500 to {MOST_VERTICES}")),
+    }
+}
+
+impl ChartArgs {
+    /// Refuses an output that cannot be written.
+    pub(crate) fn check(&self) -> anyhow::Result<()> {
+        output::check_folder(&self.output)
+    }
+
+    /// Skinning, warp, and the models.
+    pub(crate) fn candidates(&self, package: &GarmentPackage) -> anyhow::Result<Vec<Candidate>> {
+        eval::candidates(&self.package, package, &self.model)
+    }
+
+    /// The qualities of the simulations, from the fastest.
+    pub(crate) fn qualities(&self) -> Vec<Quality> {
+        if self.teacher_scenes == 0 {
+            return Vec::new();
+        }
+        let mut qualities: Vec<Quality> = self.quality.iter().map(|name| name.quality()).collect();
+        qualities.sort_unstable();
+        qualities.dedup();
+        qualities
+    }
+
+    /// How many of so many scenes are draped.
+    pub(crate) fn num_scenes(&self, total: usize) -> usize {
+        if self.all { total } else { self.scenes }
+    }
+
+    /// Numbers of vertices of the second chart, from few to many.
+    pub(crate) fn sizes(&self) -> Vec<usize> {
+        let mut sizes: Vec<usize> = self.sizes.iter().copied().filter(|&n| n > 0).collect();
+        sizes.sort_unstable();
+        sizes.dedup();
+        sizes
+    }
+
+    /// How drapes are untangled.
+    pub(crate) fn untangle(&self) -> UntangleOptions {
+        UntangleOptions {
+            clearance: self.clearance,
+            ..UntangleOptions::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_in_range() {
+        assert_eq!((at_least_one("3"), vertices("0")), (Ok(3), Ok(0)));
+        for text in ["0", "-1", "", "x"] {
+            assert!(at_least_one(text).is_err(), "{text}");
+        }
+        for text in ["1", "499", "1000000", "5k"] {
+            assert!(vertices(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! The numbers as CSV; units are in the heads.
+
+use std::fmt::Write as _;
+
+use super::{
+    growth::GrowthReport,
+    report::{ChartReport, MethodReport},
+};
+
+type Column = (&'static str, fn(&MethodReport) -> Option<f64>);
+
+/// The columns after name and kind.
+const COLUMNS: [Column; 32] = [
+    ("on_front", |m| Some(f64::from(u8::from(m.is_on_front)))),
+    ("is_target", |m| Some(f64::from(u8::from(m.is_target)))),
+    ("scenes", |m| Some(m.figures.scenes as f64)),
+    ("failed", |m| Some(m.failed as f64)),
+    ("threads", |m| Some(m.threads as f64)),
+    ("ms", |m| Some(1e3 * m.figures.seconds.total.median)),
+    ("ms_p95", |m| Some(1e3 * m.figures.seconds.total.p95)),
+    ("warp_ms", |m| Some(1e3 * m.figures.seconds.warp.median)),
+    ("warp_ms_p95", |m| Some(1e3 * m.figures.seconds.warp.p95)),
+    ("network_ms", |m| {
+        Some(1e3 * m.figures.seconds.network.median)
+    }),
+    ("network_ms_p95", |m| {
+        Some(1e3 * m.figures.seconds.network.p95)
+    }),
+    ("untangle_ms", |m| {
+        Some(1e3 * m.figures.seconds.untangle.median)
+    }),
+    ("untangle_ms_p95", |m| {
+        Some(1e3 * m.figures.seconds.untangle.p95)
+    }),
+    ("simulation_ms", |m| {
+        Some(1e3 * m.figures.seconds.simulation.median)
+    }),
+    ("simulation_ms_p95", |m| {
+        Some(1e3 * m.figures.seconds.simulation.p95)
+    }),
+    ("e_dist_mm", |m| Some(1e3 * m.figures.after.distance)),
+    ("e_dist_std_mm", |m| {
+        Some(1e3 * m.figures.after.distance_std)
+    }),
+    ("e_dist_scene_median_mm", |m| {
+        Some(1e3 * m.figures.scene_distance.median)
+    }),
+    ("e_dist_scene_p95_mm", |m| {
+        Some(1e3 * m.figures.scene_distance.p95)
+    }),
+    ("e_dist_before_untangle_mm", |m| {
+        Some(1e3 * m.figures.before.distance)
+    }),
+    ("e_norm_deg", |m| Some(m.figures.after.normal.to_degrees())),
+    ("l_mc", |m| Some(m.figures.after.mean_curvature)),
+    ("l_rq", |m| Some(m.figures.after.rayleigh)),
+    ("inside_before_untangle_percent", |m| {
+        Some(1e2 * m.figures.before.inside)
+    }),
+    ("deepest_before_untangle_mm", |m| {
+        Some(1e3 * m.figures.before.deepest)
+    }),
+    ("untrapped_inside", |m| Some(m.figures.inside as f64)),
+    ("strain_p99_percent", |m| {
+        Some(1e2 * (m.figures.after.stretch_p99 - 1.0))
+    }),
+    ("strain_max_percent", |m| {
+        Some(1e2 * (m.figures.after.stretch_max - 1.0))
+    }),
+    ("self_intersections", |m| {
+        Some(m.figures.after.self_intersections)
+    }),
+    ("gflop", |m| m.flop.map(|flop| flop as f64 / 1e9)),
+    ("weight_bytes", |m| m.weight_bytes.map(|bytes| bytes as f64)),
+    ("peak_memory_bytes", |m| {
+        m.peak_bytes.map(|bytes| bytes as f64)
+    }),
+];
+
+/// One line a way to drape; what is not known is empty.
+pub(super) fn methods(report: &ChartReport) -> String {
+    let mut text = String::from("method,kind");
+    for (head, _) in COLUMNS {
+        let _ = write!(text, ",{head}");
+    }
+    text.push('\n');
+    for method in &report.methods {
+        let kind = format!("{:?}", method.kind).to_lowercase();
+        let _ = write!(text, "{},{kind}", method.name);
+        for (_, value) in COLUMNS {
+            let value = value(method).map_or_else(String::new, short);
+            let _ = write!(text, ",{value}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// One line a stage and number of vertices, with the law that is fitted to the stage.
+pub(super) fn growth(report: &GrowthReport) -> String {
+    let mut text = String::from("stage,vertices,ms,exponent,fitted_ms,fitted_from\n");
+    for series in &report.series {
+        for [vertices, seconds] in &series.points {
+            let fitted = series.law.map(|law| short(1e3 * law.at(*vertices)));
+            let exponent = series.law.map(|law| format!("{:.3}", law.exponent));
+            let _ = writeln!(
+                text,
+                "{},{vertices},{},{},{},{}",
+                series.name,
+                short(1e3 * seconds),
+                exponent.unwrap_or_default(),
+                fitted.unwrap_or_default(),
+                series.fitted_from
+            );
+        }
+    }
+    text
+}
+
+/// At most four decimals.
+fn short(value: f64) -> String {
+    format!("{}", (1e4 * value).round() / 1e4)
+}

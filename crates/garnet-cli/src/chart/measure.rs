@@ -1,0 +1,165 @@
+//! The samples that are not there yet.
+
+use anyhow::Context;
+use garnet::{
+    data::Quality,
+    train::{
+        SceneName, Stage,
+        chart::{Answer, Question, Sample, Task, Timing, ask_teacher, time_drapes},
+    },
+};
+
+use super::{
+    Chosen, SPLIT,
+    args::ChartArgs,
+    methods::{Method, Way},
+    record::{FailedScene, Keeper, NoiseRecord},
+};
+use crate::{console::Console, train::advised};
+
+/// Times skinning, warp and networks.
+pub(super) fn drapes(
+    args: &ChartArgs,
+    stage: &Stage,
+    methods: &[Method],
+    scenes: &Chosen,
+    keeper: &mut Keeper,
+    console: &Console,
+) -> anyhow::Result<()> {
+    let mut tasks = Vec::new();
+    let mut names = Vec::new();
+    for method in methods {
+        let Way::Drape(candidate) = &method.way else {
+            continue;
+        };
+        let known = keeper.record.method(&method.name, method.checksum());
+        let missing = scenes.drapes.iter().copied();
+        let missing: Vec<SceneName> = missing.filter(|&scene| !known.has(scene)).collect();
+        if !missing.is_empty() {
+            names.push((method.name.clone(), method.checksum().map(str::to_owned)));
+            tasks.push(Task {
+                candidate: candidate.clone(),
+                scenes: missing,
+            });
+        }
+    }
+    if tasks.is_empty() {
+        return Ok(());
+    }
+    let bar = console.progress(tasks.iter().map(|task| task.scenes.len()).sum());
+    let mut written = Ok(());
+    let mut take = |task: usize, sample: Sample| {
+        let (name, weights) = &names[task];
+        bar.set_message(name.clone());
+        bar.inc(1);
+        let known = keeper.record.method(name, weights.as_deref());
+        known.samples.push(sample);
+        if written.is_ok() {
+            written = keeper.write_now_and_then();
+        }
+    };
+    let timing = Timing {
+        untangle: args.untangle(),
+        repeats: args.repeat,
+    };
+    let costs = time_drapes(stage, SPLIT, &tasks, timing, &mut take);
+    bar.finish_and_clear();
+    written?;
+    for ((name, weights), cost) in names.iter().zip(costs.map_err(advised)?) {
+        let known = keeper.record.method(name, weights.as_deref());
+        known.cost = cost.map(Into::into);
+    }
+    keeper.write()
+}
+
+/// Times the teacher and measures its noise floor.
+pub(super) fn simulations(
+    args: &ChartArgs,
+    stage: &Stage,
+    methods: &[Method],
+    scenes: &Chosen,
+    keeper: &mut Keeper,
+    console: &Console,
+) -> anyhow::Result<()> {
+    let mut questions: Vec<(SceneName, Vec<Question>)> = Vec::new();
+    for &scene in &scenes.simulations {
+        let mut asked = Vec::new();
+        for method in methods {
+            let Way::Simulation(quality) = method.way else {
+                continue;
+            };
+            if !keeper.record.method(&method.name, None).has(scene) {
+                asked.push(Question::Drape(quality));
+            }
+        }
+        let is_known = |noise: &NoiseRecord| (noise.body, noise.pose) == (scene.body, scene.pose);
+        if scenes.noise.contains(&scene) && !keeper.record.noise.iter().any(is_known) {
+            asked.push(Question::Noise(teacher_of(stage)));
+        }
+        questions.push((scene, asked));
+    }
+    let total: usize = questions.iter().map(|(_, asked)| asked.len()).sum();
+    if total == 0 {
+        return Ok(());
+    }
+    console.detail(&format_args!("{total} simulations are to be made"));
+    let bar = console.progress(total);
+    let mut written = Ok(());
+    let mut take = |scene: SceneName, question: Question, answer: Answer| {
+        let name = name_of(methods, question);
+        bar.set_message(name.clone());
+        bar.inc(1);
+        if let Answer::Failed(reason) = &answer {
+            console.warning(&format_args!("{name} came to no end on {scene}: {reason}"));
+        }
+        keep(keeper, scene, &name, question, answer);
+        if written.is_ok() {
+            written = keeper.write();
+        }
+    };
+    let done = ask_teacher(stage, SPLIT, &questions, &mut take);
+    bar.finish_and_clear();
+    written?;
+    done.map_err(advised)
+        .with_context(|| format!("cannot simulate `{}`", args.package.display()))
+}
+
+/// The quality that made the data set.
+pub(super) fn teacher_of(stage: &Stage) -> Quality {
+    match stage.dataset.manifest.quality.as_deref() {
+        Some("fast") => Quality::Fast,
+        Some("reference") => Quality::Reference,
+        _ => Quality::Teacher,
+    }
+}
+
+fn name_of(methods: &[Method], question: Question) -> String {
+    let Question::Drape(asked) = question else {
+        return "noise floor".to_owned();
+    };
+    let is_asked =
+        |method: &&Method| matches!(method.way, Way::Simulation(quality) if quality == asked);
+    let method = methods.iter().find(is_asked);
+    method.map_or_else(String::new, |method| method.name.clone())
+}
+
+fn keep(keeper: &mut Keeper, scene: SceneName, name: &str, question: Question, answer: Answer) {
+    let SceneName { body, pose, .. } = scene;
+    if let Question::Noise(_) = question {
+        keeper.record.noise.push(NoiseRecord {
+            body,
+            pose,
+            distance: match answer {
+                Answer::Noise(distance) => Some(distance),
+                _ => None,
+            },
+        });
+        return;
+    }
+    let method = keeper.record.method(name, None);
+    match answer {
+        Answer::Drape(sample) => method.samples.push(*sample),
+        Answer::Failed(reason) => method.failed.push(FailedScene { body, pose, reason }),
+        Answer::Noise(_) => {}
+    }
+}

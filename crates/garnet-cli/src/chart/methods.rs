@@ -1,0 +1,111 @@
+//! The ways to drape.
+
+use std::{fs, path::Path};
+
+use anyhow::Context;
+use garnet::{
+    data::{Quality, quality_name},
+    train::{Candidate, chart},
+};
+use serde::Serialize;
+
+/// What a way to drape is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Kind {
+    /// Skinning or warp.
+    Geometry,
+    /// A network between warp and untangling.
+    Network,
+    /// The teacher.
+    Simulation,
+}
+
+/// A way to drape.
+#[derive(Debug, Clone)]
+pub(super) struct Method {
+    pub(super) name: String,
+    pub(super) way: Way,
+    /// Of a network.
+    pub(super) weights: Option<Weights>,
+}
+
+/// How it drapes.
+#[derive(Debug, Clone)]
+pub(super) enum Way {
+    Drape(Candidate),
+    Simulation(Quality),
+}
+
+/// The weights of a network.
+#[derive(Debug, Clone)]
+pub(super) struct Weights {
+    pub(super) checksum: String,
+    /// Size of the file.
+    pub(super) bytes: u64,
+}
+
+impl Method {
+    /// Candidates, and the teacher in qualities.
+    pub(super) fn all(
+        candidates: Vec<Candidate>,
+        qualities: &[Quality],
+    ) -> anyhow::Result<Vec<Self>> {
+        let drapes = candidates.into_iter().map(|candidate| {
+            let (name, weights) = match &candidate {
+                Candidate::Skinning => ("dqs".to_owned(), None),
+                Candidate::Warp => ("warp".to_owned(), None),
+                Candidate::Model { name, weights } => (shown(name), Some(Weights::of(weights)?)),
+            };
+            Ok(Self {
+                name,
+                way: Way::Drape(candidate),
+                weights,
+            })
+        });
+        let mut methods: Vec<Self> = drapes.collect::<anyhow::Result<_>>()?;
+        methods.extend(qualities.iter().map(|&quality| Self {
+            name: format!("simulation {}", quality_name(quality)),
+            way: Way::Simulation(quality),
+            weights: None,
+        }));
+        Ok(methods)
+    }
+
+    pub(super) fn checksum(&self) -> Option<&str> {
+        let weights = self.weights.as_ref();
+        weights.map(|weights| weights.checksum.as_str())
+    }
+
+    pub(super) fn kind(&self) -> Kind {
+        match (&self.way, &self.weights) {
+            (Way::Simulation(_), _) => Kind::Simulation,
+            (Way::Drape(_), Some(_)) => Kind::Network,
+            (Way::Drape(_), None) => Kind::Geometry,
+        }
+    }
+}
+
+impl Weights {
+    fn of(path: &Path) -> anyhow::Result<Self> {
+        let header = chart::header_of(path)?;
+        let metadata = fs::metadata(path);
+        let metadata = metadata.with_context(|| format!("cannot read `{}`", path.display()))?;
+        Ok(Self {
+            checksum: header.checksum,
+            bytes: metadata.len(),
+        })
+    }
+}
+
+/// The name of a variant, or of a file without its folder and ending.
+fn shown(name: &str) -> String {
+    let path = Path::new(name);
+    match path.extension() {
+        Some(extension) if extension == "safetensors" => {
+            let stem = path.file_stem().unwrap_or_default();
+            stem.to_string_lossy().into_owned()
+        }
+        _ => name.to_owned(),
+    }
+}

@@ -1,0 +1,125 @@
+//! `garnet chart`: time against accuracy of all ways to drape a package.
+
+mod args;
+mod csv;
+mod growth;
+mod measure;
+mod memory;
+mod methods;
+mod picture;
+mod record;
+mod report;
+mod table;
+
+use std::{path::Path, time::Instant};
+
+use garnet::{
+    data::{Dataset, Split},
+    train::{SceneName, Stage, chart::spread},
+};
+use garnet_view::LogLog;
+
+pub(crate) use args::ChartArgs;
+use methods::Method;
+use record::{Keeper, Setting};
+use report::ChartReport;
+
+use crate::{
+    console::{Console, print_data, print_document},
+    dataset::read_package,
+    failure::ExitStatus,
+    output,
+    train::advised,
+};
+
+/// The split that methods are judged by.
+const SPLIT: Split = Split::Test;
+
+/// Measures what is not measured yet, draws, and prints the table.
+pub(crate) fn run(args: &ChartArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    let start = Instant::now();
+    args.check()?;
+    let package = read_package(&args.package)?;
+    let candidates = args.candidates(&package)?;
+    let stage = Stage::new(package, Dataset::open(&args.dataset)?).map_err(advised)?;
+    let scenes = Chosen::new(args, &stage)?;
+    let methods = Method::all(candidates, &args.qualities())?;
+
+    output::make_folder(&args.output)?;
+    let (mut keeper, why) = Keeper::open(args, Setting::new(args, &stage))?;
+    if let Some(why) = why {
+        console.summary(&format_args!(
+            "note: `{}` {why}: all is measured anew",
+            args.output.join("samples.json").display()
+        ));
+    }
+    measure::drapes(args, &stage, &methods, &scenes, &mut keeper, console)?;
+    measure::simulations(args, &stage, &methods, &scenes, &mut keeper, console)?;
+    memory::measure(args, &stage, &methods, &scenes, &mut keeper, console)?;
+    growth::measure(args, &stage, &methods, &scenes, &mut keeper, console)?;
+
+    let report = ChartReport::new(args, &stage, &methods, &scenes, &keeper.record, start);
+    write(&args.output, &report)?;
+    if console.is_json() {
+        print_document(&report)?;
+    } else {
+        print_data(&table::text(&report))?;
+    }
+    console.summary(&format_args!(
+        "charts and numbers are in `{}`",
+        args.output.display()
+    ));
+    Ok(ExitStatus::Done)
+}
+
+/// The scenes that are draped.
+struct Chosen {
+    drapes: Vec<SceneName>,
+    simulations: Vec<SceneName>,
+    noise: Vec<SceneName>,
+    growth: Vec<SceneName>,
+}
+
+/// Scenes on which the noise floor is measured, at most.
+const NOISE_SCENES: usize = 4;
+
+/// Scenes on which garments of other sizes are draped, at most.
+const GROWTH_SCENES: usize = 3;
+
+impl Chosen {
+    fn new(args: &ChartArgs, stage: &Stage) -> anyhow::Result<Self> {
+        let all = stage.scene_names(SPLIT).map_err(advised)?;
+        let drapes = spread(&all, args.num_scenes(all.len()));
+        let simulations = spread(&drapes, args.teacher_scenes);
+        Ok(Self {
+            // Drapes made elsewhere have no teacher, and no poses to turn a joint of.
+            noise: match (args.noise_floor, &stage.dataset.manifest.quality) {
+                (None, Some(_)) => spread(&simulations, NOISE_SCENES),
+                _ => Vec::new(),
+            },
+            growth: spread(&drapes, GROWTH_SCENES),
+            drapes,
+            simulations,
+        })
+    }
+}
+
+fn write(folder: &Path, report: &ChartReport) -> anyhow::Result<()> {
+    let mut text = serde_json::to_string_pretty(report)?;
+    text.push('\n');
+    output::write(&folder.join("chart.json"), text.as_bytes())?;
+    output::write(&folder.join("chart.csv"), csv::methods(report).as_bytes())?;
+    draw(folder, "chart", &picture::chart(report))?;
+    let Some(growth) = &report.growth else {
+        return Ok(());
+    };
+    output::write(&folder.join("growth.csv"), csv::growth(growth).as_bytes())?;
+    draw(folder, "growth", &picture::growth(report, growth))
+}
+
+fn draw(folder: &Path, name: &str, chart: &LogLog) -> anyhow::Result<()> {
+    let svg = chart.to_svg()?;
+    output::write(&folder.join(format!("{name}.svg")), svg.as_bytes())?;
+    let png = chart.to_image()?.to_png_bytes()?;
+    output::write(&folder.join(format!("{name}.png")), &png)
+}

@@ -1,0 +1,254 @@
+//! What was measured so far: `samples.json`, from which a run goes on.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use anyhow::Context;
+use garnet::train::{
+    SceneName, Stage,
+    chart::{CostAt, NetworkCost, Sample},
+};
+use serde::{Deserialize, Serialize};
+
+use super::ChartArgs;
+use crate::{machine, output};
+
+const SCHEMA: &str = "garnet.chart-samples/1";
+
+/// Between two writes while samples come fast.
+const BETWEEN_WRITES: Duration = Duration::from_secs(5);
+
+/// All samples, with what they were measured on.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Record {
+    schema: String,
+    pub(super) setting: Setting,
+    pub(super) methods: Vec<MethodRecord>,
+    /// How far drapes of the teacher move, by scene.
+    pub(super) noise: Vec<NoiseRecord>,
+    /// What the networks of `growth` are made of.
+    pub(super) growth_networks: Vec<String>,
+    pub(super) growth: Vec<CostAt>,
+}
+
+/// What all samples have in common; SI units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Setting {
+    pub(super) version: String,
+    pub(super) machine: String,
+    pub(super) threads: usize,
+    pub(super) garment: String,
+    pub(super) template: String,
+    pub(super) dataset: String,
+    pub(super) clearance: f32,
+    pub(super) repeat: usize,
+}
+
+/// The samples of a way to drape.
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MethodRecord {
+    pub(super) name: String,
+    /// Checksum of the weights of a network.
+    pub(super) weights: Option<String>,
+    pub(super) cost: Option<StoredCost>,
+    /// The most memory of a process that drapes once, in bytes.
+    pub(super) peak_bytes: Option<u64>,
+    pub(super) samples: Vec<Sample>,
+    /// Scenes on which a simulation came to no end.
+    pub(super) failed: Vec<FailedScene>,
+}
+
+/// What a network takes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StoredCost {
+    pub(super) parameters: u64,
+    pub(super) flop: u64,
+    pub(super) scratch_bytes: usize,
+}
+
+/// A scene on which a simulation came to no end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FailedScene {
+    pub(super) body: u32,
+    pub(super) pose: u32,
+    pub(super) reason: String,
+}
+
+/// How far a drape of the teacher moves on a scene; none if it came to no end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NoiseRecord {
+    pub(super) body: u32,
+    pub(super) pose: u32,
+    pub(super) distance: Option<f64>,
+}
+
+impl From<NetworkCost> for StoredCost {
+    fn from(cost: NetworkCost) -> Self {
+        Self {
+            parameters: cost.parameters,
+            flop: cost.flops,
+            scratch_bytes: cost.scratch,
+        }
+    }
+}
+
+impl Setting {
+    pub(super) fn new(args: &ChartArgs, stage: &Stage) -> Self {
+        let manifest = &stage.package.manifest;
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            machine: machine::description(),
+            threads: rayon::current_num_threads(),
+            garment: manifest.fingerprint.clone(),
+            template: manifest.positions.clone(),
+            dataset: stage.dataset.manifest.fingerprint().to_string(),
+            clearance: args.untangle().clearance,
+            repeat: args.repeat,
+        }
+    }
+
+    /// What is not as it was.
+    fn difference(&self, other: &Self) -> Option<&'static str> {
+        let pairs = [
+            ("version", self.version == other.version),
+            ("machine", self.machine == other.machine),
+            ("number of threads", self.threads == other.threads),
+            ("garment", self.garment == other.garment),
+            ("template", self.template == other.template),
+            ("data set", self.dataset == other.dataset),
+            (
+                "clearance",
+                self.clearance.to_bits() == other.clearance.to_bits(),
+            ),
+            ("number of repeats", self.repeat == other.repeat),
+        ];
+        pairs
+            .into_iter()
+            .find(|(_, same)| !same)
+            .map(|(what, _)| what)
+    }
+}
+
+impl Record {
+    fn new(setting: Setting) -> Self {
+        Self {
+            schema: SCHEMA.to_owned(),
+            setting,
+            methods: Vec::new(),
+            noise: Vec::new(),
+            growth_networks: Vec::new(),
+            growth: Vec::new(),
+        }
+    }
+
+    /// The record of a way to drape; a new one if there is none, or of other weights.
+    pub(super) fn method(&mut self, name: &str, weights: Option<&str>) -> &mut MethodRecord {
+        let place = self.methods.iter().position(|method| method.name == name);
+        let place = place.unwrap_or_else(|| {
+            self.methods.push(MethodRecord::default());
+            self.methods.len() - 1
+        });
+        let method = &mut self.methods[place];
+        if method.name != name || method.weights.as_deref() != weights {
+            *method = MethodRecord {
+                name: name.to_owned(),
+                weights: weights.map(str::to_owned),
+                ..MethodRecord::default()
+            };
+        }
+        method
+    }
+
+    /// The record of a way to drape.
+    pub(super) fn find(&self, name: &str) -> Option<&MethodRecord> {
+        self.methods.iter().find(|method| method.name == name)
+    }
+}
+
+impl MethodRecord {
+    /// Whether a scene is measured, or known to come to no end.
+    pub(super) fn has(&self, scene: SceneName) -> bool {
+        let failed = |failed: &FailedScene| (failed.body, failed.pose) == (scene.body, scene.pose);
+        self.samples.iter().any(|sample| sample.is_of(scene)) || self.failed.iter().any(failed)
+    }
+
+    /// The samples of some scenes.
+    pub(super) fn of<'a>(&'a self, scenes: &'a [SceneName]) -> impl Iterator<Item = &'a Sample> {
+        let is_chosen = |sample: &&Sample| scenes.iter().any(|&scene| sample.is_of(scene));
+        self.samples.iter().filter(is_chosen)
+    }
+}
+
+/// A record and its file.
+pub(super) struct Keeper {
+    pub(super) record: Record,
+    path: PathBuf,
+    last: Instant,
+}
+
+impl Keeper {
+    /// The record in a folder, or a new one; with why what is there is not used, if so.
+    pub(super) fn open(
+        args: &ChartArgs,
+        setting: Setting,
+    ) -> anyhow::Result<(Self, Option<String>)> {
+        let path = args.output.join("samples.json");
+        let (record, why) = match read(&path)? {
+            Found::Nothing => (None, None),
+            _ if args.fresh => (None, None),
+            Found::Damaged => (None, Some("is damaged or of another version".to_owned())),
+            Found::Record(found) => match found.setting.difference(&setting) {
+                None => (Some(*found), None),
+                Some(what) => (None, Some(format!("is of another {what}"))),
+            },
+        };
+        let keeper = Self {
+            record: record.unwrap_or_else(|| Record::new(setting)),
+            path,
+            last: Instant::now(),
+        };
+        Ok((keeper, why))
+    }
+
+    /// Writes the record.
+    pub(super) fn write(&mut self) -> anyhow::Result<()> {
+        self.last = Instant::now();
+        let mut text = serde_json::to_string(&self.record)?;
+        text.push('\n');
+        output::write(&self.path, text.as_bytes())
+    }
+
+    /// Writes the record if the last time is some seconds ago.
+    pub(super) fn write_now_and_then(&mut self) -> anyhow::Result<()> {
+        if self.last.elapsed() < BETWEEN_WRITES {
+            return Ok(());
+        }
+        self.write()
+    }
+}
+
+/// What is in place of a record.
+enum Found {
+    Nothing,
+    Damaged,
+    Record(Box<Record>),
+}
+
+fn read(path: &Path) -> anyhow::Result<Found> {
+    if !path.exists() {
+        return Ok(Found::Nothing);
+    }
+    let text = fs::read(path).with_context(|| format!("cannot read `{}`", path.display()))?;
+    let record: Option<Record> = serde_json::from_slice(&text).ok();
+    let record = record.filter(|record| record.schema == SCHEMA);
+    Ok(record.map_or(Found::Damaged, |record| Found::Record(Box::new(record))))
+}

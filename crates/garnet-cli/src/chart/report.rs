@@ -1,0 +1,164 @@
+//! What is told about the ways to drape: `garnet.chart/1`, SI units.
+
+use std::time::Instant;
+
+use garnet::train::{
+    Stage,
+    chart::{Figures, pareto_front},
+};
+use serde::Serialize;
+
+use super::{
+    Chosen, SPLIT,
+    args::ChartArgs,
+    growth::GrowthReport,
+    measure::teacher_of,
+    methods::{Kind, Method, Way},
+    record::{NoiseRecord, Record},
+};
+
+/// All ways to drape.
+#[derive(Debug, Serialize)]
+pub(super) struct ChartReport {
+    schema: &'static str,
+    version: &'static str,
+    pub(super) machine: String,
+    pub(super) threads: usize,
+    pub(super) garment: String,
+    pub(super) vertices: usize,
+    dataset: String,
+    pub(super) split: &'static str,
+    /// Scenes that were chosen: for drapes, and for simulations.
+    pub(super) scenes: usize,
+    pub(super) simulated_scenes: usize,
+    /// How often each scene was draped.
+    repeat: usize,
+    clearance_m: f32,
+    /// How far drapes of the teacher move in the mean if one shoulder turns by 0.001 rad.
+    pub(super) noise_floor_m: Option<f64>,
+    /// Over how many scenes; none if the noise floor was given.
+    pub(super) noise_scenes: Option<usize>,
+    pub(super) methods: Vec<MethodReport>,
+    pub(super) growth: Option<GrowthReport>,
+    /// Time of this run, in which only what was missing was measured.
+    seconds: f64,
+}
+
+/// A way to drape.
+#[derive(Debug, Serialize)]
+pub(super) struct MethodReport {
+    pub(super) name: String,
+    pub(super) kind: Kind,
+    /// Whether this simulation made the targets: it has no distance from them.
+    pub(super) is_target: bool,
+    /// Whether no other is better in time and distance; a target has the noise floor as its distance.
+    pub(super) is_on_front: bool,
+    pub(super) threads: usize,
+    /// Multiplications and additions of a forward pass.
+    pub(super) flop: Option<u64>,
+    parameters: Option<u64>,
+    /// Size of the weight file.
+    pub(super) weight_bytes: Option<u64>,
+    /// Memory that a network keeps between scenes.
+    scratch_bytes: Option<usize>,
+    /// The most memory of a process that drapes once.
+    pub(super) peak_bytes: Option<u64>,
+    /// Simulations that came to no end.
+    pub(super) failed: usize,
+    #[serde(flatten)]
+    pub(super) figures: Figures,
+}
+
+impl ChartReport {
+    pub(super) fn new(
+        args: &ChartArgs,
+        stage: &Stage,
+        methods: &[Method],
+        scenes: &Chosen,
+        record: &Record,
+        start: Instant,
+    ) -> Self {
+        let distances: Vec<f64> = noise(scenes, record).collect();
+        let measured = distances.iter().sum::<f64>() / distances.len() as f64;
+        let noise_floor = args
+            .noise_floor
+            .or(Some(measured).filter(|value| value.is_finite()));
+        let reports = methods
+            .iter()
+            .filter_map(|method| MethodReport::new(method, stage, scenes, record));
+        let mut reports: Vec<MethodReport> = reports.collect();
+        let points = reports.iter().map(|report| report.point(noise_floor));
+        let points: Vec<[f64; 2]> = points.map(|point| point.unwrap_or([f64::NAN; 2])).collect();
+        for number in pareto_front(&points) {
+            reports[number].is_on_front = true;
+        }
+        Self {
+            schema: "garnet.chart/1",
+            version: env!("CARGO_PKG_VERSION"),
+            machine: record.setting.machine.clone(),
+            threads: record.setting.threads,
+            garment: stage.package.manifest.name.clone(),
+            vertices: stage.package.mesh.num_vertices(),
+            dataset: args.dataset.display().to_string(),
+            split: SPLIT.name(),
+            scenes: scenes.drapes.len(),
+            simulated_scenes: scenes.simulations.len(),
+            repeat: record.setting.repeat,
+            clearance_m: record.setting.clearance,
+            noise_floor_m: noise_floor,
+            noise_scenes: args.noise_floor.is_none().then_some(distances.len()),
+            methods: reports,
+            growth: GrowthReport::new(args, scenes, record),
+            seconds: start.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+/// The distances of the scenes that were chosen.
+fn noise<'a>(scenes: &'a Chosen, record: &'a Record) -> impl Iterator<Item = f64> + 'a {
+    let is_chosen = |noise: &&NoiseRecord| {
+        let mut scenes = scenes.noise.iter();
+        scenes.any(|scene| (scene.body, scene.pose) == (noise.body, noise.pose))
+    };
+    let chosen = record.noise.iter().filter(is_chosen);
+    chosen.filter_map(|noise| noise.distance)
+}
+
+impl MethodReport {
+    /// Of a method; none if there is no sample of it.
+    fn new(method: &Method, stage: &Stage, scenes: &Chosen, record: &Record) -> Option<Self> {
+        let known = record.find(&method.name)?;
+        let (chosen, threads, is_target) = match method.way {
+            Way::Drape(_) => (&scenes.drapes, record.setting.threads, false),
+            Way::Simulation(quality) => {
+                let made = stage.dataset.manifest.quality.is_some();
+                (&scenes.simulations, 1, made && quality == teacher_of(stage))
+            }
+        };
+        let figures = Figures::of(known.of(chosen));
+        (figures.scenes > 0).then(|| Self {
+            name: method.name.clone(),
+            kind: method.kind(),
+            is_target,
+            is_on_front: false,
+            threads,
+            flop: known.cost.map(|cost| cost.flop),
+            parameters: known.cost.map(|cost| cost.parameters),
+            weight_bytes: method.weights.as_ref().map(|weights| weights.bytes),
+            scratch_bytes: known.cost.map(|cost| cost.scratch_bytes),
+            peak_bytes: known.peak_bytes,
+            failed: known.failed.len(),
+            figures,
+        })
+    }
+
+    /// Median time and distance, in seconds and metres; none if the distance is not known.
+    pub(super) fn point(&self, noise_floor: Option<f64>) -> Option<[f64; 2]> {
+        let distance = if self.is_target {
+            noise_floor?
+        } else {
+            self.figures.after.distance
+        };
+        Some([self.figures.seconds.total.median, distance])
+    }
+}

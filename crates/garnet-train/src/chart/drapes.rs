@@ -1,0 +1,171 @@
+//! Skinning, warp and networks, timed on single scenes.
+
+use std::time::Instant;
+
+use garnet_data::Split;
+use garnet_mesh::Point3;
+use garnet_untangle::{Binding, UntangleOptions, UntangleReport, untangle};
+
+use super::sample::{Sample, Seconds};
+use crate::contender::Contender;
+use crate::measure::Measure;
+use crate::{Candidate, SceneName, Stage, StagedScene, Tally, TrainError};
+
+/// A candidate and the scenes that it is to be measured on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Task {
+    /// The way to drape.
+    pub candidate: Candidate,
+    /// The scenes.
+    pub scenes: Vec<SceneName>,
+}
+
+/// What a network takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NetworkCost {
+    /// Weights.
+    pub parameters: u64,
+    /// Multiplications and additions of a forward pass.
+    pub flops: u64,
+    /// Memory that it keeps between scenes, in bytes.
+    pub scratch: usize,
+}
+
+/// How drapes are timed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Timing {
+    /// How they are untangled.
+    pub untangle: UntangleOptions,
+    /// How often each scene is draped; its time is the median.
+    pub repeats: usize,
+}
+
+/// Drapes scenes of a split one by one and gives each sample to `take`, with the number of its
+/// task. Returns what the networks take, one a task.
+///
+/// All candidates drape a scene before the next one comes, and in turn, so that a machine with other
+/// work treats them alike. The first scene is draped once more before, unmeasured.
+///
+/// # Errors
+///
+/// As [`crate::evaluate`].
+pub fn time_drapes(
+    stage: &Stage,
+    split: Split,
+    tasks: &[Task],
+    timing: Timing,
+    take: &mut dyn FnMut(usize, Sample),
+) -> Result<Vec<Option<NetworkCost>>, TrainError> {
+    let contenders = tasks
+        .iter()
+        .map(|task| Contender::new(stage, &task.candidate));
+    let mut contenders: Vec<Contender> = contenders.collect::<Result<_, _>>()?;
+    let measure = Measure::new(stage)?;
+    let is_wanted = |scene| tasks.iter().any(|task| task.scenes.contains(&scene));
+    let mut is_warm = false;
+    let mut first_error = None;
+    stage.for_each_of(split, is_wanted, Ok, &mut |staged: StagedScene| {
+        if first_error.is_some() {
+            return;
+        }
+        let mut scene = || {
+            let binding = Binding::new(&staged.worn.garment)?;
+            if !is_warm {
+                for contender in &mut contenders {
+                    run(contender, &staged, &binding, &timing.untangle)?;
+                }
+                is_warm = true;
+            }
+            let wanted = contenders.iter_mut().enumerate();
+            let wanted = wanted.filter(|(task, _)| tasks[*task].scenes.contains(&staged.name));
+            let samples = samples(wanted.collect(), &measure, &staged, &binding, timing)?;
+            for (task, sample) in samples {
+                take(task, sample);
+            }
+            Ok(())
+        };
+        first_error = scene().err();
+    })?;
+    match first_error {
+        Some(error) => Err(error),
+        None => Ok(contenders.iter().map(cost).collect()),
+    }
+}
+
+fn cost(contender: &Contender) -> Option<NetworkCost> {
+    let cost = contender.cost()?;
+    Some(NetworkCost {
+        parameters: cost.parameters,
+        flops: cost.flops,
+        scratch: contender.num_bytes()?,
+    })
+}
+
+/// One drape.
+struct Run {
+    seconds: Seconds,
+    before: Vec<Point3>,
+    after: Vec<Point3>,
+    report: UntangleReport,
+}
+
+fn run(
+    contender: &mut Contender,
+    staged: &StagedScene,
+    binding: &Binding,
+    options: &UntangleOptions,
+) -> Result<Run, TrainError> {
+    let draped = contender.drape(staged)?;
+    let garment = &staged.worn.garment;
+    let start = Instant::now();
+    let nodes = garment.weld().gather(&draped.positions);
+    let untangled = untangle(garment, binding, &staged.posed, &nodes, options)?;
+    let after = garment.weld().scatter(&untangled.positions);
+    Ok(Run {
+        seconds: Seconds {
+            warp: draped.warp,
+            network: draped.network.unwrap_or(0.0),
+            untangle: start.elapsed().as_secs_f64(),
+            simulation: 0.0,
+        },
+        before: draped.positions,
+        after,
+        report: untangled.report,
+    })
+}
+
+/// The samples of one scene.
+fn samples(
+    mut contenders: Vec<(usize, &mut Contender)>,
+    measure: &Measure,
+    staged: &StagedScene,
+    binding: &Binding,
+    timing: Timing,
+) -> Result<Vec<(usize, Sample)>, TrainError> {
+    let mut runs: Vec<Vec<Run>> = contenders.iter().map(|_| Vec::new()).collect();
+    for _ in 0..timing.repeats.max(1) {
+        for ((_, contender), runs) in contenders.iter_mut().zip(&mut runs) {
+            runs.push(run(contender, staged, binding, &timing.untangle)?);
+        }
+    }
+    let mut samples = Vec::with_capacity(runs.len());
+    for ((task, _), mut runs) in contenders.into_iter().zip(runs) {
+        runs.sort_by(|a, b| a.seconds.total().total_cmp(&b.seconds.total()));
+        let middle = runs.swap_remove(runs.len() / 2);
+        let (mut before, mut after) = (Tally::default(), Tally::default());
+        measure.add(&mut before, staged, &middle.before)?;
+        measure.add(&mut after, staged, &middle.after)?;
+        let sample = Sample {
+            body: staged.name.body,
+            pose: staged.name.pose,
+            seconds: middle.seconds,
+            before,
+            after: Some(after),
+            inside: middle.report.inside,
+            trapped: middle.report.trapped,
+            crossing_faces: middle.report.crossing_faces,
+        };
+        samples.push((task, sample));
+    }
+    Ok(samples)
+}

@@ -1,0 +1,187 @@
+//! What drapes of the same garment cost with more and fewer vertices.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use garnet_data::{BodyPath, Quality, Rung, Split};
+use garnet_mesh::Point3;
+use garnet_net::{
+    BodySampling, Checkpoint, CheckpointHeader, GarNetConfig, GarmentGraph, Predictor, SceneInput,
+    Variant,
+};
+use garnet_skin::{PosedBody, Warp, WarpedGarment};
+use garnet_untangle::{Binding, UntangleOptions, untangle};
+use serde::{Deserialize, Serialize};
+
+use crate::{Percentiles, SceneName, Stage, TrainError, warp_of};
+
+/// What is measured at each number of vertices.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GrowthOptions {
+    /// Networks by name; they are made anew with random weights, which cost as much as any.
+    pub networks: Vec<(String, GarNetConfig)>,
+    /// How drapes are untangled.
+    pub untangle: UntangleOptions,
+    /// How often each drape is repeated.
+    pub repeats: usize,
+    /// Simulations of garments with at most this many vertices.
+    pub most_simulated: usize,
+}
+
+/// Median wall times at a number of vertices, in seconds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CostAt {
+    /// Vertices that were asked for.
+    pub asked: usize,
+    /// Vertices of the garment.
+    pub vertices: usize,
+    /// The warp by pose and shape.
+    pub warp: f64,
+    /// The networks by name, each with all that it needs of a scene.
+    pub networks: Vec<(String, f64)>,
+    /// Untangling of the warp.
+    pub untangle: f64,
+    /// The simulation in the quality of a teacher; none where it would take too long or fails.
+    pub simulation: Option<f64>,
+}
+
+/// What a weight file says about itself.
+///
+/// # Errors
+///
+/// [`TrainError::Checkpoint`].
+pub fn header_of(weights: &Path) -> Result<CheckpointHeader, TrainError> {
+    Ok(Checkpoint::header(weights)?)
+}
+
+/// The bodies of scenes, as targets of the garment of the package.
+///
+/// # Errors
+///
+/// Those of the data set.
+pub fn targets(
+    stage: &Stage,
+    split: Split,
+    scenes: &[SceneName],
+) -> Result<Vec<PosedBody>, TrainError> {
+    let mut bodies = Vec::new();
+    let keep = |name| scenes.contains(&name);
+    let fitted = |places: &[Point3]| Ok(stage.package.body.fitted(places)?);
+    let mut first_error = None;
+    stage.for_each_of(
+        split,
+        keep,
+        Ok,
+        &mut |staged| match fitted(staged.posed.skin().positions()) {
+            Ok(body) => bodies.push(body),
+            Err(error) => first_error = first_error.take().or(Some(error)),
+        },
+    )?;
+    first_error.map_or(Ok(bodies), Err)
+}
+
+/// Times the stages of drapes of the package's garment with about `asked` vertices on bodies; none
+/// if it cannot be made with so many.
+///
+/// # Errors
+///
+/// Those of a garment that cannot be cut, bound or draped.
+pub fn cost_at(
+    stage: &Stage,
+    bodies: &[PosedBody],
+    asked: usize,
+    options: &GrowthOptions,
+) -> Result<Option<CostAt>, TrainError> {
+    let stop = AtomicBool::new(false);
+    let Some(rung) = Rung::new(&stage.package, asked, &stop)? else {
+        return Ok(None);
+    };
+    let package = &stage.package;
+    let mesh = rung.garment.mesh();
+    let mut networks = Vec::with_capacity(options.networks.len());
+    for (name, config) in &options.networks {
+        let graph = GarmentGraph::new(mesh, &vec![0.0; config.num_sewing_parameters])?;
+        let config = graph.configured(config.clone());
+        let rest = package.body.rest().positions();
+        let sampling = BodySampling::for_garment(rest, mesh.positions(), &config)?;
+        networks.push((name, Predictor::untrained(&config, 1, graph, sampling)?));
+    }
+    let binding = Binding::new(&rung.garment)?;
+    let mut times: Vec<Vec<f64>> = vec![Vec::new(); 2 + networks.len()];
+    // The first drape of each body warms up.
+    for round in 0..=options.repeats.max(1) {
+        for body in bodies {
+            let found = drape(stage, &rung, &binding, &mut networks, body, options)?;
+            if round > 0 {
+                times
+                    .iter_mut()
+                    .zip(found)
+                    .for_each(|(times, time)| times.push(time));
+            }
+        }
+    }
+    let mut medians = times.into_iter().map(|times| Percentiles::of(times).median);
+    let mut next = || medians.next().unwrap_or(0.0);
+    let (warp, untangle) = (next(), next());
+    let names = networks.iter().map(|(name, _)| (*name).clone());
+    Ok(Some(CostAt {
+        asked,
+        vertices: mesh.num_vertices(),
+        warp,
+        untangle,
+        networks: names.map(|name| (name, next())).collect(),
+        simulation: (mesh.num_vertices() <= options.most_simulated)
+            .then(|| simulated(stage, &rung, bodies.first()?))
+            .flatten(),
+    }))
+}
+
+/// Times of warp, untangling and networks.
+fn drape(
+    stage: &Stage,
+    rung: &Rung,
+    binding: &Binding,
+    networks: &mut [(&String, Predictor)],
+    body: &PosedBody,
+    options: &GrowthOptions,
+) -> Result<Vec<f64>, TrainError> {
+    let garment = &rung.garment;
+    let start = Instant::now();
+    let nodes = garment.warped(body, Warp::Shape)?;
+    let warp = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    untangle(garment, binding, body, &nodes, &options.untangle)?;
+    let mut times = vec![warp, start.elapsed().as_secs_f64()];
+    for (_, predictor) in networks {
+        let config = predictor.model().config();
+        let warp = warp_of(config.start);
+        let parameters = match config.variant {
+            Variant::GlobalParams => stage.package.body.pose_and_shape(body),
+            _ => Vec::new(),
+        };
+        let warped = WarpedGarment::new(garment, &stage.package.body, body, warp)?;
+        let start = Instant::now();
+        predictor.predict(&SceneInput {
+            warped: &warped.positions,
+            body: body.skin().positions(),
+            body_normals: &warped.body_normals,
+            world_from_root: warped.world_from_root,
+            rotations: &warped.rotations,
+            parameters: &parameters,
+        })?;
+        times.push(start.elapsed().as_secs_f64());
+    }
+    Ok(times)
+}
+
+fn simulated(stage: &Stage, rung: &Rung, body: &PosedBody) -> Option<f64> {
+    let stop = AtomicBool::new(false);
+    let start = Instant::now();
+    let path = BodyPath::to_posed(&stage.package.body, body);
+    let drape = rung
+        .teacher
+        .drape(&path, Quality::Teacher, &stop, &mut |_| {});
+    drape.ok().map(|_| start.elapsed().as_secs_f64())
+}

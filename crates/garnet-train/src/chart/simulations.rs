@@ -1,0 +1,132 @@
+//! The teacher, timed on single scenes, and how repeatable it is.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use garnet_data::{DataError, Quality, Split, Tailor, Teacher, noise_floor, wearer_of};
+
+use super::sample::{Sample, Seconds};
+use crate::measure::Measure;
+use crate::{SceneName, Stage, StagedScene, Tally, TrainError, Worn};
+
+/// What is asked of the teacher on a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Question {
+    /// Its drape of a quality.
+    Drape(Quality),
+    /// How far a drape of a quality moves if a joint turns by [`garnet_data::NOISE_TURN`].
+    Noise(Quality),
+}
+
+/// What the teacher answers.
+#[derive(Debug)]
+pub enum Answer {
+    /// A drape.
+    Drape(Box<Sample>),
+    /// The mean distance of the vertices of two drapes, in metres.
+    Noise(f64),
+    /// The simulation came to no end, or the scene does not say how the body stands.
+    Failed(String),
+}
+
+/// Answers the questions about each scene of a split, one by one; each answer is given to `take` with
+/// its scene and question. Simulations run on one thread.
+///
+/// # Errors
+///
+/// Those of the data set, or of a garment that cannot be simulated at all.
+pub fn ask_teacher(
+    stage: &Stage,
+    split: Split,
+    questions: &[(SceneName, Vec<Question>)],
+    take: &mut dyn FnMut(SceneName, Question, Answer),
+) -> Result<(), TrainError> {
+    let measure = Measure::new(stage)?;
+    let asked = |name| questions.iter().find(|(scene, _)| *scene == name);
+    let mut teacher: Option<(Arc<Worn>, Teacher)> = None;
+    let mut first_error = None;
+    let keep = |name| asked(name).is_some_and(|(_, questions)| !questions.is_empty());
+    stage.for_each_of(split, keep, Ok, &mut |staged: StagedScene| {
+        if first_error.is_some() {
+            return;
+        }
+        let mut scene = || {
+            let known = teacher.take();
+            let known = known.filter(|(worn, _)| Arc::ptr_eq(worn, &staged.worn));
+            let (worn, known) = match known {
+                Some(known) => known,
+                None => (Arc::clone(&staged.worn), teacher_of(stage, &staged)?),
+            };
+            for &question in asked(staged.name).map_or(&[][..], |(_, questions)| questions) {
+                let answer = answer(&known, &measure, &staged, question)?;
+                take(staged.name, question, answer);
+            }
+            teacher = Some((worn, known));
+            Ok(())
+        };
+        first_error = scene().err();
+    })?;
+    first_error.map_or(Ok(()), Err)
+}
+
+/// The teacher that made a scene.
+fn teacher_of(stage: &Stage, staged: &StagedScene) -> Result<Teacher, TrainError> {
+    let package = &stage.package;
+    let tailor = match &staged.own {
+        Some(_) if stage.is_made_to_measure() => Tailor::of_package(package)?,
+        _ => None,
+    };
+    let body = &staged.worn.body;
+    if let (Some(tailor), Some(wearer)) = (tailor, wearer_of(body)) {
+        let tailor = tailor.with_size(None);
+        let wearer = wearer.map_err(DataError::from)?;
+        let worn = tailor.dress(body, &wearer, &AtomicBool::new(false))?;
+        return Ok(tailor.teacher(&worn, body)?);
+    }
+    Ok(Teacher::new(package)?)
+}
+
+fn answer(
+    teacher: &Teacher,
+    measure: &Measure,
+    staged: &StagedScene,
+    question: Question,
+) -> Result<Answer, TrainError> {
+    let stop = AtomicBool::new(false);
+    let quality = match question {
+        Question::Drape(quality) => quality,
+        Question::Noise(quality) => {
+            let Some((_, pose)) = &staged.own else {
+                let reason = "the data set does not say the pose of its body";
+                return Ok(Answer::Failed(reason.to_owned()));
+            };
+            let found = noise_floor(teacher, &staged.worn.body, pose, quality, &stop);
+            let failed = |error: DataError| Answer::Failed(error.to_string());
+            return Ok(found.map_or_else(failed, Answer::Noise));
+        }
+    };
+    let start = Instant::now();
+    let path = staged.path()?;
+    let drape = match teacher.drape(&path, quality, &stop, &mut |_| {}) {
+        Ok(drape) => drape,
+        Err(error) => return Ok(Answer::Failed(error.to_string())),
+    };
+    let simulation = start.elapsed().as_secs_f64();
+    let mut before = Tally::default();
+    measure.add(&mut before, staged, &drape.positions)?;
+    let penetration = &drape.report.penetration;
+    Ok(Answer::Drape(Box::new(Sample {
+        body: staged.name.body,
+        pose: staged.name.pose,
+        seconds: Seconds {
+            simulation,
+            ..Seconds::default()
+        },
+        before,
+        after: None,
+        inside: penetration.num_inside,
+        trapped: penetration.num_trapped,
+        crossing_faces: 0,
+    })))
+}

@@ -1,0 +1,117 @@
+//! Charts: what they leave, how they go on, and what they refuse.
+
+use serde_json::Value;
+
+use crate::fixtures::{Fixture, stderr};
+use crate::train::{done, prepared};
+
+const ASKED: &str = "--teacher-scenes 0 --sizes 500 --repeat 1";
+
+#[test]
+fn a_chart_leaves_pictures_and_numbers_and_goes_on_from_there() {
+    let fixture = prepared();
+    done(&fixture, "train net scenes --preset tiny --epochs 1 -q");
+    let report = done(&fixture, &format!("chart net scenes -o out {ASKED} --json"));
+    let report: Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["schema"], "garnet.chart/1");
+    let methods = report["methods"].as_array().unwrap();
+    let names: Vec<&str> = methods
+        .iter()
+        .map(|method| method["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["dqs", "warp", "local"]);
+    for method in methods {
+        let seconds = &method["seconds"];
+        let total = seconds["total"]["median"].as_f64().unwrap();
+        assert!(total > seconds["untangle"]["median"].as_f64().unwrap());
+        assert_eq!(
+            (&method["scenes"], &method["inside"]),
+            (&1.into(), &0.into())
+        );
+    }
+    let is_on_front = |method: &Value| method["is_on_front"] == true;
+    assert!(methods.iter().any(is_on_front));
+    assert!(methods[2]["flop"].as_u64().unwrap() > 0);
+    let text = |name: &str| String::from_utf8(fixture.read(name)).unwrap();
+    let svg = text("out/chart.svg");
+    assert!(svg.starts_with("<svg") && svg.contains("local"));
+    assert!(fixture.read("out/chart.png").starts_with(b"\x89PNG"));
+    let csv = text("out/chart.csv");
+    let fields: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
+    assert_eq!(fields.len(), 4);
+    assert!(fields.iter().all(|&count| count == fields[0]));
+
+    // What is there is not measured again; a new network is.
+    let samples = fixture.read("out/samples.json");
+    done(&fixture, &format!("chart net scenes -o out {ASKED} -q"));
+    assert_eq!(fixture.read("out/samples.json"), samples);
+    done(
+        &fixture,
+        "train net scenes --preset tiny --epochs 1 --variant more -q",
+    );
+    done(&fixture, &format!("chart net scenes -o out {ASKED} -q"));
+    let method = |bytes: &[u8], name: &str| -> Value {
+        let record: Value = serde_json::from_slice(bytes).unwrap();
+        let methods = record["methods"].as_array().unwrap();
+        let found = methods.iter().find(|method| method["name"] == name);
+        found.unwrap()["samples"].clone()
+    };
+    let more = fixture.read("out/samples.json");
+    assert_eq!(method(&more, "warp"), method(&samples, "warp"));
+    assert_eq!(method(&more, "more").as_array().unwrap().len(), 1);
+    done(
+        &fixture,
+        &format!("chart net scenes -o out {ASKED} -q --fresh"),
+    );
+    let fresh = fixture.read("out/samples.json");
+    assert_ne!(method(&fresh, "warp"), method(&samples, "warp"));
+}
+
+#[test]
+fn what_cannot_be_charted_is_refused_and_nothing_is_written() {
+    let fixture = prepared();
+    fixture.text(
+        "no_test.json",
+        r#"{"schema": "garnet.import/1", "units": "m", "scenes": [
+  {"split": "train", "body": "a", "sequence": "bend", "body_mesh": "bent.obj", "garment_mesh": "md_bent.obj"}]}"#,
+    );
+    done(&fixture, "dataset net --import no_test.json -o no_test -q");
+    fixture.moved("sleeve.obj", "other.obj", |place| 1.01 * *place);
+    done(
+        &fixture,
+        "garment from-obj other.obj --rest-body body.obj -o other -q",
+    );
+    for (arguments, expected) in [
+        ("chart net no_test -o out", "no scenes in its split `test`"),
+        ("chart other scenes -o out", "other vertices at rest"),
+        (
+            "chart nothing scenes -o out",
+            "`nothing` is no garment package",
+        ),
+        (
+            "chart net scenes -o no/out",
+            "the folder `no` does not exist",
+        ),
+        ("chart net scenes -o out --model none", "no variant `none`"),
+    ] {
+        let before = fixture.names();
+        let output = fixture.garnet(arguments);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
+        assert!(text.contains(expected), "{arguments}: {text}");
+        assert!(text.contains("hint: "), "{arguments}: {text}");
+        assert_eq!(fixture.names(), before, "{arguments}");
+    }
+}
+
+#[test]
+fn a_damaged_record_is_told_and_measured_anew() {
+    let fixture = prepared();
+    let chart = "chart net scenes -o out --teacher-scenes 0 --sizes 0 --repeat 1";
+    done(&fixture, &format!("{chart} -q"));
+    fixture.half("out/samples.json", "out/samples.json");
+    let output = fixture.garnet(chart);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(text.contains("samples.json` is damaged"), "{text}");
+}
