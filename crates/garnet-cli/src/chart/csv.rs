@@ -117,7 +117,20 @@ pub(super) fn growth(report: &GrowthReport) -> String {
     text
 }
 
-/// At most four decimals.
+/// Six digits that count, without zeros at the end.
 fn short(value: f64) -> String {
-    format!("{}", (1e4 * value).round() / 1e4)
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    format!("{rounded}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_keep_what_counts() {
+        assert_eq!(short(12.345_678_9), "12.3457");
+        assert_eq!(short(0.000_433_419_5), "0.00043342");
+        assert_eq!(short(2.0), "2");
+    }
 }

@@ -142,7 +142,7 @@ impl GrowthReport {
             Series::new("untangle", &costs, |cost| Some(cost.untangle)),
         ];
         for (number, (name, _)) in first.networks.iter().enumerate() {
-            let name = format!("network `{name}`");
+            let name = format!("network {name}");
             series.push(Series::new(&name, &costs, |cost| {
                 cost.networks.get(number).map(|(_, seconds)| *seconds)
             }));

@@ -103,7 +103,7 @@ fn fields(method: &MethodReport) -> [String; 13] {
         of_target(format!("{:.2}", 1e3 * after.distance_std)),
         of_target(format!("{:.2}", 1e3 * figures.scene_distance.median)),
         of_target(format!("{:.2}", after.normal.to_degrees())),
-        of_target(format!("{:.3}", after.rayleigh)),
+        of_target(format!("{:.1e}", after.rayleigh)),
         format!("{:.2}", 1e2 * figures.before.inside),
         format!("{:.1}", 1e2 * (after.stretch_p99 - 1.0)),
         or_dash(method.flop.map(|flop| format!("{:.2}", flop as f64 / 1e9))),
