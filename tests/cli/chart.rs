@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::fixtures::{Fixture, stderr};
+use crate::fixtures::stderr;
 use crate::train::{done, prepared};
 
 const ASKED: &str = "--teacher-scenes 0 --sizes 500 --repeat 1";
