@@ -176,7 +176,7 @@ def times_of_ours(case, preset, vertices, points, threads):
         check=True,
     )
     print(run.stdout.strip())
-    found = re.search(r"network ([0-9.]+) ms .*step ([0-9.]+) ms", run.stdout)
+    found = re.search(r"network ([0-9.]+) ms.*step ([0-9.]+) ms", run.stdout)
     return [float(number) for number in found.groups()]
 
 
