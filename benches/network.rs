@@ -139,7 +139,7 @@ fn drape(criterion: &mut Criterion) {
                 let warped = warped.expect("the body is that of the garment");
                 let moved = network.moved(bound, &scene.posed, &warped);
                 let moved = moved.expect("the body is finite");
-                let draped = Draper::new().finish(bound, &scene.posed, &moved);
+                let draped = Draper::new().finish(bound, &scene.posed, &moved.garment);
                 draped.expect("the body is that of the garment");
             });
         }

@@ -105,13 +105,25 @@ fn what_cannot_be_charted_is_refused_and_nothing_is_written() {
 }
 
 #[test]
-fn a_damaged_record_is_told_and_measured_anew() {
+fn samples_that_cannot_be_gone_on_with_are_kept() {
     let fixture = prepared();
-    let chart = "chart net scenes -o out --teacher-scenes 0 --sizes 0 --repeat 1";
+    let chart = "chart net scenes -o out --teacher-scenes 0 --sizes 0";
     done(&fixture, &format!("{chart} -q"));
+    let whole = fixture.read("out/samples.json");
+    let refused = |arguments: &str, expected: &str| {
+        let before = fixture.read("out/samples.json");
+        let output = fixture.garnet(arguments);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
+        assert!(text.contains(expected), "{arguments}: {text}");
+        assert!(text.contains("hint: `--fresh`"), "{arguments}: {text}");
+        assert_eq!(fixture.read("out/samples.json"), before, "{arguments}");
+    };
+    refused(&format!("{chart} --clearance 3"), "another clearance");
+    refused(&format!("{chart} --repeat 2"), "another number of repeats");
+    assert_eq!(fixture.read("out/samples.json"), whole);
     fixture.half("out/samples.json", "out/samples.json");
-    let output = fixture.garnet(chart);
-    let text = stderr(&output);
-    assert_eq!(output.status.code(), Some(0), "{text}");
-    assert!(text.contains("samples.json` is damaged"), "{text}");
+    refused(chart, "it is damaged");
+    done(&fixture, &format!("{chart} --fresh -q"));
+    assert!(fixture.read("out/samples.json").len() > whole.len() / 2);
 }

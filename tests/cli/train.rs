@@ -114,6 +114,35 @@ fn networks_are_chosen_by_error_and_by_time() {
 }
 
 #[test]
+fn a_body_unlike_all_in_training_is_draped_by_the_warp() {
+    let fixture = prepared();
+    done(&fixture, "train net scenes --preset tiny --epochs 1 -q");
+    fixture.moved("body.obj", "huge.obj", |place| {
+        garnet::Point3::new(3.0 * place.x, place.y, 3.0 * place.z)
+    });
+    let output = fixture.garnet("drape net huge.obj -o out.obj --report report.json");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stderr(&output);
+    assert!(
+        text.contains("the network is not used on `out.obj`"),
+        "{text}"
+    );
+    let report: serde_json::Value = serde_json::from_slice(&fixture.read("report.json")).unwrap();
+    let reason = report["drapes"][0]["fallback"].as_str().unwrap();
+    assert!(
+        reason.contains("outside of what it was trained on"),
+        "{reason}"
+    );
+    assert_eq!(report["drapes"][0]["untangle"]["inside"], 0);
+    done(&fixture, "drape net huge.obj --method warp -o warp.obj -q");
+    assert_eq!(fixture.read("out.obj"), fixture.read("warp.obj"));
+
+    let report = done(&fixture, "drape net body.obj -o out.obj --report -");
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert!(report["drapes"][0]["fallback"].is_null());
+}
+
+#[test]
 fn damaged_weights_are_refused_by_name_and_nothing_is_written() {
     let fixture = prepared();
     done(&fixture, "train net scenes --preset tiny --epochs 1 -q");

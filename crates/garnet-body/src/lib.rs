@@ -2,4 +2,7 @@
 
 pub mod motion;
 pub mod poses;
+mod registration;
 pub mod shape;
+
+pub use registration::Registration;

@@ -1,8 +1,8 @@
 //! The noise floor of the teacher for each garment and fabric:
-//! `cargo run --release -p garnet-data --example noise_floor -- VERTICES POSES [GARMENT…]`.
+//! `cargo run --release -p garnet-data --example noise_floor -- VERTICES POSES [GARMENT…] [FABRIC…] [RADIANS]`.
 //!
-//! How far a drape moves in the mean if one shoulder turns by 0.001 rad more, in millimetres: median
-//! and mean over sampled poses of the built-in body.
+//! How far a drape moves in the mean if one shoulder turns by 0.001 rad more, or by what is told, in
+//! millimetres: median and mean over sampled poses of the built-in body.
 
 use std::{
     env,
@@ -16,7 +16,8 @@ use garnet_body::{
     shape::ParametricBody,
 };
 use garnet_data::{
-    DataError, Quality, StoredFabric, Tailor, default_rest_body, noise_floor, wearer_of,
+    DataError, NOISE_TURN, Quality, StoredFabric, Tailor, default_rest_body, moved_by_turn,
+    wearer_of,
 };
 use garnet_pattern::GarmentKind;
 use garnet_sim::{FABRIC_NAMES, Fabric};
@@ -27,19 +28,26 @@ const SEED: u64 = 7;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = env::args().skip(1).collect();
-    let [vertices, num_poses, garments @ ..] = arguments.as_slice() else {
-        return Err("usage: noise_floor VERTICES POSES [GARMENT…]".into());
+    let [vertices, num_poses, words @ ..] = arguments.as_slice() else {
+        return Err("usage: noise_floor VERTICES POSES [GARMENT…] [FABRIC…] [RADIANS]".into());
     };
     let (vertices, num_poses): (usize, u64) = (vertices.parse()?, num_poses.parse()?);
-    let garments: Vec<GarmentKind> = garments
-        .iter()
-        .map(|name| name.parse())
-        .collect::<Result<_, _>>()?;
-    let garments = if garments.is_empty() {
-        GarmentKind::ALL.to_vec()
-    } else {
-        garments
-    };
+    let (mut garments, mut fabrics, mut turn) = (Vec::new(), Vec::new(), NOISE_TURN);
+    for word in words {
+        if let Ok(number) = word.parse() {
+            turn = number;
+        } else if FABRIC_NAMES.contains(&word.as_str()) {
+            fabrics.push(word.as_str());
+        } else {
+            garments.push(word.parse::<GarmentKind>()?);
+        }
+    }
+    if garments.is_empty() {
+        garments = GarmentKind::ALL.to_vec();
+    }
+    if fabrics.is_empty() {
+        fabrics = FABRIC_NAMES.to_vec();
+    }
     let stop = AtomicBool::new(false);
     let body = ParametricBody::build(&default_rest_body())?.into_body();
     let wearer = wearer_of(&body).ok_or("the built-in body has measures")??;
@@ -51,14 +59,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         .collect::<Result<_, _>>()?;
     let mut log = io::stdout().lock();
     for kind in garments {
-        for name in FABRIC_NAMES {
+        for &name in &fabrics {
             let fabric = Fabric::named(name).ok_or("an unknown fabric")?;
             let stored = StoredFabric::new(name, &fabric);
             let tailor = Tailor::new(kind.parameters(), vertices, stored)?;
             let worn = tailor.dress(&body, &wearer, &stop)?;
             let teacher = tailor.teacher(&worn, &body)?;
             let floor = |sound: &SoundPose| {
-                noise_floor(&teacher, &body, &sound.pose, Quality::Teacher, &stop).map_err(Box::new)
+                moved_by_turn(&teacher, &body, &sound.pose, Quality::Teacher, turn, &stop)
+                    .map_err(Box::new)
             };
             let floors: Result<Vec<f64>, Box<DataError>> = poses.par_iter().map(floor).collect();
             let mut floors = floors?;

@@ -27,11 +27,11 @@ pub use dataset::{
 };
 pub use error::DataError;
 pub use ladder::Rung;
-pub use noise::{NOISE_TURN, noise_floor};
+pub use noise::{NOISE_TURN, moved_by_turn, noise_floor};
 pub use package::{
     GarmentPackage, MANIFEST_FILE, Manifest, PACKAGE_SCHEMA, PackageParts, StoredFabric,
     StoredPattern, StoredRestBody, Variant,
 };
 pub use tailor::{Tailor, Worn, usual_fabric};
-pub use teacher::{Quality, Teacher, quality_name};
+pub use teacher::{Quality, Teacher, quality_name, quality_of};
 pub use wearer::{default_rest_body, wearer_of};

@@ -22,12 +22,29 @@ const NOISE_JOINT: &str = "left_shoulder";
 ///
 /// # Errors
 ///
-/// Those of [`Teacher::drape`], and [`DataError::Skin`] for a pose of another body.
+/// As [`moved_by_turn`].
 pub fn noise_floor(
     teacher: &Teacher,
     body: &Body,
     pose: &Pose,
     quality: Quality,
+    stop: &AtomicBool,
+) -> Result<f64, DataError> {
+    moved_by_turn(teacher, body, pose, quality, NOISE_TURN, stop)
+}
+
+/// How far a drape of `teacher` moves if one shoulder of `body` turns by `turn` more, in radians: in
+/// metres, in the mean over all vertices.
+///
+/// # Errors
+///
+/// Those of [`Teacher::drape`], and [`DataError::Skin`] for a pose of another body.
+pub fn moved_by_turn(
+    teacher: &Teacher,
+    body: &Body,
+    pose: &Pose,
+    quality: Quality,
+    turn: f32,
     stop: &AtomicBool,
 ) -> Result<f64, DataError> {
     let drape = |pose: &Pose| {
@@ -38,7 +55,7 @@ pub fn noise_floor(
     let joint = joint.unwrap_or(body.skeleton().num_joints() - 1);
     let mut turned = pose.clone();
     let first = drape(pose)?;
-    turned.rotations[joint] *= UnitQuaternion::from_axis_angle(&Vector3::z_axis(), NOISE_TURN);
+    turned.rotations[joint] *= UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
     let moved = vertex_distances(&first.positions, &drape(&turned)?.positions)?;
     let sum: f64 = moved.iter().map(|&distance| f64::from(distance)).sum();
     Ok(sum / moved.len().max(1) as f64)

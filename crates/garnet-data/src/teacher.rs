@@ -30,6 +30,19 @@ pub const fn quality_name(quality: Quality) -> &'static str {
     }
 }
 
+/// The quality of a name; none if there is none of that name.
+///
+/// ```
+/// use garnet_data::{Quality, quality_name, quality_of};
+///
+/// assert_eq!(quality_of(quality_name(Quality::Fast)), Some(Quality::Fast));
+/// ```
+pub fn quality_of(name: &str) -> Option<Quality> {
+    [Quality::Fast, Quality::Teacher, Quality::Reference]
+        .into_iter()
+        .find(|&quality| quality_name(quality) == name)
+}
+
 /// A garment that lies on a body at rest, ready to be simulated.
 ///
 /// Vertices at one place are simulated as one. Loose pieces, buttons say, are carried along with the

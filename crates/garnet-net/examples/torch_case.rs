@@ -48,6 +48,7 @@ fn main() {
     let checkpoint = Checkpoint {
         model: net,
         garment: garment.fingerprint(),
+        range: None,
         record: serde_json::Value::Null,
         scores: BTreeMap::new(),
     };

@@ -42,7 +42,7 @@ use safetensors::SafeTensors;
 use safetensors::tensor::TensorView;
 use serde::{Deserialize, Serialize};
 
-use crate::{CheckpointError, GarNet, GarNetConfig, GarmentGraph, NetError, UNIT};
+use crate::{CheckpointError, GarNet, GarNetConfig, GarmentGraph, NetError, TrainedRange, UNIT};
 
 /// The metadata key of the JSON text.
 const KEY: &str = "garnet";
@@ -77,6 +77,9 @@ pub struct CheckpointHeader {
     pub unit: f32,
     /// Checksum of this text without it, and of names and numbers, as [`Fingerprint`] writes it.
     pub checksum: String,
+    /// The poses and shapes that it was trained on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<TrainedRange>,
     /// How the model was trained; whatever the trainer finds worth keeping.
     pub record: serde_json::Value,
     /// Scores by name.
@@ -90,6 +93,8 @@ pub struct Checkpoint {
     pub model: GarNet,
     /// The garment it was trained for.
     pub garment: Fingerprint,
+    /// The poses and shapes that it was trained on, if that is known.
+    pub range: Option<TrainedRange>,
     /// How it was trained.
     pub record: serde_json::Value,
     /// Scores by name.
@@ -145,6 +150,7 @@ impl Checkpoint {
             garment: self.garment.to_string(),
             unit: UNIT,
             checksum: String::new(),
+            range: self.range.clone(),
             record: self.record.clone(),
             scores: self.scores.clone(),
         };
@@ -197,6 +203,7 @@ impl Checkpoint {
         Ok(Self {
             model,
             garment,
+            range: header.range,
             record: header.record,
             scores: header.scores,
         })

@@ -25,6 +25,9 @@ pub enum Variant {
     Local,
     /// As [`Variant::Global`], with parameters of shape and pose in place of the body stream.
     GlobalParams,
+    /// As [`Variant::Local`], with parameters of shape and pose beside the body stream; not in the
+    /// paper.
+    LocalParams,
 }
 
 /// The frame in which translations are predicted and offsets are fed.
@@ -61,13 +64,16 @@ pub enum VertexInput {
     BodyNormal,
     /// The first two columns of its skinning rotation, seen from the root; 6 numbers.
     Rotation,
+    /// Where down is, in the frame of prediction; 3 numbers. The root frame turns with the pelvis,
+    /// and cloth hangs down however the wearer leans.
+    Down,
 }
 
 impl VertexInput {
     /// How many numbers it is.
     pub const fn width(self) -> usize {
         match self {
-            Self::Template | Self::BodyOffset | Self::BodyNormal => 3,
+            Self::Template | Self::BodyOffset | Self::BodyNormal | Self::Down => 3,
             Self::Rotation => 6,
         }
     }
@@ -103,7 +109,7 @@ pub struct BodyStreamConfig {
     /// Body points farther from the template than this at rest are left out, in metres; 0 keeps
     /// all.
     pub reach: f32,
-    /// Layers from parameters to global features, in place of all else; [`Variant::GlobalParams`].
+    /// Layers from parameters to global features, of the variants that have them.
     pub parameters: Vec<usize>,
 }
 
@@ -161,7 +167,7 @@ pub struct GarNetConfig {
     pub fusion: Vec<usize>,
     /// Sewing parameters, fed to each vertex.
     pub num_sewing_parameters: usize,
-    /// Parameters of shape and pose; [`Variant::GlobalParams`] only.
+    /// Parameters of shape and pose, of the variants that have them.
     pub num_body_parameters: usize,
     /// Mean edge length of the template, in metres: differences of coordinates are divided by it
     /// where mesh convolutions weigh neighbors.
@@ -224,7 +230,7 @@ impl GarNetConfig {
         count("pooling.downscale", self.pooling.downscale, 1, 1000)?;
         widths("fusion", &self.fusion, 1)?;
         count("num_sewing_parameters", self.num_sewing_parameters, 0, 1024)?;
-        let least = usize::from(self.variant == Variant::GlobalParams);
+        let least = usize::from(self.has_body_parameters());
         count("num_body_parameters", self.num_body_parameters, least, 4096)?;
         count("body.points", self.body.points, 0, 1 << 20)?;
         length("body.reach", self.body.reach, 0.0)?;
@@ -238,7 +244,12 @@ impl GarNetConfig {
 
     /// Whether vertices pool features of near body points.
     pub fn has_local_pooling(&self) -> bool {
-        self.variant == Variant::Local
+        matches!(self.variant, Variant::Local | Variant::LocalParams)
+    }
+
+    /// Whether the network is told parameters of shape and pose.
+    pub fn has_body_parameters(&self) -> bool {
+        matches!(self.variant, Variant::GlobalParams | Variant::LocalParams)
     }
 
     /// Whether there is a body stream.

@@ -49,6 +49,7 @@ mod presets;
 mod reference_case;
 mod reference_stage;
 mod scene;
+mod trained_range;
 
 pub use body_sampling::BodySampling;
 pub use checkpoint::{Checkpoint, CheckpointHeader, Precision};
@@ -65,3 +66,4 @@ pub use presets::PRESET_NAMES;
 pub use reference_case::write_reference_case;
 pub use reference_stage::ReferenceStage;
 pub use scene::{Scene, SceneInput, SceneNeighbors};
+pub use trained_range::TrainedRange;

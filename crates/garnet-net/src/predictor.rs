@@ -10,7 +10,7 @@ use crate::network::Inputs;
 use crate::ops::{Buffer, SliceEngine};
 use crate::{
     BodySampling, Checkpoint, CheckpointError, GarNet, GarNetConfig, GarmentGraph, NetError, Scene,
-    SceneInput,
+    SceneInput, TrainedRange,
 };
 
 /// A network bound to a garment and a body, without derivatives and without tensors.
@@ -24,6 +24,7 @@ pub struct Predictor {
     garment: GarmentGraph,
     sampling: BodySampling,
     scene: Scene,
+    range: Option<TrainedRange>,
 }
 
 impl Predictor {
@@ -45,6 +46,7 @@ impl Predictor {
             garment,
             sampling,
             scene: Scene::default(),
+            range: None,
         })
     }
 
@@ -86,7 +88,10 @@ impl Predictor {
                 0 => garment.with_sewing_parameters(&[])?,
                 _ => garment,
             };
-            Self::new(checkpoint.model, garment, sampling)
+            Ok(Self {
+                range: checkpoint.range,
+                ..Self::new(checkpoint.model, garment, sampling)?
+            })
         };
         bind().map_err(|source| CheckpointError::Unfit {
             path: path.to_path_buf(),
@@ -113,6 +118,11 @@ impl Predictor {
     /// The model.
     pub fn model(&self) -> &GarNet {
         &self.model
+    }
+
+    /// The poses and shapes that it was trained on, if the weight file tells.
+    pub fn range(&self) -> Option<&TrainedRange> {
+        self.range.as_ref()
     }
 
     /// Body points that the network looks at.

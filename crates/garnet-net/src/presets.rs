@@ -124,7 +124,7 @@ impl GarNetConfig {
     /// and places in the root frame are all that a vertex brings along. The others start from the
     /// shape-aware warp, predict in each vertex's skinning frame and feed it what is
     /// known of its surroundings at no cost: the offset to the nearest body point, its normal, the
-    /// rotation, the place on the template.
+    /// rotation, the place on the template, where down is.
     ///
     /// # Errors
     ///
@@ -166,6 +166,7 @@ impl GarNetConfig {
             VertexInput::BodyOffset,
             VertexInput::BodyNormal,
             VertexInput::Rotation,
+            VertexInput::Down,
         ];
         self
     }

@@ -26,7 +26,7 @@ pub struct SceneInput<'a> {
     /// The blended skinning rotation of each garment vertex, from the template to the scene; may
     /// be empty where the configuration does not ask for it.
     pub rotations: &'a [UnitQuaternion<f32>],
-    /// Parameters of shape and pose; [`Variant::GlobalParams`](crate::Variant::GlobalParams) only.
+    /// Parameters of shape and pose; may be empty where the configuration does not ask for them.
     pub parameters: &'a [f32],
 }
 
@@ -265,6 +265,10 @@ impl Scene {
                         let turned = rotation(&(root_from_world * input.rotations[vertex]));
                         self.features.extend_from_slice(&turned.as_slice()[..6]);
                     }
+                    VertexInput::Down => {
+                        let down = frame_from_world * -Vector3::y();
+                        self.features.extend_from_slice(down.as_slice());
+                    }
                 }
             }
             self.features.extend_from_slice(garment.sewing_parameters());
@@ -380,7 +384,7 @@ fn check(
         });
     }
     let or_none = |is_needed: bool, count| if is_needed { count } else { 0 };
-    let expected_parameters = or_none(!config.has_body_stream(), config.num_body_parameters);
+    let expected_parameters = or_none(config.has_body_parameters(), config.num_body_parameters);
     let num_normals = or_none(needs_normals, sampling.num_points());
     let num_rotations = or_none(config.needs_rotations(), num_vertices);
     let sewing = garment.sewing_parameters().len();

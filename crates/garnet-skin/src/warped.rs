@@ -63,8 +63,8 @@ impl Body {
 
     /// Numbers that describe pose and shape, [`Body::NUMBERS_A_JOINT`] a joint.
     ///
-    /// Of each joint: the first two columns of its rotation against its parent (of the root:
-    /// against the world); the mean offset of its skin from the skin at rest, in metres; and the
+    /// Of each joint: the first two columns of its rotation against its parent (of the root: where up
+    /// is, seen from it, and three zeros, for a body may look in any direction); the mean offset of its skin from the skin at rest, in metres; and the
     /// mean of that offset along the normal at rest, which tells the girth.
     pub fn pose_and_shape(&self, posed: &PosedBody) -> Vec<f32> {
         let joints = self.skeleton().joints();
@@ -72,9 +72,13 @@ impl Body {
         let shapes = self.mean_offsets(posed);
         let mut numbers = Vec::with_capacity(Self::NUMBERS_A_JOINT * joints.len());
         for (number, joint) in joints.iter().enumerate() {
-            let of_parent = joint.parent.map_or_else(UnitQuaternion::identity, turned);
-            let local = (of_parent.inverse() * turned(number)).to_rotation_matrix();
-            numbers.extend_from_slice(&local.matrix().as_slice()[..6]);
+            if let Some(parent) = joint.parent {
+                let local = (turned(parent).inverse() * turned(number)).to_rotation_matrix();
+                numbers.extend_from_slice(&local.matrix().as_slice()[..6]);
+            } else {
+                let up = turned(number).inverse() * Vector3::y();
+                numbers.extend([up.x, up.y, up.z, 0.0, 0.0, 0.0]);
+            }
             numbers.extend_from_slice(&shapes[number]);
         }
         numbers
@@ -162,7 +166,7 @@ mod tests {
         assert_eq!(numbers.len(), 2 * Body::NUMBERS_A_JOINT);
         assert_eq!(
             numbers[..10],
-            [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
         );
         assert!((numbers[14] - 1.0_f32.cos()).abs() < 1e-6);
 

@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use garnet_mesh::Point3;
-use garnet_net::{Checkpoint, Cost, GarNetConfig, Predictor, SceneInput, Start, Variant};
+use garnet_net::{Checkpoint, Cost, GarNetConfig, Predictor, Start};
 
+use crate::network_input::predicted;
 use crate::{Candidate, Stage, StagedScene, TrainError, warp_of};
 
 /// A candidate, bound to the garment.
@@ -99,9 +100,8 @@ impl Contender {
                 network: None,
             });
         };
-        let config = predictor.model().config().clone();
         let graph = worn.graph.clone();
-        let graph = match config.num_sewing_parameters {
+        let graph = match predictor.model().config().num_sewing_parameters {
             0 => graph.with_sewing_parameters(&[])?,
             _ => graph,
         };
@@ -110,18 +110,7 @@ impl Contender {
         let warped = staged.warped(self.start)?;
         let warp = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let parameters = match config.variant {
-            Variant::GlobalParams => worn.body.pose_and_shape(&staged.posed),
-            _ => Vec::new(),
-        };
-        let positions = predictor.predict(&SceneInput {
-            warped: &warped.positions,
-            body: staged.posed.skin().positions(),
-            body_normals: &warped.body_normals,
-            world_from_root: warped.world_from_root,
-            rotations: &warped.rotations,
-            parameters: &parameters,
-        })?;
+        let positions = predicted(predictor, &warped, &worn.body, &staged.posed)?;
         Ok(Draped {
             positions,
             warp,

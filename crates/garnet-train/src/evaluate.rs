@@ -1,18 +1,18 @@
 //! Networks beside the skinning and the warp that they start from, on one split.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
 use garnet_data::Split;
 use garnet_net::GarNetConfig;
-use garnet_untangle::{Binding, UntangleOptions, untangle};
+use garnet_untangle::Binding;
 use serde::Serialize;
 
 use crate::contender::Contender;
 use crate::curves::Counts;
+use crate::finish::Finished;
 use crate::measure::Measure;
 use crate::scores::{Errors, Tally};
-use crate::{Curves, Percentiles, Scores, Stage, StagedScene, TrainError};
+use crate::{Curves, Finish, Left, Percentiles, Scores, Stage, StagedScene, TrainError};
 
 /// A way to drape that is measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,15 +28,6 @@ pub enum Candidate {
         /// Its weights.
         weights: PathBuf,
     },
-}
-
-/// What is done to drapes before they are measured a second time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Finish {
-    /// Nothing: they are measured once.
-    None,
-    /// They are freed of penetrations.
-    Untangle(UntangleOptions),
 }
 
 /// What an evaluation tells while it runs.
@@ -89,10 +80,9 @@ pub struct Row {
 pub struct Untangled {
     /// The scores.
     pub scores: Scores,
-    /// Vertices inside the body that are not caught where it runs through itself, in all scenes.
-    pub inside: usize,
-    /// Vertices that are caught there, in all scenes.
-    pub trapped: usize,
+    /// What is still not as it should be, in all scenes.
+    #[serde(flatten)]
+    pub left: Left,
 }
 
 /// Times of the stages of a drape, in seconds.
@@ -150,8 +140,7 @@ struct Entrant {
     distances: Counts,
     angles: Counts,
     untangled: Option<Tally>,
-    inside: usize,
-    trapped: usize,
+    left: Left,
     times: [Vec<f64>; 3],
 }
 
@@ -163,8 +152,7 @@ impl Entrant {
             distances: Counts::of_distances(),
             angles: Counts::of_angles(),
             untangled: None,
-            inside: 0,
-            trapped: 0,
+            left: Left::NOTHING,
             times: Default::default(),
         }
     }
@@ -184,8 +172,7 @@ impl Entrant {
             },
             untangled: self.untangled.map(|tally| Untangled {
                 scores: tally.scores(),
-                inside: self.inside,
-                trapped: self.trapped,
+                left: self.left,
             }),
             seconds: StageSeconds {
                 warp,
@@ -203,10 +190,9 @@ fn scene(
     finish: Finish,
     staged: &StagedScene,
 ) -> Result<(), TrainError> {
-    let garment = &staged.worn.garment;
     let binding = match finish {
         Finish::None => None,
-        Finish::Untangle(options) => Some((Binding::new(garment)?, options)),
+        Finish::Untangle(options) => Some((Binding::new(&staged.worn.garment)?, options)),
     };
     for entrant in entrants {
         let draped = entrant.contender.drape(staged)?;
@@ -219,15 +205,11 @@ fn scene(
         let Some((binding, options)) = &binding else {
             continue;
         };
-        let nodes = garment.weld().gather(&draped.positions);
-        let start = Instant::now();
-        let untangled = untangle(garment, binding, &staged.posed, &nodes, options)?;
-        entrant.times[2].push(start.elapsed().as_secs_f64());
-        entrant.inside += untangled.report.inside;
-        entrant.trapped += untangled.report.trapped;
-        let positions = garment.weld().scatter(&untangled.positions);
+        let finished = Finished::new(staged, binding, &draped.positions, options)?;
+        entrant.times[2].push(finished.seconds);
+        entrant.left.add(finished.left);
         let tally = entrant.untangled.get_or_insert_with(Tally::default);
-        measure.add(tally, staged, &positions)?;
+        measure.add(tally, staged, &finished.positions)?;
     }
     Ok(())
 }

@@ -42,9 +42,12 @@ mod evaluate;
 mod event;
 mod examples;
 mod exercise;
+mod finish;
+mod gallery;
 mod gradients;
 mod lesson;
 mod measure;
+mod network_input;
 mod percentiles;
 mod publish;
 mod recipe;
@@ -60,11 +63,11 @@ mod validate;
 pub use config::{Choice, TrainConfig};
 pub use curves::{Curve, Curves};
 pub use error::{SceneName, TrainError, Trouble, TroubleKind};
-pub use evaluate::{
-    Candidate, EvalEvent, Evaluation, Finish, Row, StageSeconds, Untangled, evaluate,
-};
+pub use evaluate::{Candidate, EvalEvent, Evaluation, Row, StageSeconds, Untangled, evaluate};
 pub use event::{Began, EpochRecord, TrainEvent};
 pub use exercise::Exercise;
+pub use finish::{Finish, Left};
+pub use gallery::{Exhibit, exhibit};
 pub use garnet_net::losses::{LossConfig, LossValue, Term};
 pub use garnet_net::{GarNetConfig, PRESET_NAMES, Precision, Variant};
 pub use percentiles::Percentiles;

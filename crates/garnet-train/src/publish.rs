@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use burn::tensor::Device;
 use garnet_data::{GarmentPackage, Manifest, Split, Variant};
-use garnet_net::{Checkpoint, Precision};
+use garnet_net::{Checkpoint, Precision, TrainedRange};
 
 use crate::examples::examples;
 use crate::state::State;
-use crate::subject::Subject;
+use crate::subject::{Example, Subject};
 use crate::validate::validate;
 use crate::{EpochRecord, Scores, Stage, TrainError, TrainEvent};
 
@@ -61,6 +61,7 @@ pub(crate) fn publish(
     stage: &Stage,
     subject: &Subject,
     state: &State,
+    train: &[Example],
     observer: &mut dyn FnMut(TrainEvent),
 ) -> Result<Trained, TrainError> {
     let progress = &state.progress;
@@ -71,6 +72,7 @@ pub(crate) fn publish(
     let mut checkpoint = Checkpoint {
         model: state.best.clone(),
         garment: stage.template().graph.fingerprint(),
+        range: TrainedRange::of(train.iter().map(|example| &example.parameters)),
         record: serde_json::json!({
             "variant": progress.name,
             "dataset": progress.dataset,

@@ -5,12 +5,13 @@ use garnet_net::losses::LossConfig;
 
 use crate::{Choice, TrainConfig, TrainError};
 
-/// Names of the network variants of the paper.
-const KINDS: [(&str, Variant); 4] = [
+/// Names of the network variants.
+const KINDS: [(&str, Variant); 5] = [
     ("naive", Variant::Naive),
     ("global", Variant::Global),
     ("local", Variant::Local),
     ("global-params", Variant::GlobalParams),
+    ("local-params", Variant::LocalParams),
 ];
 
 /// Names of the curvature losses that a variant is fine-tuned with.

@@ -14,12 +14,15 @@ pub enum Schedule {
     Steps,
 }
 
+/// The share of all steps in which the learning rate may rise.
+const MOST_WARM_UP: f64 = 0.05;
+
 /// The share of the learning rate that a cosine ends with.
 const LAST: f64 = 0.01;
 
 impl Schedule {
     /// The share of the learning rate in step `step` of `num_steps`, with `warm_up` first steps in
-    /// which it rises.
+    /// which it rises; these are a twentieth of all at most.
     pub fn share(self, step: u64, num_steps: u64, warm_up: u32) -> f64 {
         let progress = step as f64 / num_steps.max(1) as f64;
         let share = match self {
@@ -32,7 +35,8 @@ impl Schedule {
             Self::Steps if progress < 8.0 / 9.0 => 0.1,
             Self::Steps => 0.01,
         };
-        let rise = (step + 1) as f64 / (f64::from(warm_up) + 1.0);
+        let warm_up = f64::from(warm_up).min(MOST_WARM_UP * num_steps as f64);
+        let rise = (step + 1) as f64 / (warm_up + 1.0);
         share * rise.min(1.0)
     }
 }

@@ -84,6 +84,7 @@ impl State {
             let checkpoint = Checkpoint {
                 model: model.clone(),
                 garment,
+                range: None,
                 record: serde_json::Value::Null,
                 scores: BTreeMap::new(),
             };

@@ -4,11 +4,10 @@ use std::sync::{Arc, OnceLock};
 
 use garnet_mesh::{Point3, TriMesh};
 use garnet_net::losses::{LossBody, LossConfig, LossTarget, Losses};
-use garnet_net::{
-    BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, SceneNeighbors, Variant,
-};
+use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, SceneNeighbors};
 use garnet_skin::{Body, WarpedGarment};
 
+use crate::network_input::input_of;
 use crate::{SceneName, Stage, StagedScene, TrainError};
 
 /// What a network and its losses know before any scene.
@@ -30,6 +29,7 @@ pub(crate) struct Example {
     pub(crate) graph: GarmentGraph,
     pub(crate) warped: WarpedGarment,
     pub(crate) body: Vec<Point3>,
+    /// Of shape and pose, whether the network asks for them or not.
     pub(crate) parameters: Vec<f32>,
     pub(crate) draped: Vec<Point3>,
     /// Found when the scene is first prepared: the search takes longer than all other preparation.
@@ -53,7 +53,7 @@ impl Subject {
     ) -> Result<Self, TrainError> {
         let package = &stage.package;
         config.mean_edge_length = stage.template().graph.mean_edge_length();
-        if config.variant == Variant::GlobalParams {
+        if config.has_body_parameters() {
             let joints = package.body.skeleton().num_joints();
             config.num_body_parameters = joints * Body::NUMBERS_A_JOINT;
         }
@@ -81,7 +81,6 @@ impl Subject {
     pub(crate) fn example(&self, staged: &StagedScene) -> Result<Example, TrainError> {
         let worn = &staged.worn;
         let graph = worn.graph.clone();
-        let has_parameters = self.config.variant == Variant::GlobalParams;
         Ok(Example {
             scene: staged.name,
             rest: Arc::clone(&worn.rest),
@@ -91,11 +90,7 @@ impl Subject {
             },
             warped: staged.warped(self.config.start)?,
             body: staged.posed.skin().positions().to_vec(),
-            parameters: if has_parameters {
-                worn.body.pose_and_shape(&staged.posed)
-            } else {
-                Vec::new()
-            },
+            parameters: worn.body.pose_and_shape(&staged.posed),
             draped: staged.draped.clone(),
             neighbors: OnceLock::new(),
         })
@@ -121,13 +116,6 @@ impl Subject {
 impl Example {
     /// The scene as networks take it.
     pub(crate) fn input(&self) -> SceneInput<'_> {
-        SceneInput {
-            warped: &self.warped.positions,
-            body: &self.body,
-            body_normals: &self.warped.body_normals,
-            world_from_root: self.warped.world_from_root,
-            rotations: &self.warped.rotations,
-            parameters: &self.parameters,
-        }
+        input_of(&self.warped, &self.body, &self.parameters)
     }
 }

@@ -127,7 +127,14 @@ pub fn train(
     };
     trainer.begin(observer)?;
     trainer.run(observer, stop)?;
-    let trained = publish::publish(&job.package, &stage, &subject, &trainer.state, observer)?;
+    let trained = publish::publish(
+        &job.package,
+        &stage,
+        &subject,
+        &trainer.state,
+        &trainer.train,
+        observer,
+    )?;
     trainer.state.progress.is_finished = true;
     trainer.save()?;
     Ok(trained)

@@ -37,7 +37,7 @@ pub struct Draper {
 #[derive(Debug, Clone)]
 pub struct Warped {
     /// Positions `[node]`, in metres; see [`garnet_skin::Weld`].
-    nodes: Vec<Point3>,
+    pub(crate) nodes: Vec<Point3>,
 }
 
 impl Warped {

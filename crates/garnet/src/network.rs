@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput, Start, Variant};
+use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput, Start};
 use garnet_skin::{Body, PosedBody, Warp, WarpedGarment};
 
-use crate::{BoundGarment, Error, Warped};
+use crate::unfamiliar::{moving_joints, torn, unfamiliar};
+use crate::{BoundGarment, Error, Unfamiliar, Warped};
 
 /// A network bound to a garment and the body that it lies on.
 ///
@@ -15,6 +16,17 @@ use crate::{BoundGarment, Error, Warped};
 pub struct Network {
     predictor: Predictor,
     body: Body,
+    /// Whether each joint moves the garment.
+    moves: Vec<bool>,
+}
+
+/// What a network makes of a warped garment.
+#[derive(Debug, Clone)]
+pub struct Moved {
+    /// Where the garment is.
+    pub garment: Warped,
+    /// Why it is where the warp by pose and shape has put it, and not where the network would.
+    pub fallback: Option<Unfamiliar>,
 }
 
 impl Network {
@@ -39,6 +51,7 @@ impl Network {
         Ok(Self {
             predictor: Predictor::load(weights, graph, mesh.positions(), rest)?,
             body: body.clone(),
+            moves: moving_joints(&garment.cloth, body.skeleton().num_joints()),
         })
     }
 
@@ -57,6 +70,7 @@ impl Network {
         Ok(Self {
             predictor: Predictor::untrained(&config, 1, graph, sampling)?,
             body: body.clone(),
+            moves: moving_joints(&garment.cloth, body.skeleton().num_joints()),
         })
     }
 
@@ -82,7 +96,8 @@ impl Network {
         )?)
     }
 
-    /// A warped garment, moved to where the network puts it.
+    /// A warped garment, moved to where the network puts it; where the body is unlike those that the
+    /// network was trained on, or the garment would be torn, to where the warp by pose and shape puts it.
     ///
     /// # Errors
     ///
@@ -92,11 +107,15 @@ impl Network {
         garment: &BoundGarment,
         body: &PosedBody,
         warped: &WarpedGarment,
-    ) -> Result<Warped, Error> {
-        let parameters = match self.predictor.model().config().variant {
-            Variant::GlobalParams => self.body.pose_and_shape(body),
-            _ => Vec::new(),
-        };
+    ) -> Result<Moved, Error> {
+        let parameters = self.body.pose_and_shape(body);
+        let joints = self.body.skeleton().joints();
+        let range = self.predictor.range();
+        let unfamiliar =
+            range.and_then(|range| unfamiliar(&range.excess(&parameters), joints, &self.moves));
+        if let Some(reason) = unfamiliar {
+            return Self::fallen_back(garment, body, reason);
+        }
         let moved = self.predictor.predict(&SceneInput {
             warped: &warped.positions,
             body: body.skin().positions(),
@@ -105,6 +124,26 @@ impl Network {
             rotations: &warped.rotations,
             parameters: &parameters,
         })?;
-        Ok(Warped::at(garment, &moved))
+        let weld = garment.cloth.weld();
+        let (before, after) = (weld.gather(&warped.positions), weld.gather(&moved));
+        if let Some(reason) = torn(&garment.cloth, &before, &after) {
+            return Self::fallen_back(garment, body, reason);
+        }
+        Ok(Moved {
+            garment: Warped { nodes: after },
+            fallback: None,
+        })
+    }
+
+    fn fallen_back(
+        garment: &BoundGarment,
+        body: &PosedBody,
+        reason: Unfamiliar,
+    ) -> Result<Moved, Error> {
+        let nodes = garment.cloth.warped(body, Warp::Shape)?;
+        Ok(Moved {
+            garment: Warped { nodes },
+            fallback: Some(reason),
+        })
     }
 }

@@ -36,5 +36,6 @@ pub use frames::FrameRange;
 pub use ground::{Ground, lowest_points, put_on_ground};
 pub use joint_names::{Role, Side, role_names};
 pub use retarget::{Retarget, RetargetOptions, StartAt};
+pub(crate) use rotation::Direction;
 pub use rotation::{smallest_rotation, world_rotations};
 pub use take::{Take, TakeError};

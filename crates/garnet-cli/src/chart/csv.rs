@@ -10,7 +10,7 @@ use super::{
 type Column = (&'static str, fn(&MethodReport) -> Option<f64>);
 
 /// The columns after name and kind.
-const COLUMNS: [Column; 32] = [
+const COLUMNS: [Column; 33] = [
     ("on_front", |m| Some(f64::from(u8::from(m.is_on_front)))),
     ("is_target", |m| Some(f64::from(u8::from(m.is_target)))),
     ("scenes", |m| Some(m.figures.scenes as f64)),
@@ -60,7 +60,10 @@ const COLUMNS: [Column; 32] = [
     ("deepest_before_untangle_mm", |m| {
         Some(1e3 * m.figures.before.deepest)
     }),
-    ("untrapped_inside", |m| Some(m.figures.inside as f64)),
+    ("untrapped_inside", |m| Some(m.figures.left.inside as f64)),
+    ("crossing_faces", |m| {
+        m.figures.left.crossing_faces.map(|count| count as f64)
+    }),
     ("strain_p99_percent", |m| {
         Some(1e2 * (m.figures.after.stretch_p99 - 1.0))
     }),

@@ -1,18 +1,18 @@
 //! The second chart: what stages cost with more and fewer vertices.
 
 use garnet::train::{
-    Candidate, GarNetConfig, Stage,
+    Candidate, GarNetConfig,
     chart::{CostAt, GrowthOptions, PowerLaw, cost_at, header_of, targets},
 };
 use serde::Serialize;
 
 use super::{
-    Chosen, SPLIT,
+    Chosen, Job, SPLIT,
     args::ChartArgs,
     methods::{Method, Way},
     record::{Keeper, Record},
 };
-use crate::{console::Console, train::advised};
+use crate::train::advised;
 
 /// The network that is taken if the package has none.
 const PRESET: &str = "small";
@@ -42,19 +42,12 @@ pub(super) struct GrowthReport {
 }
 
 /// Times the stages for each number of vertices that is not there yet.
-pub(super) fn measure(
-    args: &ChartArgs,
-    stage: &Stage,
-    methods: &[Method],
-    scenes: &Chosen,
-    keeper: &mut Keeper,
-    console: &Console,
-) -> anyhow::Result<()> {
-    let sizes = args.sizes();
+pub(super) fn measure(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
+    let sizes = job.args.sizes();
     if sizes.is_empty() {
         return Ok(());
     }
-    let networks = networks(methods, &keeper.record)?;
+    let networks = networks(job.methods, &keeper.record)?;
     let made_of = networks.iter().map(|(name, config)| {
         let config = serde_json::to_string(config).unwrap_or_default();
         format!("{name} {config}")
@@ -65,10 +58,10 @@ pub(super) fn measure(
         keeper.record.growth.clear();
     }
     // Simulations that were left out before may be asked for now.
-    let most_simulated = if args.teacher_scenes == 0 {
+    let most_simulated = if job.args.teacher_scenes == 0 {
         0
     } else {
-        args.most_simulated
+        job.args.most_simulated
     };
     let is_whole = |cost: &CostAt| cost.simulation.is_some() || cost.vertices > most_simulated;
     keeper.record.growth.retain(is_whole);
@@ -79,22 +72,22 @@ pub(super) fn measure(
     if missing.is_empty() {
         return Ok(());
     }
-    let bodies = targets(stage, SPLIT, &scenes.growth).map_err(advised)?;
+    let bodies = targets(job.stage, SPLIT, &job.scenes.growth).map_err(advised)?;
     let options = GrowthOptions {
         networks,
-        untangle: args.untangle(),
-        repeats: args.repeat,
+        untangle: job.args.untangle(),
+        repeats: job.args.repeat,
         most_simulated,
     };
-    let bar = console.progress(missing.len());
+    let bar = job.console.progress(missing.len());
     for asked in missing {
         bar.set_message(format!("{asked} vertices"));
-        match cost_at(stage, &bodies, asked, &options) {
+        match cost_at(job.stage, &bodies, asked, &options) {
             Ok(Some(cost)) => keeper.record.growth.push(cost),
-            Ok(None) => console.detail(&format_args!(
+            Ok(None) => job.console.detail(&format_args!(
                 "the garment cannot be made with {asked} vertices: it has no pattern"
             )),
-            Err(error) => console.warning(&format_args!(
+            Err(error) => job.console.warning(&format_args!(
                 "the garment with {asked} vertices is left out: {error}"
             )),
         }
@@ -114,7 +107,7 @@ fn networks(methods: &[Method], record: &Record) -> anyhow::Result<Vec<(String, 
             continue;
         };
         let cost = record.find(&method.name).and_then(|known| known.cost);
-        costs.push((cost.map_or(0, |cost| cost.flop), &method.name, weights));
+        costs.push((cost.map_or(0, |cost| cost.flops), &method.name, weights));
     }
     costs.sort_by_key(|(flop, ..)| *flop);
     if costs.len() > 2 {

@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use garnet::{
-    data::Quality,
+    data::{Quality, quality_of},
     train::{
         SceneName, Stage,
         chart::{Answer, Question, Sample, Task, Timing, ask_teacher, time_drapes},
@@ -10,30 +10,22 @@ use garnet::{
 };
 
 use super::{
-    Chosen, SPLIT,
-    args::ChartArgs,
+    Job, SPLIT,
     methods::{Method, Way},
     record::{FailedScene, Keeper, NoiseRecord},
 };
-use crate::{console::Console, train::advised};
+use crate::train::advised;
 
 /// Times skinning, warp and networks.
-pub(super) fn drapes(
-    args: &ChartArgs,
-    stage: &Stage,
-    methods: &[Method],
-    scenes: &Chosen,
-    keeper: &mut Keeper,
-    console: &Console,
-) -> anyhow::Result<()> {
+pub(super) fn drapes(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
     let mut tasks = Vec::new();
     let mut names = Vec::new();
-    for method in methods {
+    for method in job.methods {
         let Way::Drape(candidate) = &method.way else {
             continue;
         };
         let known = keeper.record.method(&method.name, method.checksum());
-        let missing = scenes.drapes.iter().copied();
+        let missing = job.scenes.drapes.iter().copied();
         let missing: Vec<SceneName> = missing.filter(|&scene| !known.has(scene)).collect();
         if !missing.is_empty() {
             names.push((method.name.clone(), method.checksum().map(str::to_owned)));
@@ -46,7 +38,9 @@ pub(super) fn drapes(
     if tasks.is_empty() {
         return Ok(());
     }
-    let bar = console.progress(tasks.iter().map(|task| task.scenes.len()).sum());
+    let bar = job
+        .console
+        .progress(tasks.iter().map(|task| task.scenes.len()).sum());
     let mut written = Ok(());
     let mut take = |task: usize, sample: Sample| {
         let (name, weights) = &names[task];
@@ -59,32 +53,25 @@ pub(super) fn drapes(
         }
     };
     let timing = Timing {
-        untangle: args.untangle(),
-        repeats: args.repeat,
+        untangle: job.args.untangle(),
+        repeats: job.args.repeat,
     };
-    let costs = time_drapes(stage, SPLIT, &tasks, timing, &mut take);
+    let costs = time_drapes(job.stage, SPLIT, &tasks, timing, &mut take);
     bar.finish_and_clear();
     written?;
     for ((name, weights), cost) in names.iter().zip(costs.map_err(advised)?) {
         let known = keeper.record.method(name, weights.as_deref());
-        known.cost = cost.map(Into::into);
+        known.cost = cost;
     }
     keeper.write()
 }
 
 /// Times the teacher and measures its noise floor.
-pub(super) fn simulations(
-    args: &ChartArgs,
-    stage: &Stage,
-    methods: &[Method],
-    scenes: &Chosen,
-    keeper: &mut Keeper,
-    console: &Console,
-) -> anyhow::Result<()> {
+pub(super) fn simulations(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
     let mut questions: Vec<(SceneName, Vec<Question>)> = Vec::new();
-    for &scene in &scenes.simulations {
+    for &scene in &job.scenes.simulations {
         let mut asked = Vec::new();
-        for method in methods {
+        for method in job.methods {
             let Way::Simulation(quality) = method.way else {
                 continue;
             };
@@ -92,9 +79,9 @@ pub(super) fn simulations(
                 asked.push(Question::Drape(quality));
             }
         }
-        let is_known = |noise: &NoiseRecord| (noise.body, noise.pose) == (scene.body, scene.pose);
-        if scenes.noise.contains(&scene) && !keeper.record.noise.iter().any(is_known) {
-            asked.push(Question::Noise(teacher_of(stage)));
+        let is_known = |noise: &NoiseRecord| noise.is_of(scene);
+        if job.scenes.noise.contains(&scene) && !keeper.record.noise.iter().any(is_known) {
+            asked.push(Question::Noise(teacher_of(job.stage)));
         }
         questions.push((scene, asked));
     }
@@ -102,35 +89,34 @@ pub(super) fn simulations(
     if total == 0 {
         return Ok(());
     }
-    console.detail(&format_args!("{total} simulations are to be made"));
-    let bar = console.progress(total);
+    job.console
+        .detail(&format_args!("{total} simulations are to be made"));
+    let bar = job.console.progress(total);
     let mut written = Ok(());
     let mut take = |scene: SceneName, question: Question, answer: Answer| {
-        let name = name_of(methods, question);
+        let name = name_of(job.methods, question);
         bar.set_message(name.clone());
         bar.inc(1);
         if let Answer::Failed(reason) = &answer {
-            console.warning(&format_args!("{name} came to no end on {scene}: {reason}"));
+            job.console
+                .warning(&format_args!("{name} came to no end on {scene}: {reason}"));
         }
         keep(keeper, scene, &name, question, answer);
         if written.is_ok() {
             written = keeper.write();
         }
     };
-    let done = ask_teacher(stage, SPLIT, &questions, &mut take);
+    let done = ask_teacher(job.stage, SPLIT, &questions, &mut take);
     bar.finish_and_clear();
     written?;
     done.map_err(advised)
-        .with_context(|| format!("cannot simulate `{}`", args.package.display()))
+        .with_context(|| format!("cannot simulate `{}`", job.args.package.display()))
 }
 
 /// The quality that made the data set.
 pub(super) fn teacher_of(stage: &Stage) -> Quality {
-    match stage.dataset.manifest.quality.as_deref() {
-        Some("fast") => Quality::Fast,
-        Some("reference") => Quality::Reference,
-        _ => Quality::Teacher,
-    }
+    let name = stage.dataset.manifest.quality.as_deref();
+    name.and_then(quality_of).unwrap_or(Quality::Teacher)
 }
 
 fn name_of(methods: &[Method], question: Question) -> String {

@@ -8,53 +8,46 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    data::Quality,
+    data::{Quality, quality_name},
     io::write_obj,
-    train::{Candidate, Stage, chart::targets},
+    train::{Candidate, chart::targets},
 };
 
 use super::{
-    Chosen, SPLIT,
+    Job, SPLIT,
     args::ChartArgs,
     methods::{Method, Way},
     record::Keeper,
 };
-use crate::{console::Console, machine, train::advised};
+use crate::{machine, train::advised};
 
 /// Drapes one scene by each method in a process of its own.
-pub(super) fn measure(
-    args: &ChartArgs,
-    stage: &Stage,
-    methods: &[Method],
-    scenes: &Chosen,
-    keeper: &mut Keeper,
-    console: &Console,
-) -> anyhow::Result<()> {
+pub(super) fn measure(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
     let missing = |method: &&Method| {
         let known = keeper.record.find(&method.name);
         known.is_some_and(|known| known.peak_bytes.is_none()) && arguments(method).is_some()
     };
-    let missing: Vec<&Method> = methods.iter().filter(missing).collect();
-    let first = scenes.drapes.first().copied();
+    let missing: Vec<&Method> = job.methods.iter().filter(missing).collect();
+    let first = job.scenes.drapes.first().copied();
     if missing.is_empty() || machine::peak_bytes().is_none() {
         return Ok(());
     }
-    let bodies = targets(stage, SPLIT, first.as_slice()).map_err(advised)?;
+    let bodies = targets(job.stage, SPLIT, first.as_slice()).map_err(advised)?;
     let Some(body) = bodies.first() else {
         return Ok(());
     };
     let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
     let target = folder.path().join("body.obj");
-    let rest = stage.package.body.rest();
+    let rest = job.stage.package.body.rest();
     write_obj(
         &target,
         &rest.with_positions(body.skin().positions().to_vec())?,
     )?;
-    let bar = console.progress(missing.len());
+    let bar = job.console.progress(missing.len());
     let mut of_simulations = None;
     for method in missing {
         bar.set_message(format!("memory of {}", method.name));
-        let peak = || peak_of(args, method, &target, folder.path());
+        let peak = || peak_of(job.args, method, &target, folder.path());
         let found = match method.way {
             Way::Drape(_) => peak(),
             Way::Simulation(_) => *of_simulations.get_or_insert_with(peak),
@@ -73,13 +66,9 @@ fn arguments(method: &Method) -> Option<[String; 3]> {
         Way::Drape(Candidate::Model { name, .. }) if *name != method.name => return None,
         Way::Drape(_) => ["drape", "--method", &method.name],
         // How fine the steps are does not show in the memory.
-        Way::Simulation(_) => ["simulate", "--quality", name_of(Quality::Fast)],
+        Way::Simulation(_) => ["simulate", "--quality", quality_name(Quality::Fast)],
     };
     Some([command, option, value].map(str::to_owned))
-}
-
-fn name_of(quality: Quality) -> &'static str {
-    garnet::data::quality_name(quality)
 }
 
 /// The peak that the process itself reports; none if it comes to no end.

@@ -45,18 +45,19 @@ pub(crate) fn run(args: &ChartArgs, console: &Console) -> anyhow::Result<ExitSta
     let scenes = Chosen::new(args, &stage)?;
     let methods = Method::all(candidates, &args.qualities())?;
 
+    let mut keeper = Keeper::open(args, Setting::new(args, &stage))?;
     output::make_folder(&args.output)?;
-    let (mut keeper, why) = Keeper::open(args, Setting::new(args, &stage))?;
-    if let Some(why) = why {
-        console.summary(&format_args!(
-            "note: `{}` {why}: all is measured anew",
-            args.output.join("samples.json").display()
-        ));
-    }
-    measure::drapes(args, &stage, &methods, &scenes, &mut keeper, console)?;
-    measure::simulations(args, &stage, &methods, &scenes, &mut keeper, console)?;
-    memory::measure(args, &stage, &methods, &scenes, &mut keeper, console)?;
-    growth::measure(args, &stage, &methods, &scenes, &mut keeper, console)?;
+    let job = Job {
+        args,
+        stage: &stage,
+        methods: &methods,
+        scenes: &scenes,
+        console,
+    };
+    measure::drapes(&job, &mut keeper)?;
+    measure::simulations(&job, &mut keeper)?;
+    memory::measure(&job, &mut keeper)?;
+    growth::measure(&job, &mut keeper)?;
 
     let report = ChartReport::new(args, &stage, &methods, &scenes, &keeper.record, start);
     write(&args.output, &report)?;
@@ -70,6 +71,15 @@ pub(crate) fn run(args: &ChartArgs, console: &Console) -> anyhow::Result<ExitSta
         args.output.display()
     ));
     Ok(ExitStatus::Done)
+}
+
+/// What is measured.
+struct Job<'a> {
+    args: &'a ChartArgs,
+    stage: &'a Stage,
+    methods: &'a [Method],
+    scenes: &'a Chosen,
+    console: &'a Console,
 }
 
 /// The scenes that are draped.

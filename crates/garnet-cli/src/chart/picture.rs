@@ -183,9 +183,18 @@ pub(super) fn growth(report: &ChartReport, growth: &GrowthReport) -> LogLog {
             text: format!("{}{}", series.name, law.unwrap_or_default()),
         });
     }
+    let is_continued = |series: &Series| {
+        let first = series.points.first();
+        first.is_some_and(|point| point[0] < series.fitted_from)
+    };
+    let text = if growth.series.iter().any(is_continued) {
+        "least squares from 5 000 vertices on (dashed: continued)"
+    } else {
+        "least squares"
+    };
     chart.legend.push(Entry {
         key: Key::Line(FRONT),
-        text: "least squares from 5 000 vertices on (dashed: continued)".to_owned(),
+        text: text.to_owned(),
     });
     chart
 }

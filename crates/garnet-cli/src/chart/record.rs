@@ -14,7 +14,7 @@ use garnet::train::{
 use serde::{Deserialize, Serialize};
 
 use super::ChartArgs;
-use crate::{machine, output};
+use crate::{failure::refused, machine, output};
 
 const SCHEMA: &str = "garnet.chart-samples/1";
 
@@ -56,21 +56,12 @@ pub(super) struct MethodRecord {
     pub(super) name: String,
     /// Checksum of the weights of a network.
     pub(super) weights: Option<String>,
-    pub(super) cost: Option<StoredCost>,
+    pub(super) cost: Option<NetworkCost>,
     /// The most memory of a process that drapes once, in bytes.
     pub(super) peak_bytes: Option<u64>,
     pub(super) samples: Vec<Sample>,
     /// Scenes on which a simulation came to no end.
     pub(super) failed: Vec<FailedScene>,
-}
-
-/// What a network takes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct StoredCost {
-    pub(super) parameters: u64,
-    pub(super) flop: u64,
-    pub(super) scratch_bytes: usize,
 }
 
 /// A scene on which a simulation came to no end.
@@ -91,13 +82,15 @@ pub(super) struct NoiseRecord {
     pub(super) distance: Option<f64>,
 }
 
-impl From<NetworkCost> for StoredCost {
-    fn from(cost: NetworkCost) -> Self {
-        Self {
-            parameters: cost.parameters,
-            flop: cost.flops,
-            scratch_bytes: cost.scratch,
-        }
+impl FailedScene {
+    fn is_of(&self, scene: SceneName) -> bool {
+        (self.body, self.pose) == (scene.body, scene.pose)
+    }
+}
+
+impl NoiseRecord {
+    pub(super) fn is_of(&self, scene: SceneName) -> bool {
+        (self.body, self.pose) == (scene.body, scene.pose)
     }
 }
 
@@ -177,8 +170,8 @@ impl Record {
 impl MethodRecord {
     /// Whether a scene is measured, or known to come to no end.
     pub(super) fn has(&self, scene: SceneName) -> bool {
-        let failed = |failed: &FailedScene| (failed.body, failed.pose) == (scene.body, scene.pose);
-        self.samples.iter().any(|sample| sample.is_of(scene)) || self.failed.iter().any(failed)
+        let has_failed = self.failed.iter().any(|failed| failed.is_of(scene));
+        has_failed || self.samples.iter().any(|sample| sample.is_of(scene))
     }
 
     /// The samples of some scenes.
@@ -196,27 +189,37 @@ pub(super) struct Keeper {
 }
 
 impl Keeper {
-    /// The record in a folder, or a new one; with why what is there is not used, if so.
-    pub(super) fn open(
-        args: &ChartArgs,
-        setting: Setting,
-    ) -> anyhow::Result<(Self, Option<String>)> {
+    /// The record in a folder, or a new one; samples that cannot be gone on with are refused, since
+    /// they may have taken hours.
+    pub(super) fn open(args: &ChartArgs, setting: Setting) -> anyhow::Result<Self> {
         let path = args.output.join("samples.json");
-        let (record, why) = match read(&path)? {
-            Found::Nothing => (None, None),
-            _ if args.fresh => (None, None),
-            Found::Damaged => (None, Some("is damaged or of another version".to_owned())),
-            Found::Record(found) => match found.setting.difference(&setting) {
-                None => (Some(*found), None),
-                Some(what) => (None, Some(format!("is of another {what}"))),
-            },
+        let found = if args.fresh {
+            Found::Nothing
+        } else {
+            read(&path)?
         };
-        let keeper = Self {
-            record: record.unwrap_or_else(|| Record::new(setting)),
+        let problem = match &found {
+            Found::Nothing => None,
+            Found::Damaged => Some("it is damaged or of another version".to_owned()),
+            Found::Record(found) => (found.setting.difference(&setting))
+                .map(|what| format!("it was measured with another {what}")),
+        };
+        if let Some(problem) = problem {
+            return Err(refused(
+                format!("cannot go on from `{}`", path.display()),
+                problem,
+                "`--fresh` measures all anew, in place of what is there; `-o` takes another folder",
+            ));
+        }
+        let record = match found {
+            Found::Record(record) => *record,
+            _ => Record::new(setting),
+        };
+        Ok(Self {
+            record,
             path,
             last: Instant::now(),
-        };
-        Ok((keeper, why))
+        })
     }
 
     /// Writes the record.

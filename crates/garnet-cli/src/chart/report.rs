@@ -116,10 +116,7 @@ impl ChartReport {
 
 /// The distances of the scenes that were chosen.
 fn noise<'a>(scenes: &'a Chosen, record: &'a Record) -> impl Iterator<Item = f64> + 'a {
-    let is_chosen = |noise: &&NoiseRecord| {
-        let mut scenes = scenes.noise.iter();
-        scenes.any(|scene| (scene.body, scene.pose) == (noise.body, noise.pose))
-    };
+    let is_chosen = |noise: &&NoiseRecord| scenes.noise.iter().any(|&scene| noise.is_of(scene));
     let chosen = record.noise.iter().filter(is_chosen);
     chosen.filter_map(|noise| noise.distance)
 }
@@ -142,10 +139,10 @@ impl MethodReport {
             is_target,
             is_on_front: false,
             threads,
-            flop: known.cost.map(|cost| cost.flop),
+            flop: known.cost.map(|cost| cost.flops),
             parameters: known.cost.map(|cost| cost.parameters),
             weight_bytes: method.weights.as_ref().map(|weights| weights.bytes),
-            scratch_bytes: known.cost.map(|cost| cost.scratch_bytes),
+            scratch_bytes: known.cost.map(|cost| cost.scratch),
             peak_bytes: known.peak_bytes,
             failed: known.failed.len(),
             figures,

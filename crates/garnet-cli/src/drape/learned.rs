@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
-    Network, PosedBody, Warped,
+    Moved, Network, PosedBody,
     data::{GarmentPackage, Manifest},
     train::weights_of,
 };
@@ -106,12 +106,12 @@ impl Learned {
         }
     }
 
-    /// Warps and moves; tells how long the network took, in seconds.
+    /// Warps and moves, or falls back to the warp; tells how long the network took, in seconds.
     pub(super) fn drape(
         &mut self,
         bound: &Bound,
         posed: &PosedBody,
-    ) -> anyhow::Result<(Warped, f64)> {
+    ) -> anyhow::Result<(Moved, f64)> {
         let warped = self.network.warped(&bound.garment, posed)?;
         let (moved, seconds) = timed(|| self.network.moved(&bound.garment, posed, &warped));
         Ok((moved?, seconds))

@@ -248,6 +248,7 @@ fn drape_one(
         posed,
         drape,
         simulated,
+        fallback,
         mut time,
     } = draped;
     let rest = bound.garment.mesh().positions();
@@ -258,6 +259,7 @@ fn drape_one(
     let stretch = edge_stretch(rest, &drape.positions, &free)?;
     let stretch_at_trapped = edge_stretch(rest, &drape.positions, &trapped)?;
     let mut problems: Vec<Problem> = warning::of_fit(posed.max_residual()).into_iter().collect();
+    problems.extend(fallback.clone().map(Problem::Fallback));
     let inside = if let Some(report) = &drape.report {
         problems.extend(warning::of_result(report));
         None
@@ -290,6 +292,7 @@ fn drape_one(
         untangle: drape.report.as_ref().map(Into::into),
         penetration: inside,
         simulated,
+        fallback,
         stretch: Stretch {
             p50: stretch.p50,
             p99: stretch.p99,
@@ -316,6 +319,8 @@ struct Draped {
     posed: PosedBody,
     drape: Drape,
     simulated: Option<SceneReport>,
+    /// Why the network was not used.
+    fallback: Option<String>,
     time: DrapeSeconds,
 }
 
@@ -332,13 +337,13 @@ fn drape_timed(
         format!("cannot drape `{garment}` on `{}`", target.path.display())
     };
     let Way { draper, learned } = way;
-    let mut network = 0.0;
+    let (mut network, mut fallback) = (0.0, None);
     let (brought, mut warp) = timed(|| match (&bound.teacher, learned) {
         (Some(teaching), _) => teaching.drape(bound, &posed, console),
         (None, Some(learned)) => {
-            let (warped, seconds) = learned.drape(bound, &posed)?;
-            network = seconds;
-            Ok((warped, None))
+            let (moved, seconds) = learned.drape(bound, &posed)?;
+            (network, fallback) = (seconds, moved.fallback);
+            Ok((moved.garment, None))
         }
         (None, None) => Ok((draper.warp(&bound.garment, &posed)?, None)),
     });
@@ -357,6 +362,7 @@ fn drape_timed(
         posed,
         drape,
         simulated,
+        fallback: fallback.map(|reason| reason.to_string()),
         time,
     })
 }

@@ -101,6 +101,8 @@ pub(crate) struct DrapeOutput {
     pub(crate) penetration: Option<PenetrationReport>,
     /// What the simulation measured at its end, before untangling; none for other methods.
     pub(crate) simulated: Option<SceneReport>,
+    /// Why the warp was taken in place of the network; none if it was not.
+    pub(crate) fallback: Option<String>,
     /// Length over rest length of the edges of the garment's polygons.
     pub(crate) stretch: Stretch,
     /// Times of this drape; of the last one, if it was repeated.

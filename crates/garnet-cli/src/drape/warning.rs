@@ -34,6 +34,8 @@ pub(crate) enum Problem {
     Inside(usize, f32),
     /// The target was fitted with this error, in metres.
     PoorFit(f32),
+    /// The network was not used, and why.
+    Fallback(String),
 }
 
 impl Problem {
@@ -56,6 +58,7 @@ impl Problem {
             Self::CrossingFaces(_) => "crossing_faces",
             Self::Inside(..) => "inside",
             Self::PoorFit(_) => "poor_fit",
+            Self::Fallback(_) => "fallback",
         }
     }
 
@@ -77,7 +80,7 @@ impl Problem {
             | Self::BelowClearance(count, _)
             | Self::CrossingFaces(count)
             | Self::Inside(count, _) => Some(count),
-            Self::PoorFit(_) => None,
+            Self::PoorFit(_) | Self::Fallback(_) => None,
         }
     }
 }
@@ -148,6 +151,9 @@ impl fmt::Display for Warning {
                 "the body of `{path}` is not the rest body in another pose: a vertex is {} mm from \
                  where the skeleton puts it",
                 millimetres(residual)
+            ),
+            Problem::Fallback(ref reason) => format!(
+                "the network is not used on `{path}`, and the warp by pose and shape is: {reason}"
             ),
         };
         formatter.write_str(&text)

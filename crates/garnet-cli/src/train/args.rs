@@ -17,7 +17,7 @@ pub(crate) struct TrainArgs {
     /// Data set of the garment.
     #[arg(value_name = "DATASET")]
     pub(crate) dataset: PathBuf,
-    /// Name of the variant: naive, global, local, global-params; with -rq, -mc, -mcrq or -umc after
+    /// Name of the variant: naive, global, local, global-params, local-params; with -rq, -mc, -mcrq or -umc after
     /// it, that variant is fine-tuned; or a name of your own.
     #[arg(long, value_name = "NAME", default_value = "local")]
     variant: String,
@@ -54,7 +54,7 @@ A configuration names what differs from the defaults:
 
   preset = \"small\"          # size of the network
   epochs = 100
-  learning_rate = 1e-3
+  learning_rate = 3e-3
   schedule = \"cosine\"       # or constant, steps
   accumulate = 1            # scenes a step
   precision = \"f32\"         # of the weights in the package, or f16
@@ -82,10 +82,12 @@ impl TrainArgs {
             None if self.resume && saved.is_file() => TrainConfig::read(&saved)?,
             None => TrainConfig::default(),
         };
+        // What was saved has all that the name asks for.
+        let is_saved = self.resume && self.config.is_none();
+        if !is_saved && (self.config.is_none() || recipe.fine_tuned.is_none()) {
+            recipe.apply(&mut config);
+        }
         if !self.resume {
-            if self.config.is_none() || recipe.fine_tuned.is_none() {
-                recipe.apply(&mut config);
-            }
             if let Some(preset) = &self.preset {
                 config.preset.clone_from(preset);
             }

@@ -63,21 +63,21 @@ impl GarmentStream {
     ///
     /// - `mesh.places`: `[vertex, 3]`
     /// - `inputs`: `[vertex, features]`, what vertices bring along
-    /// - `body`: `[1, body global]`
+    /// - `body`: `[1, channels]` each, `body global` together
     pub(crate) fn forward<E: Engine>(
         &self,
         engine: &E,
         mesh: &Mesh<'_, E::Matrix>,
         inputs: Option<&E::Matrix>,
-        body: &E::Matrix,
+        body: &[&E::Matrix],
     ) -> GarmentFeatures<E::Matrix> {
         let turned = self.stn.forward(engine, mesh.places);
         let mut parts = vec![&turned];
         parts.extend(inputs);
         let points = self.points.forward(engine, &parts);
-        let joined = self
-            .input
-            .forward(engine, &[&points, body], Activation::LeakyRelu);
+        let mut parts = vec![&points];
+        parts.extend(body);
+        let joined = self.input.forward(engine, &parts, Activation::LeakyRelu);
         let mut features = joined.clone();
         let mut stages = vec![points, joined];
         for block in &self.blocks {

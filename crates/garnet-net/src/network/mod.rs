@@ -20,7 +20,7 @@ use burn::tensor::{Device, Tensor};
 use garnet_kernel::Workspace;
 
 use crate::ops::{Engine, Op, TensorEngine};
-use crate::{BodySampling, GarNetConfig, GarmentGraph, NetError, Scene, Variant};
+use crate::{BodySampling, GarNetConfig, GarmentGraph, NetError, Scene};
 use body_stream::BodyStream;
 use fusion::Fusion;
 use garment_stream::GarmentStream;
@@ -61,13 +61,16 @@ impl GarNetConfig {
 
     fn made_of(&self, source: &mut WeightSource) -> Result<GarNet, NetError> {
         self.validate()?;
-        let parameters = (self.variant == Variant::GlobalParams)
+        let parameters = (self.has_body_parameters())
             .then(|| SharedMlp::new(self.num_body_parameters, &self.body.parameters, source));
-        let body_global = match (&parameters, self.body.parameters.last()) {
-            (None, _) => self.body.global,
-            (Some(_), Some(&width)) => width,
-            (Some(_), None) => self.num_body_parameters,
-        };
+        let mut body_global = 0;
+        if self.has_body_stream() {
+            body_global += self.body.global;
+        }
+        if self.has_body_parameters() {
+            let last = self.body.parameters.last().copied();
+            body_global += last.unwrap_or(self.num_body_parameters);
+        }
         let stages = &self.garment;
         let points = stages.points.last().copied().unwrap_or(3);
         let mut fused = points + stages.input + body_global + stages.global;
@@ -123,26 +126,28 @@ impl GarNet {
     /// The figure of the paper, on whatever runs the steps.
     pub(crate) fn run<E: Engine>(&self, engine: &E, inputs: &Inputs<'_, E::Matrix>) -> E::Matrix {
         let mut near = None;
-        let body = match (&self.body, &self.parameters) {
-            (Some(stream), _) => {
-                let (points, normals) = inputs.body();
-                let body = stream.forward(engine, points, normals);
-                near = inputs.nearest.map(|nearest| {
-                    let means = Op::NeighborMean(inputs.averaged.clone());
-                    let kept = engine.call(means, &[&body.points]);
-                    engine.call(Op::NeighborMax(nearest.clone()), &[&kept])
-                });
-                body.global
-            }
-            (None, Some(layers)) => layers.forward(engine, &[inputs.parameters()]),
-            (None, None) => inputs.parameters().clone(),
-        };
+        let mut body = Vec::new();
+        if let Some(stream) = &self.body {
+            let (points, normals) = inputs.body();
+            let features = stream.forward(engine, points, normals);
+            near = inputs.nearest.map(|nearest| {
+                let means = Op::NeighborMean(inputs.averaged.clone());
+                let kept = engine.call(means, &[&features.points]);
+                engine.call(Op::NeighborMax(nearest.clone()), &[&kept])
+            });
+            body.push(features.global);
+        }
+        if let Some(layers) = &self.parameters {
+            body.push(layers.forward(engine, &[inputs.parameters()]));
+        }
+        let body: Vec<&E::Matrix> = body.iter().collect();
         let mesh = Mesh::new(&self.config, inputs.adjacency, &inputs.vertices);
         let features = inputs.features.as_ref();
         let garment = self.garment.forward(engine, &mesh, features, &body);
         let mut parts: Vec<&E::Matrix> = garment.stages.iter().collect();
         parts.extend(&near);
-        parts.extend([&body, &garment.global]);
+        parts.extend(body);
+        parts.push(&garment.global);
         self.fusion.forward(engine, &parts)
     }
 }

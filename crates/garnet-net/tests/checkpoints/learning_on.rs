@@ -43,6 +43,7 @@ impl Lesson {
         let checkpoint = Checkpoint {
             model: model.clone(),
             garment: self.garment.fingerprint(),
+            range: None,
             record: serde_json::Value::Null,
             scores: std::collections::BTreeMap::new(),
         };

@@ -19,6 +19,7 @@ fn checkpoint() -> (Checkpoint, GarmentGraph) {
     let checkpoint = Checkpoint {
         model: config.init(3, &Device::flex()).unwrap(),
         garment: garment.fingerprint(),
+        range: None,
         record: serde_json::json!({"epochs": 3, "seed": 11}),
         scores: BTreeMap::from([("distance".to_owned(), 0.0056)]),
     };

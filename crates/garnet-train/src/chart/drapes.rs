@@ -1,13 +1,13 @@
 //! Skinning, warp and networks, timed on single scenes.
 
-use std::time::Instant;
-
 use garnet_data::Split;
 use garnet_mesh::Point3;
-use garnet_untangle::{Binding, UntangleOptions, UntangleReport, untangle};
+use garnet_untangle::{Binding, UntangleOptions};
+use serde::{Deserialize, Serialize};
 
 use super::sample::{Sample, Seconds};
 use crate::contender::Contender;
+use crate::finish::Finished;
 use crate::measure::Measure;
 use crate::{Candidate, SceneName, Stage, StagedScene, Tally, TrainError};
 
@@ -21,7 +21,8 @@ pub struct Task {
 }
 
 /// What a network takes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct NetworkCost {
     /// Weights.
     pub parameters: u64,
@@ -105,8 +106,7 @@ fn cost(contender: &Contender) -> Option<NetworkCost> {
 struct Run {
     seconds: Seconds,
     before: Vec<Point3>,
-    after: Vec<Point3>,
-    report: UntangleReport,
+    finished: Finished,
 }
 
 fn run(
@@ -116,21 +116,16 @@ fn run(
     options: &UntangleOptions,
 ) -> Result<Run, TrainError> {
     let draped = contender.drape(staged)?;
-    let garment = &staged.worn.garment;
-    let start = Instant::now();
-    let nodes = garment.weld().gather(&draped.positions);
-    let untangled = untangle(garment, binding, &staged.posed, &nodes, options)?;
-    let after = garment.weld().scatter(&untangled.positions);
+    let finished = Finished::new(staged, binding, &draped.positions, options)?;
     Ok(Run {
         seconds: Seconds {
             warp: draped.warp,
             network: draped.network.unwrap_or(0.0),
-            untangle: start.elapsed().as_secs_f64(),
+            untangle: finished.seconds,
             simulation: 0.0,
         },
         before: draped.positions,
-        after,
-        report: untangled.report,
+        finished,
     })
 }
 
@@ -154,16 +149,14 @@ fn samples(
         let middle = runs.swap_remove(runs.len() / 2);
         let (mut before, mut after) = (Tally::default(), Tally::default());
         measure.add(&mut before, staged, &middle.before)?;
-        measure.add(&mut after, staged, &middle.after)?;
+        measure.add(&mut after, staged, &middle.finished.positions)?;
         let sample = Sample {
             body: staged.name.body,
             pose: staged.name.pose,
             seconds: middle.seconds,
             before,
             after: Some(after),
-            inside: middle.report.inside,
-            trapped: middle.report.trapped,
-            crossing_faces: middle.report.crossing_faces,
+            left: middle.finished.left,
         };
         samples.push((task, sample));
     }

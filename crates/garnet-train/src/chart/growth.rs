@@ -7,13 +7,13 @@ use std::time::Instant;
 use garnet_data::{BodyPath, Quality, Rung, Split};
 use garnet_mesh::Point3;
 use garnet_net::{
-    BodySampling, Checkpoint, CheckpointHeader, GarNetConfig, GarmentGraph, Predictor, SceneInput,
-    Variant,
+    BodySampling, Checkpoint, CheckpointHeader, GarNetConfig, GarmentGraph, Predictor,
 };
 use garnet_skin::{PosedBody, Warp, WarpedGarment};
 use garnet_untangle::{Binding, UntangleOptions, untangle};
 use serde::{Deserialize, Serialize};
 
+use crate::network_input::predicted;
 use crate::{Percentiles, SceneName, Stage, TrainError, warp_of};
 
 /// What is measured at each number of vertices.
@@ -37,9 +37,9 @@ pub struct CostAt {
     pub asked: usize,
     /// Vertices of the garment.
     pub vertices: usize,
-    /// The warp by pose and shape.
+    /// The warp by pose and shape, with the frames that networks are told.
     pub warp: f64,
-    /// The networks by name, each with all that it needs of a scene.
+    /// The networks by name, each from the warped garment on.
     pub networks: Vec<(String, f64)>,
     /// Untangling of the warp.
     pub untangle: f64,
@@ -147,30 +147,19 @@ fn drape(
     body: &PosedBody,
     options: &GrowthOptions,
 ) -> Result<Vec<f64>, TrainError> {
-    let garment = &rung.garment;
+    let (garment, own) = (&rung.garment, &stage.package.body);
     let start = Instant::now();
-    let nodes = garment.warped(body, Warp::Shape)?;
+    let by_shape = WarpedGarment::new(garment, own, body, Warp::Shape)?;
     let warp = start.elapsed().as_secs_f64();
     let start = Instant::now();
+    let nodes = garment.weld().gather(&by_shape.positions);
     untangle(garment, binding, body, &nodes, &options.untangle)?;
     let mut times = vec![warp, start.elapsed().as_secs_f64()];
     for (_, predictor) in networks {
-        let config = predictor.model().config();
-        let warp = warp_of(config.start);
-        let parameters = match config.variant {
-            Variant::GlobalParams => stage.package.body.pose_and_shape(body),
-            _ => Vec::new(),
-        };
-        let warped = WarpedGarment::new(garment, &stage.package.body, body, warp)?;
+        let warp = warp_of(predictor.model().config().start);
+        let warped = WarpedGarment::new(garment, own, body, warp)?;
         let start = Instant::now();
-        predictor.predict(&SceneInput {
-            warped: &warped.positions,
-            body: body.skin().positions(),
-            body_normals: &warped.body_normals,
-            world_from_root: warped.world_from_root,
-            rotations: &warped.rotations,
-            parameters: &parameters,
-        })?;
+        predicted(predictor, &warped, own, body)?;
         times.push(start.elapsed().as_secs_f64());
     }
     Ok(times)

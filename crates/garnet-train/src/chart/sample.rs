@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Percentiles, SceneName, Scores, Tally};
+use crate::{Left, Percentiles, SceneName, Scores, Tally};
 
 /// A way to drape, measured on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,12 +18,8 @@ pub struct Sample {
     pub before: Tally,
     /// After untangling; none of simulations, which are left as they are.
     pub after: Option<Tally>,
-    /// Vertices inside the body after untangling that are not caught where it runs through itself.
-    pub inside: usize,
-    /// Vertices that are caught there.
-    pub trapped: usize,
-    /// Faces that cross the skin after untangling and have no trapped vertex.
-    pub crossing_faces: usize,
+    /// What is not as it should be, after untangling or as the simulation left it.
+    pub left: Left,
 }
 
 /// Wall times of the stages of one drape, in seconds.
@@ -56,7 +52,7 @@ pub struct Times {
 }
 
 /// What was measured of a way to drape, over scenes.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Figures {
     /// Over how many.
     pub scenes: usize,
@@ -68,13 +64,9 @@ pub struct Figures {
     pub after: Scores,
     /// Mean distance of the vertices of a scene, in metres, over the scenes.
     pub scene_distance: Percentiles,
-    /// Vertices inside the body after untangling that are not caught where it runs through itself,
-    /// in all scenes.
-    pub inside: usize,
-    /// Vertices that are caught there, in all scenes.
-    pub trapped: usize,
-    /// Faces that cross the skin after untangling and have no trapped vertex, in all scenes.
-    pub crossing_faces: usize,
+    /// What is not as it should be, after untangling or as the simulation left it, in all scenes.
+    #[serde(flatten)]
+    pub left: Left,
 }
 
 impl Seconds {
@@ -105,13 +97,11 @@ impl Figures {
             Percentiles::of(times.collect())
         };
         let (mut before, mut after) = (Tally::default(), Tally::default());
-        let mut figures = Self::default();
+        let mut left = Left::NOTHING;
         for sample in &samples {
             before.merge(&sample.before);
             after.merge(sample.used());
-            figures.inside += sample.inside;
-            figures.trapped += sample.trapped;
-            figures.crossing_faces += sample.crossing_faces;
+            left.add(sample.left);
         }
         let distances = samples.iter().map(|sample| sample.used().scores().distance);
         Self {
@@ -126,7 +116,7 @@ impl Figures {
             before: before.scores(),
             after: after.scores(),
             scene_distance: Percentiles::of(distances.collect()),
-            ..figures
+            left,
         }
     }
 }

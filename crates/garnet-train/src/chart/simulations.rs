@@ -8,7 +8,7 @@ use garnet_data::{DataError, Quality, Split, Tailor, Teacher, noise_floor, weare
 
 use super::sample::{Sample, Seconds};
 use crate::measure::Measure;
-use crate::{SceneName, Stage, StagedScene, Tally, TrainError, Worn};
+use crate::{Left, SceneName, Stage, StagedScene, Tally, TrainError, Worn};
 
 /// What is asked of the teacher on a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,8 +125,10 @@ fn answer(
         },
         before,
         after: None,
-        inside: penetration.num_inside,
-        trapped: penetration.num_trapped,
-        crossing_faces: 0,
+        left: Left {
+            inside: penetration.num_inside,
+            trapped: penetration.num_trapped,
+            crossing_faces: None,
+        },
     })))
 }

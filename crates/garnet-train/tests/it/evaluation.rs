@@ -39,7 +39,7 @@ fn a_network_is_measured_as_its_training_measured_it() {
     assert!(local.flops > 0 && warp.flops == 0);
     assert!(local.seconds.network.median > 0.0);
     for row in &found.rows {
-        assert_eq!(row.untangled.unwrap().inside, 0);
+        assert_eq!(row.untangled.unwrap().left.inside, 0);
         assert!(row.curves.distance.shares.is_sorted());
         // The mean distance is the area above the curve, if nothing is beyond it.
         let curve = &row.curves.distance;

@@ -152,6 +152,8 @@ pub(crate) fn tiny(epochs: u32) -> TrainConfig {
         preset: "tiny".to_owned(),
         epochs,
         learning_rate: 5e-3,
+        warm_up: 0,
+        max_gradient: 0.0,
         ..TrainConfig::default()
     }
 }

@@ -1,0 +1,243 @@
+//! What networks make of a data set, beside the teacher:
+//! `cargo run --release -p garnet-tests --example gallery -- PACKAGE DATASET FOLDER [VARIANT...] [--split NAME]`.
+//!
+//! `gallery.png` has scenes of the split (test, unless told otherwise) in rows: skinning, warp,
+//! variants and teacher, and where the last variant is off; `curvature.png` has the mean curvature of
+//! variants and teacher (figure 7 of the paper); `errors.png` has the mean distance of each vertex over
+//! the split on the template, one column a variant, from the front and from the back.
+
+use std::{env, error::Error, path::Path};
+
+use garnet::{
+    UntangleOptions,
+    data::{Dataset, GarmentPackage, Split},
+    train::{Candidate, Exhibit, SceneName, Stage, chart::spread, exhibit, weights_of},
+};
+use garnet_mesh::{Point3, Topology, TriMesh, mean_curvatures};
+use garnet_view::{Camera, ColorMap, Heat, Layer, Paint, Picture, View, palette, render};
+
+/// Rows of the gallery.
+const SCENES: usize = 6;
+
+/// Width and height of a view, in pixels.
+const CELL: [u32; 2] = [300, 380];
+
+/// Values at the ends of the color bars.
+const MOST_MILLIMETRES: f32 = 40.0;
+const MOST_CURVED: f32 = 100.0;
+
+/// A mesh, with values by which it is painted.
+struct Figure {
+    mesh: TriMesh,
+    values: Option<(Vec<f32>, Scale)>,
+    body: Option<TriMesh>,
+    caption: String,
+    camera: Camera,
+}
+
+#[derive(Clone, Copy)]
+enum Scale {
+    Millimetres,
+    Curvature,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut words: Vec<String> = env::args().skip(1).collect();
+    let mut split = Split::Test;
+    if let Some(place) = words.iter().position(|word| word == "--split") {
+        let name = words.get(place + 1).ok_or("--split needs a name")?;
+        let found = Split::ALL.into_iter().find(|split| split.name() == name);
+        split = found.ok_or("a split is train, valid or test")?;
+        words.drain(place..place + 2);
+    }
+    let [package, dataset, folder, variants @ ..] = words.as_slice() else {
+        return Err("usage: gallery PACKAGE DATASET FOLDER [VARIANT...] [--split NAME]".into());
+    };
+    let (path, folder) = (Path::new(package), Path::new(folder));
+    let package = GarmentPackage::read(path)?;
+    let mut candidates = vec![Candidate::Skinning, Candidate::Warp];
+    let mut names = vec!["skinning (DQS)".to_owned(), "warp".to_owned()];
+    for name in variants {
+        let weights = weights_of(path, &package.manifest, name)?;
+        candidates.push(Candidate::Model {
+            name: name.clone(),
+            weights,
+        });
+        names.push(name.clone());
+    }
+    let stage = Stage::new(package, Dataset::open(Path::new(dataset))?)?;
+    let all = stage.scene_names(split)?;
+    let chosen = spread(&all, SCENES);
+
+    let mut exhibits = Vec::new();
+    let num_vertices = stage.package.mesh.num_vertices();
+    let mut sums = vec![vec![0.0_f32; num_vertices]; candidates.len()];
+    let options = UntangleOptions::default();
+    exhibit(
+        &stage,
+        split,
+        &candidates,
+        &options,
+        |_| true,
+        &mut |scene| {
+            for (sums, drape) in sums.iter_mut().zip(&scene.drapes) {
+                for (sum, distance) in sums.iter_mut().zip(distances(drape, &scene.teacher)) {
+                    *sum += distance / all.len() as f32;
+                }
+            }
+            if chosen.contains(&scene.scene) {
+                exhibits.push(scene);
+            }
+        },
+    )?;
+
+    let mesh = &stage.package.mesh;
+    write(
+        &gallery(mesh, &exhibits, &names)?,
+        names.len() + 2,
+        &folder.join("gallery.png"),
+    )?;
+    write(
+        &curvature(mesh, &exhibits, &names)?,
+        names.len(),
+        &folder.join("curvature.png"),
+    )?;
+    write(
+        &errors(mesh, &sums, &names),
+        names.len(),
+        &folder.join("errors.png"),
+    )?;
+    Ok(())
+}
+
+/// Distances in millimetres.
+fn distances<'a>(drape: &'a [Point3], teacher: &'a [Point3]) -> impl Iterator<Item = f32> + 'a {
+    let pairs = drape.iter().zip(teacher);
+    pairs.map(|(place, target)| 1e3 * (place - target).norm())
+}
+
+fn caption(scene: SceneName, name: &str, error: f32) -> String {
+    format!("{name} {}/{}: {error:.1} mm", scene.body, scene.pose)
+}
+
+fn gallery(
+    mesh: &TriMesh,
+    exhibits: &[Exhibit],
+    names: &[String],
+) -> Result<Vec<Figure>, Box<dyn Error>> {
+    let mut figures = Vec::new();
+    let camera = Camera::new(0.5, 0.1);
+    for scene in exhibits {
+        let mut last = Vec::new();
+        for (drape, name) in scene.drapes.iter().zip(names) {
+            last = distances(drape, &scene.teacher).collect();
+            let mean = last.iter().sum::<f32>() / last.len() as f32;
+            figures.push(Figure {
+                mesh: mesh.with_positions(drape.clone())?,
+                values: None,
+                body: Some(scene.body.clone()),
+                caption: caption(scene.scene, name, mean),
+                camera,
+            });
+        }
+        let teacher = mesh.with_positions(scene.teacher.clone())?;
+        for (values, name) in [(None, "teacher"), (Some(last), "distance")] {
+            figures.push(Figure {
+                mesh: teacher.clone(),
+                values: values.map(|values| (values, Scale::Millimetres)),
+                body: Some(scene.body.clone()),
+                caption: name.to_owned(),
+                camera,
+            });
+        }
+    }
+    Ok(figures)
+}
+
+fn curvature(
+    mesh: &TriMesh,
+    exhibits: &[Exhibit],
+    names: &[String],
+) -> Result<Vec<Figure>, Box<dyn Error>> {
+    let topology = Topology::new(mesh.num_vertices(), mesh.faces());
+    let mut figures = Vec::new();
+    for scene in exhibits {
+        // Skinning is left out: its curvature is that of the template.
+        let drapes = scene.drapes.iter().zip(names).skip(1);
+        let drapes = drapes.map(|(drape, name)| (drape, name.as_str()));
+        for (drape, name) in drapes.chain([(&scene.teacher, "teacher")]) {
+            figures.push(Figure {
+                mesh: mesh.with_positions(drape.clone())?,
+                values: Some((mean_curvatures(drape, &topology), Scale::Curvature)),
+                body: Some(scene.body.clone()),
+                caption: name.to_owned(),
+                camera: Camera::new(0.5, 0.1),
+            });
+        }
+    }
+    Ok(figures)
+}
+
+fn errors(mesh: &TriMesh, sums: &[Vec<f32>], names: &[String]) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    for azimuth in [0.0, std::f32::consts::PI] {
+        for (values, name) in sums.iter().zip(names) {
+            let mean = values.iter().sum::<f32>() / values.len() as f32;
+            figures.push(Figure {
+                mesh: mesh.clone(),
+                values: Some((values.clone(), Scale::Millimetres)),
+                body: None,
+                caption: format!("{name}: {mean:.1} mm"),
+                camera: Camera::new(azimuth, 0.0),
+            });
+        }
+    }
+    figures
+}
+
+fn write(figures: &[Figure], columns: usize, path: &Path) -> Result<(), Box<dyn Error>> {
+    let mut layers = Vec::new();
+    let mut views = Vec::new();
+    for figure in figures {
+        let first = layers.len();
+        let paint = match &figure.values {
+            None => Paint::Plain(palette::GARMENT),
+            Some((values, scale)) => Paint::Heat(heat(values, *scale)),
+        };
+        layers.push(Layer {
+            paint,
+            ..Layer::new(&figure.mesh)
+        });
+        layers.extend(figure.body.as_ref().map(Layer::new));
+        views.push(View {
+            caption: figure.caption.clone(),
+            shown: Some((first..layers.len()).collect()),
+            framed: Some(vec![first]),
+            ..View::new(figure.camera)
+        });
+    }
+    let rows = views.len().div_ceil(columns);
+    let picture = Picture {
+        layers,
+        columns: Some(columns as u32),
+        supersampling: 2,
+        views,
+        ..Picture::new(CELL[0] * columns as u32 + 120, CELL[1] * rows as u32)
+    };
+    render(&picture)?.write_png(path)?;
+    Ok(())
+}
+
+fn heat(values: &[f32], scale: Scale) -> Heat<'_> {
+    match scale {
+        Scale::Millimetres => Heat {
+            range: Some([0.0, MOST_MILLIMETRES]),
+            ..Heat::new(values, "mm")
+        },
+        Scale::Curvature => Heat {
+            range: Some([-MOST_CURVED, MOST_CURVED]),
+            map: ColorMap::CoolWarm,
+            ..Heat::new(values, "1/m")
+        },
+    }
+}
