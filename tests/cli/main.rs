@@ -13,6 +13,7 @@ mod fixtures;
 mod garbage;
 mod glb;
 mod readme;
+mod refit;
 mod render;
 mod simulate;
 mod train;

@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use crate::motion::{
-    Direction as Place, Figure, Motion, Retarget, RetargetError, RetargetOptions, Role, Side,
+    Direction, Figure, Motion, Retarget, RetargetError, RetargetOptions, Role, Side,
     world_rotations,
 };
 
@@ -44,17 +44,20 @@ pub struct Registration {
 #[derive(Debug, Clone, Copy)]
 struct Affine {
     linear: Matrix3<f64>,
-    shift: Place,
+    shift: Direction,
 }
 
 impl Registration {
-    /// Registers `own` with `other`, both at rest.
+    /// Registers `own` with `other`, both at rest. Bodies of the same faces meet vertex by vertex.
     ///
     /// # Errors
     ///
     /// [`RetargetError`] if one of the skeletons is no human figure.
     pub fn new(own: &Body, other: &Body) -> Result<Self, RetargetError> {
         let (faces, skin) = (own.rest().faces(), other.skin());
+        if faces == skin.faces() && own.rest().num_vertices() == other.rest().num_vertices() {
+            return Ok(Self::of_twins(own.rest().num_vertices()));
+        }
         let topology = Topology::new(own.rest().num_vertices(), faces);
         let other_normals = face_normals(skin.positions(), skin.faces());
         let closest = |place: &Point3, normal: &Vector3, reach: f32| {
@@ -89,6 +92,15 @@ impl Registration {
                 .map(|found| found.distance_squared.sqrt())
                 .collect(),
         })
+    }
+
+    /// Of two bodies of the same topology.
+    fn of_twins(num_vertices: usize) -> Self {
+        Self {
+            corners: (0..num_vertices as u32).map(|vertex| [vertex; 3]).collect(),
+            weights: vec![[1.0, 0.0, 0.0]; num_vertices],
+            gaps: vec![0.0; num_vertices],
+        }
     }
 
     /// The vertices of the own body on the other one, whose vertices are `places`, in any pose.
@@ -150,12 +162,12 @@ fn stance(own: &Body, other: &Skeleton) -> Result<Vec<Point3>, RetargetError> {
             }),
             (None, None) => Some(Affine {
                 linear,
-                shift: Place::zeros(),
+                shift: Direction::zeros(),
             }),
         };
     }
     let place = |(vertex, rest): (usize, &Point3)| {
-        let mut sum = Place::zeros();
+        let mut sum = Direction::zeros();
         for (joint, weight) in own.weights().vertex(vertex) {
             if let Some(map) = maps[joint] {
                 let at = map.linear * rest.coords.cast::<f64>() + map.shift;
@@ -175,7 +187,7 @@ fn stance(own: &Body, other: &Skeleton) -> Result<Vec<Point3>, RetargetError> {
 
 /// Where the joints of the first figure are in the second, `[joint]`; none for those that follow their
 /// parents.
-fn targets(figures: &[Figure; 2], num_joints: usize) -> Vec<Option<Place>> {
+fn targets(figures: &[Figure; 2], num_joints: usize) -> Vec<Option<Direction>> {
     let [own, other] = figures;
     let mut targets = vec![None; num_joints];
     let is_limb = |role: &Role| !matches!(role, Role::Collar(_));
@@ -191,7 +203,7 @@ fn targets(figures: &[Figure; 2], num_joints: usize) -> Vec<Option<Place>> {
     let between = own.trunk().iter().chain(own.neck()).copied();
     for joint in between.chain(collars.into_iter().flatten()) {
         let place = own.position(joint);
-        let share = |from: Place, to: Place| {
+        let share = |from: Direction, to: Direction| {
             let way = to - from;
             (place - from).dot(&way) / way.norm_squared().max(1e-12)
         };
@@ -214,7 +226,7 @@ fn targets(figures: &[Figure; 2], num_joints: usize) -> Vec<Option<Place>> {
 }
 
 /// Pelvis, the middle between the shoulders, and head.
-fn axis(figure: &Figure) -> [Place; 3] {
+fn axis(figure: &Figure) -> [Direction; 3] {
     let at = |role: Role| figure.joint(role).map(|joint| figure.position(joint));
     let shoulders = Side::BOTH.map(|side| at(Role::Shoulder(side)).unwrap_or_default());
     [
@@ -227,7 +239,7 @@ fn axis(figure: &Figure) -> [Place; 3] {
 /// By how much each joint of the first figure stretches its bone to that of the second, `[joint]`.
 fn stretches(figures: &[Figure; 2], num_joints: usize) -> Vec<Matrix3<f64>> {
     let [own, other] = figures;
-    let along = |bone: Place, length: f64| {
+    let along = |bone: Direction, length: f64| {
         let direction = bone.normalize();
         let share = length / bone.norm() - 1.0;
         Matrix3::identity() + share * direction * direction.transpose()
@@ -251,15 +263,15 @@ fn stretches(figures: &[Figure; 2], num_joints: usize) -> Vec<Matrix3<f64>> {
 }
 
 /// Moves that follow the pulls and vary little from vertex to vertex.
-fn smoothed(pulls: &[Option<Place>], topology: &Topology, stiffness: f64) -> Vec<Place> {
-    let mut moves: Vec<Place> = pulls.iter().map(|pull| pull.unwrap_or_default()).collect();
+fn smoothed(pulls: &[Option<Direction>], topology: &Topology, stiffness: f64) -> Vec<Direction> {
+    let mut moves: Vec<Direction> = pulls.iter().map(|pull| pull.unwrap_or_default()).collect();
     for _ in 0..SWEEPS {
         moves = (0..moves.len())
             .into_par_iter()
             .map(|vertex| {
                 let around = topology.neighbors(vertex);
                 let weight = stiffness / around.len().max(1) as f64;
-                let sum: Place = around
+                let sum: Direction = around
                     .iter()
                     .map(|&other| weight * moves[other as usize])
                     .sum();
@@ -324,10 +336,9 @@ mod tests {
     fn a_body_meets_itself() {
         let own = built(&BodyParameters::new(0.5).with_bmi(23.0));
         let registration = Registration::new(&own, &own).unwrap();
-        let carried = registration.carried(own.rest().positions());
-        let distances = carried.iter().zip(own.rest().positions());
-        let largest = distances.map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
-        println!("{largest}");
-        assert!(largest < 1e-3, "{largest}");
+        assert_eq!(
+            registration.carried(own.rest().positions()),
+            own.rest().positions()
+        );
     }
 }

@@ -49,6 +49,7 @@ fn main() {
         model: net,
         garment: garment.fingerprint(),
         range: None,
+        pose_space: None,
         record: serde_json::Value::Null,
         scores: BTreeMap::new(),
     };

@@ -32,23 +32,15 @@
 
 mod tensors;
 
-use std::collections::{BTreeMap, HashMap};
-use std::fs;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use burn::tensor::Device;
 use garnet_mesh::{Fingerprint, write_atomically};
-use safetensors::SafeTensors;
-use safetensors::tensor::TensorView;
 use serde::{Deserialize, Serialize};
 
+use crate::weight_file::{self, Header};
 use crate::{CheckpointError, GarNet, GarNetConfig, GarmentGraph, NetError, TrainedRange, UNIT};
-
-/// The metadata key of the JSON text.
-const KEY: &str = "garnet";
-
-/// How a text without its checksum says so.
-const UNSIGNED: &str = r#""checksum":"""#;
 
 /// The schema that this version reads and writes.
 pub const SCHEMA: &str = "garnet-weights/1";
@@ -80,6 +72,9 @@ pub struct CheckpointHeader {
     /// The poses and shapes that it was trained on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<TrainedRange>,
+    /// The checksum of the pose-space deformation that it starts from, if it starts from one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pose_space: Option<String>,
     /// How the model was trained; whatever the trainer finds worth keeping.
     pub record: serde_json::Value,
     /// Scores by name.
@@ -95,6 +90,8 @@ pub struct Checkpoint {
     pub garment: Fingerprint,
     /// The poses and shapes that it was trained on, if that is known.
     pub range: Option<TrainedRange>,
+    /// The checksum of the pose-space deformation that it starts from, if it starts from one.
+    pub pose_space: Option<String>,
     /// How it was trained.
     pub record: serde_json::Value,
     /// Scores by name.
@@ -140,9 +137,7 @@ impl Checkpoint {
         let tensors = tensors::collected(&self.model, precision);
         let mut views = Vec::new();
         for (name, tensor) in &tensors {
-            let view = tensor.view(path, precision)?;
-            tensors::check(path, name, &view)?;
-            views.push((name.as_str(), view));
+            views.push((name.as_str(), tensor.view(path, precision)?));
         }
         let mut header = CheckpointHeader {
             schema: SCHEMA.to_owned(),
@@ -151,20 +146,11 @@ impl Checkpoint {
             unit: UNIT,
             checksum: String::new(),
             range: self.range.clone(),
+            pose_space: self.pose_space.clone(),
             record: self.record.clone(),
             scores: self.scores.clone(),
         };
-        let text = |header: &CheckpointHeader| {
-            serde_json::to_string(header).map_err(|source| CheckpointError::Metadata {
-                path: path.to_path_buf(),
-                source,
-            })
-        };
-        header.checksum = checksum(&text(&header)?, &views).to_string();
-        let text = text(&header)?;
-        let metadata = HashMap::from([(KEY.to_owned(), text)]);
-        let bytes = safetensors::serialize(views, Some(metadata));
-        bytes.map_err(|source| not_safetensors(path, source))
+        weight_file::to_bytes(path, &mut header, views)
     }
 
     /// Reads a file and makes its network on a device.
@@ -175,7 +161,7 @@ impl Checkpoint {
     /// version.
     pub fn load(path: impl AsRef<Path>, device: &Device) -> Result<Self, CheckpointError> {
         let path = path.as_ref();
-        Self::from_bytes(path, read(path)?, device)
+        Self::from_bytes(path, weight_file::read(path)?, device)
     }
 
     /// Reads the bytes of the file `path`.
@@ -188,12 +174,8 @@ impl Checkpoint {
         bytes: Vec<u8>,
         device: &Device,
     ) -> Result<Self, CheckpointError> {
-        let header = checked(path, &bytes)?;
-        let garment = header.garment.parse::<Fingerprint>().ok();
-        let garment = garment.ok_or_else(|| CheckpointError::Foreign {
-            path: path.to_path_buf(),
-            key: "garment",
-        })?;
+        let (header, _) = weight_file::checked::<CheckpointHeader>(path, &bytes)?;
+        let garment = weight_file::fingerprint(path, &header.garment)?;
         let unusable = |source| CheckpointError::Config {
             path: path.to_path_buf(),
             source,
@@ -204,6 +186,7 @@ impl Checkpoint {
             model,
             garment,
             range: header.range,
+            pose_space: header.pose_space,
             record: header.record,
             scores: header.scores,
         })
@@ -216,88 +199,19 @@ impl Checkpoint {
     /// As [`Checkpoint::load`].
     pub fn header(path: impl AsRef<Path>) -> Result<CheckpointHeader, CheckpointError> {
         let path = path.as_ref();
-        let bytes = read(path)?;
-        Ok(parse(path, &bytes)?.0)
+        let bytes = weight_file::read(path)?;
+        Ok(weight_file::parse::<CheckpointHeader>(path, &bytes)?.header)
     }
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, CheckpointError> {
-    fs::read(path).map_err(|source| CheckpointError::Io {
-        path: path.to_path_buf(),
-        source,
-    })
-}
+impl Header for CheckpointHeader {
+    const SCHEMA: &'static str = SCHEMA;
 
-fn not_safetensors(path: &Path, source: safetensors::SafeTensorError) -> CheckpointError {
-    CheckpointError::NotSafetensors {
-        path: path.to_path_buf(),
-        source,
+    fn checksum(&mut self) -> &mut String {
+        &mut self.checksum
     }
-}
 
-fn parse<'a>(
-    path: &Path,
-    bytes: &'a [u8],
-) -> Result<(CheckpointHeader, String, SafeTensors<'a>), CheckpointError> {
-    let failed = |source| not_safetensors(path, source);
-    let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(failed)?;
-    let tensors = SafeTensors::deserialize(bytes).map_err(failed)?;
-    let unreadable = |source| CheckpointError::Metadata {
-        path: path.to_path_buf(),
-        source,
-    };
-    let text = metadata.metadata().as_ref().and_then(|map| map.get(KEY));
-    let text = text.ok_or_else(|| CheckpointError::Foreign {
-        path: path.to_path_buf(),
-        key: KEY,
-    })?;
-    // The schema comes first: the rest of another version need not be understood.
-    let any: serde_json::Value = serde_json::from_str(text).map_err(unreadable)?;
-    let schema = any.get("schema").and_then(serde_json::Value::as_str);
-    if schema != Some(SCHEMA) {
-        return Err(CheckpointError::Schema {
-            path: path.to_path_buf(),
-            found: schema.unwrap_or("none").to_owned(),
-            expected: SCHEMA,
-        });
+    fn unit(&self) -> f32 {
+        self.unit
     }
-    let header: CheckpointHeader = serde_json::from_value(any).map_err(unreadable)?;
-    if (header.unit - UNIT).abs() > f32::EPSILON {
-        return Err(CheckpointError::Schema {
-            path: path.to_path_buf(),
-            found: format!("{SCHEMA} in units of {} m", header.unit),
-            expected: SCHEMA,
-        });
-    }
-    Ok((header, text.clone(), tensors))
-}
-
-/// What a file says about itself, if it and its numbers are those that were written.
-fn checked(path: &Path, bytes: &[u8]) -> Result<CheckpointHeader, CheckpointError> {
-    let (header, text, tensors) = parse(path, bytes)?;
-    let mut views: Vec<(&str, TensorView<'_>)> = tensors.iter().collect();
-    views.sort_unstable_by_key(|(name, _)| *name);
-    let signed = format!(r#""checksum":"{}""#, header.checksum);
-    let found = checksum(&text.replacen(&signed, UNSIGNED, 1), &views);
-    let expected = header.checksum.parse();
-    let expected = expected.unwrap_or(Fingerprint::of_bytes(&[]));
-    if found != expected {
-        return Err(CheckpointError::Altered {
-            path: path.to_path_buf(),
-            found,
-            expected,
-        });
-    }
-    (views.iter()).try_for_each(|(name, view)| tensors::check(path, name, view))?;
-    Ok(header)
-}
-
-/// Of the unsigned text, and of names and numbers in the order of the names.
-fn checksum(text: &str, tensors: &[(&str, TensorView<'_>)]) -> Fingerprint {
-    let sum = |(name, view): &(&str, TensorView<'_>)| {
-        let numbers = Fingerprint::of_bytes(view.data());
-        format!("{name}{numbers}")
-    };
-    let sums: Vec<String> = tensors.iter().map(sum).collect();
-    Fingerprint::of_bytes((text.to_owned() + &sums.concat()).as_bytes())
 }

@@ -50,6 +50,8 @@ pub enum Start {
     DualQuaternion,
     /// Dual-quaternion skinning and the change of the body's shape.
     Shape,
+    /// As [`Start::Shape`], moved by the pose-space deformation of the garment; not in the paper.
+    PoseSpace,
 }
 
 /// What a garment vertex brings along, besides its place, into the first layer.

@@ -158,6 +158,18 @@ pub enum CheckpointError {
         /// What differs.
         source: NetError,
     },
+    /// A network was trained on another pose-space deformation than the one beside it.
+    #[error("weights `{}` start from the pose-space deformation {expected}, but `{}` is {found}", path.display(), start.display())]
+    OtherStart {
+        /// The file of the network.
+        path: PathBuf,
+        /// The file of the pose-space deformation.
+        start: PathBuf,
+        /// Checksum of the one that it was trained on.
+        expected: String,
+        /// Checksum of the one that there is.
+        found: String,
+    },
     /// The configuration in the file is not usable.
     #[error("weights `{}` hold an unusable configuration", path.display())]
     Config {

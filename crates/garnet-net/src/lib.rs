@@ -42,14 +42,17 @@ mod cost;
 mod error;
 mod garment_graph;
 pub mod losses;
+mod model;
 mod network;
 mod ops;
+pub mod pose_space;
 mod predictor;
 mod presets;
 mod reference_case;
 mod reference_stage;
 mod scene;
 mod trained_range;
+mod weight_file;
 
 pub use body_sampling::BodySampling;
 pub use checkpoint::{Checkpoint, CheckpointHeader, Precision};
@@ -60,7 +63,9 @@ pub use config::{
 pub use cost::Cost;
 pub use error::{CheckpointError, NetError};
 pub use garment_graph::GarmentGraph;
+pub use model::{Model, ModelHeader};
 pub use network::{GarNet, surrogate};
+pub use pose_space::{POSE_SPACE, PoseSpace};
 pub use predictor::Predictor;
 pub use presets::PRESET_NAMES;
 pub use reference_case::write_reference_case;

@@ -79,6 +79,17 @@ impl Predictor {
     ) -> Result<Self, CheckpointError> {
         let path = path.as_ref();
         let checkpoint = Checkpoint::load(path, &Device::flex())?;
+        Self::of_checkpoint(path, checkpoint, garment, template, rest_body)
+    }
+
+    /// Binds the weights of the file `path`.
+    pub(crate) fn of_checkpoint(
+        path: &Path,
+        checkpoint: Checkpoint,
+        garment: GarmentGraph,
+        template: &[Point3],
+        rest_body: &[Point3],
+    ) -> Result<Self, CheckpointError> {
         let bind = || {
             checkpoint.accepts(&garment)?;
             let config = checkpoint.model.config();

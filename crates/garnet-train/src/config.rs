@@ -6,7 +6,7 @@ use garnet_net::losses::LossConfig;
 use garnet_net::{GarNetConfig, Precision, Variant};
 use serde::{Deserialize, Serialize};
 
-use crate::{Schedule, TrainError};
+use crate::{PoseSpaceConfig, Schedule, TrainError};
 
 /// How a network is trained; a TOML file may name any of the fields.
 ///
@@ -54,6 +54,8 @@ pub struct TrainConfig {
     pub seed: u64,
     /// Weights and constants of the losses.
     pub loss: LossConfig,
+    /// How a pose-space deformation is fitted; networks do not ask for it.
+    pub pose_space: PoseSpaceConfig,
     /// What differs from the preset, in the form of a network's configuration.
     pub network: toml::Table,
 }
@@ -86,6 +88,7 @@ impl Default for TrainConfig {
             precision: Precision::F32,
             seed: 1,
             loss: LossConfig::paper(),
+            pose_space: PoseSpaceConfig::default(),
             network: toml::Table::new(),
         }
     }
@@ -146,6 +149,30 @@ impl TrainConfig {
             ("accumulate", f64::from(self.accumulate), 1.0, 1e4),
             ("learning_rate", self.learning_rate, 1e-9, 1.0),
             ("max_gradient", self.max_gradient, 0.0, 1e9),
+            (
+                "pose_space.shapes",
+                f64::from(self.pose_space.shapes),
+                1.0,
+                1024.0,
+            ),
+            (
+                "pose_space.scenes",
+                f64::from(self.pose_space.scenes),
+                1.0,
+                2e4,
+            ),
+            (
+                "pose_space.searched",
+                f64::from(self.pose_space.searched),
+                1.0,
+                2e4,
+            ),
+            (
+                "pose_space.rounds",
+                f64::from(self.pose_space.rounds),
+                0.0,
+                1e3,
+            ),
         ];
         for (field, value, min, max) in numbers {
             if !(min..=max).contains(&value) {

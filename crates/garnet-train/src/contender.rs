@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use garnet_mesh::Point3;
-use garnet_net::{Checkpoint, Cost, GarNetConfig, Predictor, Start};
+use garnet_net::{Cost, GarNetConfig, Model, Start};
 
 use crate::network_input::predicted;
 use crate::{Candidate, Stage, StagedScene, TrainError, warp_of};
@@ -13,7 +13,7 @@ use crate::{Candidate, Stage, StagedScene, TrainError, warp_of};
 pub(crate) struct Contender {
     name: String,
     start: Start,
-    predictor: Option<Predictor>,
+    model: Option<Model>,
     cost: Option<Cost>,
 }
 
@@ -32,30 +32,27 @@ impl Contender {
     /// Reads the weights, if it has any.
     pub(crate) fn new(stage: &Stage, candidate: &Candidate) -> Result<Self, TrainError> {
         let package = &stage.package;
-        let (name, start, predictor) = match candidate {
+        let (name, start, model) = match candidate {
             Candidate::Skinning => ("dqs", Start::DualQuaternion, None),
             Candidate::Warp => ("warp", Start::Shape, None),
             Candidate::Model { name, weights } => {
                 let graph = stage.template().graph.clone();
-                let config = Checkpoint::header(weights)?.config;
                 // Sewing parameters may be those of bodies alone.
-                let zeros = vec![0.0; config.num_sewing_parameters];
-                let graph = graph.with_sewing_parameters(&zeros)?;
+                let count = stage.num_sewing_parameters()?;
+                let graph = graph.with_sewing_parameters(&vec![0.0; count])?;
                 let rest = package.body.rest().positions();
                 let template = package.mesh.positions();
-                let predictor = Predictor::load(weights, graph, template, rest)?;
-                (name.as_str(), config.start, Some(predictor))
+                let model = Model::load(weights, graph, template, rest)?;
+                (name.as_str(), model.start(), Some(model))
             }
         };
-        let cost = predictor.as_ref().map(|predictor| {
-            let config = predictor.model().config();
-            config.cost(package.mesh.num_vertices(), predictor.num_body_points())
-        });
+        let num_vertices = package.mesh.num_vertices();
+        let cost = model.as_ref().map(|model| model.cost(num_vertices));
         Ok(Self {
             name: name.to_owned(),
             start,
             cost: cost.transpose()?,
-            predictor,
+            model,
         })
     }
 
@@ -71,13 +68,12 @@ impl Contender {
 
     /// What the network is made of, if it is one.
     pub(crate) fn config(&self) -> Option<&GarNetConfig> {
-        let predictor = self.predictor.as_ref();
-        predictor.map(|predictor| predictor.model().config())
+        self.model.as_ref().and_then(Model::config)
     }
 
     /// Memory that the network keeps between scenes, in bytes.
     pub(crate) fn num_bytes(&self) -> Option<usize> {
-        self.predictor.as_ref().map(Predictor::num_bytes)
+        self.model.as_ref().map(Model::num_bytes)
     }
 
     /// Drapes without untangling.
@@ -90,7 +86,7 @@ impl Contender {
 
     fn draped(&mut self, staged: &StagedScene) -> Result<Draped, TrainError> {
         let worn = &staged.worn;
-        let Some(predictor) = &mut self.predictor else {
+        let Some(model) = &mut self.model else {
             let start = Instant::now();
             let nodes = worn.garment.warped(&staged.posed, warp_of(self.start))?;
             let warp = start.elapsed().as_secs_f64();
@@ -100,17 +96,12 @@ impl Contender {
                 network: None,
             });
         };
-        let graph = worn.graph.clone();
-        let graph = match predictor.model().config().num_sewing_parameters {
-            0 => graph.with_sewing_parameters(&[])?,
-            _ => graph,
-        };
-        predictor.rebind(graph)?;
+        model.rebind(worn.graph.clone())?;
         let start = Instant::now();
         let warped = staged.warped(self.start)?;
         let warp = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let positions = predicted(predictor, &warped, &worn.body, &staged.posed)?;
+        let positions = predicted(model, &warped, &worn.body, &staged.posed)?;
         Ok(Draped {
             positions,
             warp,

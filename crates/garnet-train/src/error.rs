@@ -92,6 +92,18 @@ pub enum TrainError {
         /// Those there are.
         known: String,
     },
+    /// A network starts from a pose-space deformation that the package does not have.
+    #[error("the network starts from a pose-space deformation, but there is no `{}`", path.display())]
+    NoStart {
+        /// Where it would be.
+        path: PathBuf,
+    },
+    /// A network that is fine-tuned was trained on another pose-space deformation.
+    #[error("`{base}` was trained on another pose-space deformation than the package has")]
+    OtherStart {
+        /// The weights.
+        base: String,
+    },
     /// The data set was made with another garment.
     #[error(
         "the data set is of `{found_name}` ({found}), the package of `{name}` ({expected}): {what}"

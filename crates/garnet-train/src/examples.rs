@@ -1,15 +1,18 @@
 //! The scenes of a split in memory.
 
 use garnet_data::Split;
+use garnet_net::PoseSpace;
 
 use crate::subject::{Example, Subject};
-use crate::{Stage, TrainError, TrainEvent};
+use crate::{Stage, TrainError, TrainEvent, pose_space};
 
-/// Reads and warps all scenes of a split.
+/// Reads and warps all scenes of a split, and moves them by the pose-space deformation that a network
+/// starts from, if it starts from one.
 pub(crate) fn examples(
     stage: &Stage,
     subject: &Subject,
     split: Split,
+    start: Option<&PoseSpace>,
     observer: &mut dyn FnMut(TrainEvent),
 ) -> Result<Vec<Example>, TrainError> {
     let total = stage.num_scenes(split)?;
@@ -19,5 +22,8 @@ pub(crate) fn examples(
         let done = examples.len();
         observer(TrainEvent::Read { split, done, total });
     })?;
+    if let Some(space) = start {
+        pose_space::start(space, split, &mut examples)?;
+    }
     Ok(examples)
 }

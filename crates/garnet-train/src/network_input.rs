@@ -1,7 +1,7 @@
 //! What a network is told of a scene.
 
 use garnet_mesh::Point3;
-use garnet_net::{Predictor, SceneInput};
+use garnet_net::{Model, SceneInput};
 use garnet_skin::{Body, PosedBody, WarpedGarment};
 
 use crate::TrainError;
@@ -22,15 +22,15 @@ pub(crate) fn input_of<'a>(
     }
 }
 
-/// The drape `[vertex]` of a network, in metres.
+/// The drape `[vertex]` of a model, in metres.
 ///
 /// Pose and shape are computed for each, as in a drape, which compares them with what was trained on.
 pub(crate) fn predicted(
-    predictor: &mut Predictor,
+    model: &mut Model,
     warped: &WarpedGarment,
     body: &Body,
     posed: &PosedBody,
 ) -> Result<Vec<Point3>, TrainError> {
     let parameters = body.pose_and_shape(posed);
-    Ok(predictor.predict(&input_of(warped, posed.skin().positions(), &parameters))?)
+    Ok(model.predict(&input_of(warped, posed.skin().positions(), &parameters))?)
 }

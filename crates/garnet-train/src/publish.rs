@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use burn::tensor::Device;
 use garnet_data::{GarmentPackage, Manifest, Split, Variant};
-use garnet_net::{Checkpoint, Precision, TrainedRange};
+use garnet_net::{Checkpoint, PoseSpace, Precision, TrainedRange};
 
 use crate::examples::examples;
 use crate::state::State;
@@ -55,15 +55,29 @@ pub fn weights_of(folder: &Path, manifest: &Manifest, name: &str) -> Result<Path
     })
 }
 
+/// Where a network goes, and what it is measured on.
+pub(crate) struct Job<'a> {
+    /// The package.
+    pub(crate) folder: &'a Path,
+    pub(crate) stage: &'a Stage,
+    pub(crate) subject: &'a Subject,
+    /// What the network starts from, if not from the warp alone.
+    pub(crate) start: Option<&'a PoseSpace>,
+}
+
 /// Measures the best model on the test split, writes its weights, and adds it to the manifest.
 pub(crate) fn publish(
-    folder: &Path,
-    stage: &Stage,
-    subject: &Subject,
+    job: &Job<'_>,
     state: &State,
     train: &[Example],
     observer: &mut dyn FnMut(TrainEvent),
 ) -> Result<Trained, TrainError> {
+    let Job {
+        folder,
+        stage,
+        subject,
+        start,
+    } = *job;
     let progress = &state.progress;
     let best = progress.best().cloned();
     let best = best.expect("the record before the first epoch is the best at first");
@@ -73,6 +87,7 @@ pub(crate) fn publish(
         model: state.best.clone(),
         garment: stage.template().graph.fingerprint(),
         range: TrainedRange::of(train.iter().map(|example| &example.parameters)),
+        pose_space: progress.pose_space.clone(),
         record: serde_json::json!({
             "variant": progress.name,
             "dataset": progress.dataset,
@@ -92,7 +107,7 @@ pub(crate) fn publish(
     }
     let test = match stage.num_scenes(Split::Test) {
         Ok(_) => {
-            let examples = examples(stage, subject, Split::Test, observer)?;
+            let examples = examples(stage, subject, Split::Test, start, observer)?;
             Some(validate(stage, subject, &checkpoint.model, &examples)?.scores)
         }
         Err(TrainError::EmptySplit { .. }) => None,
@@ -130,7 +145,7 @@ pub(crate) fn publish(
 }
 
 /// Scores under the names that weight files keep them by.
-fn named(split: &str, scores: &Scores) -> BTreeMap<String, f64> {
+pub(crate) fn named(split: &str, scores: &Scores) -> BTreeMap<String, f64> {
     let figures = [
         ("distance_m", scores.distance),
         ("distance_std_m", scores.distance_std),

@@ -1,7 +1,7 @@
 //! What the names of the paper's variants stand for.
 
-use garnet_net::Variant;
 use garnet_net::losses::LossConfig;
+use garnet_net::{POSE_SPACE, Variant};
 
 use crate::{Choice, TrainConfig, TrainError};
 
@@ -37,7 +37,7 @@ pub struct Recipe {
 impl Recipe {
     /// Reads a name: `naive`, `global`, `local` or `global-params` start anew; `<variant>-rq`,
     /// `-mc`, `-mcrq` and `-umc` fine-tune `<variant>` with curvature losses (*Gundogdu et al.
-    /// 2020, section 3.4*); any other name stands for itself.
+    /// 2020, section 3.4*); `pose-space` is a pose-space deformation; any other name stands for itself.
     ///
     /// # Errors
     ///
@@ -59,6 +59,11 @@ impl Recipe {
             kind: kind.map(|&(_, kind)| kind),
             fine_tuned,
         })
+    }
+
+    /// Whether it is no network but the pose-space deformation, which has one name alone.
+    pub fn is_pose_space(&self) -> bool {
+        self.name == POSE_SPACE
     }
 
     /// Puts what the name asks for into a configuration.

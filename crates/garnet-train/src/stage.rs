@@ -68,7 +68,7 @@ pub struct StagedScene {
 pub const fn warp_of(start: Start) -> Warp {
     match start {
         Start::DualQuaternion => Warp::DualQuaternion,
-        Start::Shape => Warp::Shape,
+        Start::Shape | Start::PoseSpace => Warp::Shape,
     }
 }
 

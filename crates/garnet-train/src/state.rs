@@ -31,6 +31,9 @@ pub(crate) struct Progress {
     pub(crate) dataset: String,
     /// The weights that it started from; none for random ones.
     pub(crate) base: Option<String>,
+    /// Checksum of the pose-space deformation that it starts from, if it starts from one.
+    #[serde(default)]
+    pub(crate) pose_space: Option<String>,
     /// Steps of the optimizer that are done.
     pub(crate) step: u64,
     /// The epoch that is under way, from 1.
@@ -85,6 +88,7 @@ impl State {
                 model: model.clone(),
                 garment,
                 range: None,
+                pose_space: None,
                 record: serde_json::Value::Null,
                 scores: BTreeMap::new(),
             };
@@ -193,6 +197,7 @@ impl Progress {
             config: config.clone(),
             dataset: dataset.to_string(),
             base: None,
+            pose_space: None,
             step: 0,
             epoch: 1,
             scene: 0,

@@ -113,6 +113,12 @@ impl Subject {
     }
 }
 
+impl AsRef<Self> for Example {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
 impl Example {
     /// The scene as networks take it.
     pub(crate) fn input(&self) -> SceneInput<'_> {

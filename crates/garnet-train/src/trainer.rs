@@ -22,7 +22,7 @@ use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate};
 use crate::{
     Began, Choice, EpochRecord, Recipe, Stage, TrainConfig, TrainError, TrainEvent, Trained,
-    gradients, publish,
+    gradients, pose_space, publish,
 };
 
 /// Scenes whose terms are told before the first step.
@@ -81,6 +81,9 @@ pub fn train(
     check_begin(job, &folder)?;
     let package = GarmentPackage::read(&job.package)?;
     let stage = Stage::new(package, Dataset::open(&job.dataset)?)?;
+    if job.recipe.is_pose_space() {
+        return pose_space::fit(job, &stage, observer, stop);
+    }
     let device = Device::flex().autodiff();
     let data = stage.dataset.manifest.fingerprint();
     let state = match job.begin {
@@ -94,23 +97,39 @@ pub fn train(
         Some(_) => (None, None),
         None => base_of(job, &stage, &device)?,
     };
-    let network = match state.as_ref().map(|state| &state.model).or(base.as_ref()) {
+    let base_model = base.as_ref().map(|base| &base.model);
+    let network = match state.as_ref().map(|state| &state.model).or(base_model) {
         Some(model) => model.config().clone(),
         None => new_network(&job.config, &stage)?,
     };
     let subject = Subject::new(&stage, network, &job.config.loss)?;
-    let train = examples(&stage, &subject, Split::Train, observer)?;
-    let valid = examples(&stage, &subject, Split::Valid, observer)?;
+    let start = pose_space::start_of(&job.package, &stage, &subject.config)?;
+    let start_name = start.as_ref().map(|start| start.checksum().to_owned());
+    if let Some(state) = &state
+        && state.progress.pose_space != start_name
+    {
+        return Err(other_training(&folder, "pose-space deformation"));
+    }
+    if let Some(base) = &base
+        && base.pose_space != start_name
+    {
+        return Err(TrainError::OtherStart {
+            base: base_name.unwrap_or_default(),
+        });
+    }
+    let train = examples(&stage, &subject, Split::Train, start.as_ref(), observer)?;
+    let valid = examples(&stage, &subject, Split::Valid, start.as_ref(), observer)?;
     fs::create_dir_all(&folder).map_err(|source| TrainError::folder(&folder, source))?;
     let state = if let Some(state) = state {
         state
     } else {
         let model = match base {
-            Some(model) => model,
+            Some(base) => base.model,
             None => subject.config.init(job.config.seed, &device)?,
         };
         let mut progress = Progress::new(&job.recipe.name, &job.config, data);
         progress.base = base_name;
+        progress.pose_space = start_name;
         State::new(progress, model)
     };
     let mut trainer = Trainer {
@@ -127,14 +146,13 @@ pub fn train(
     };
     trainer.begin(observer)?;
     trainer.run(observer, stop)?;
-    let trained = publish::publish(
-        &job.package,
-        &stage,
-        &subject,
-        &trainer.state,
-        &trainer.train,
-        observer,
-    )?;
+    let job = publish::Job {
+        folder: &job.package,
+        stage: &stage,
+        subject: &subject,
+        start: start.as_ref(),
+    };
+    let trained = publish::publish(&job, &trainer.state, &trainer.train, observer)?;
     trainer.state.progress.is_finished = true;
     trainer.save()?;
     Ok(trained)
@@ -173,17 +191,20 @@ fn check_same(
     dataset: Fingerprint,
     folder: &Path,
 ) -> Result<(), TrainError> {
-    let other = |what| TrainError::OtherTraining {
-        path: state_file(folder),
-        what,
-    };
     if progress.dataset != dataset.to_string() {
-        return Err(other("data set"));
+        return Err(other_training(folder, "data set"));
     }
     if progress.config != job.config {
-        return Err(other("configuration"));
+        return Err(other_training(folder, "configuration"));
     }
     Ok(())
+}
+
+fn other_training(folder: &Path, what: &'static str) -> TrainError {
+    TrainError::OtherTraining {
+        path: state_file(folder),
+        what,
+    }
 }
 
 /// The weights that are fine-tuned, and where they are from.
@@ -191,7 +212,7 @@ fn base_of(
     job: &TrainJob,
     stage: &Stage,
     device: &Device,
-) -> Result<(Option<GarNet>, Option<String>), TrainError> {
+) -> Result<(Option<Checkpoint>, Option<String>), TrainError> {
     let path = match (&job.base, &job.recipe.fine_tuned) {
         (Some(path), _) => path.clone(),
         (None, Some((name, _))) => {
@@ -201,7 +222,7 @@ fn base_of(
     };
     let checkpoint = Checkpoint::load(&path, device)?;
     checkpoint.accepts(&stage.template().graph)?;
-    Ok((Some(checkpoint.model), Some(path.display().to_string())))
+    Ok((Some(checkpoint), Some(path.display().to_string())))
 }
 
 /// A training under way.

@@ -1,8 +1,9 @@
 //! The scores of a network on examples.
 
 use garnet_knn::Surface;
+use garnet_mesh::Point3;
 use garnet_mesh::{Topology, TriMesh};
-use garnet_net::{GarNet, Predictor};
+use garnet_net::{GarNet, NetError, Predictor};
 
 use crate::scores::{Compared, Tally};
 use crate::subject::{Example, Subject};
@@ -28,26 +29,34 @@ pub(crate) fn validate(
     model: &GarNet,
     examples: &[Example],
 ) -> Result<Validation, TrainError> {
+    let mut predictor: Option<Predictor> = None;
+    let mut drape = |example: &Example| {
+        let graph = example.graph.clone();
+        if let Some(predictor) = &mut predictor {
+            predictor.rebind(graph)?;
+            return predictor.predict(&example.input());
+        }
+        let new = Predictor::new(model.clone(), graph, subject.sampling.clone())?;
+        predictor.insert(new).predict(&example.input())
+    };
+    validate_drapes(stage, subject, &mut drape, examples)
+}
+
+/// Measures what drapes examples; nothing is untangled.
+pub(crate) fn validate_drapes(
+    stage: &Stage,
+    subject: &Subject,
+    drape: &mut dyn FnMut(&Example) -> Result<Vec<Point3>, NetError>,
+    examples: &[Example],
+) -> Result<Validation, TrainError> {
     let mesh = &stage.package.mesh;
     let topology = Topology::new(mesh.num_vertices(), mesh.faces());
     let rest_body = stage.package.body.rest();
     let mut skin = Surface::new(rest_body);
-    let mut predictor: Option<Predictor> = None;
     let mut tally = Tally::default();
     let mut loss = 0.0;
     for example in examples {
-        let predictor = match &mut predictor {
-            Some(predictor) => {
-                predictor.rebind(example.graph.clone())?;
-                predictor
-            }
-            None => predictor.insert(Predictor::new(
-                model.clone(),
-                example.graph.clone(),
-                subject.sampling.clone(),
-            )?),
-        };
-        let Ok(predicted) = predictor.predict(&example.input()) else {
+        let Ok(predicted) = drape(example) else {
             let scores = Scores {
                 distance: DIVERGED,
                 ..Scores::default()
@@ -60,8 +69,7 @@ pub(crate) fn validate(
         let target = subject.losses.target(&example.draped)?;
         let losses = subject.losses.measure(&predicted, &target, &body)?;
         loss += losses.total();
-        skin.refit(&example.body)
-            .map_err(garnet_net::NetError::from)?;
+        skin.refit(&example.body).map_err(NetError::from)?;
         tally.add(&Compared {
             predicted: &predicted,
             draped: &example.draped,

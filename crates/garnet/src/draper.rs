@@ -52,6 +52,11 @@ impl Warped {
             nodes: garment.cloth.weld().gather(positions),
         }
     }
+
+    /// Positions `[vertex]` of the mesh of the garment, in metres.
+    pub fn positions(&self, garment: &BoundGarment) -> Vec<Point3> {
+        garment.cloth.weld().scatter(&self.nodes)
+    }
 }
 
 impl Draper {

@@ -1,5 +1,6 @@
 //! What can go wrong between files and a drape.
 
+use garnet_body::motion::RetargetError;
 use garnet_mesh::{Bounds, MeshError, ObjError};
 use garnet_net::{CheckpointError, NetError};
 use garnet_skin::{FileError, SkinError};
@@ -21,6 +22,9 @@ pub enum Error {
     /// A body, a pose or weights do not fit together.
     #[error(transparent)]
     Skin(#[from] SkinError),
+    /// A body is no human figure, so a garment cannot be carried over to it.
+    #[error(transparent)]
+    Figure(#[from] RetargetError),
     /// Untangling cannot start.
     #[error(transparent)]
     Untangle(#[from] UntangleError),

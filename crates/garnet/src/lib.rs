@@ -41,12 +41,13 @@ mod error;
 mod garment;
 mod network;
 mod penetration;
+mod refit;
 mod unfamiliar;
 
 pub use draper::{Drape, DrapeOptions, Draper, Warped};
 pub use error::Error;
 pub use garment::{BoundGarment, Garment};
-pub use garnet_body::{Registration, motion, poses, shape};
+pub use garnet_body::{motion, poses, shape};
 #[cfg(feature = "train")]
 pub use garnet_data as data;
 pub use garnet_knn::{ClosestPoint, Surface};
@@ -70,6 +71,7 @@ pub use garnet_untangle::{UntangleOptions, UntangleReport};
 pub use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 pub use network::{Moved, Network};
 pub use penetration::{Penetration, penetration};
+pub use refit::Refit;
 pub use unfamiliar::Unfamiliar;
 
 /// Compiles the program of the README.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput, Start};
+use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Model, SceneInput, Start};
 use garnet_skin::{Body, PosedBody, Warp, WarpedGarment};
 
 use crate::unfamiliar::{moving_joints, torn, unfamiliar};
@@ -14,7 +14,7 @@ use crate::{BoundGarment, Error, Unfamiliar, Warped};
 /// untangled.
 #[derive(Debug)]
 pub struct Network {
-    predictor: Predictor,
+    model: Model,
     body: Body,
     /// Whether each joint moves the garment.
     moves: Vec<bool>,
@@ -49,7 +49,7 @@ impl Network {
         let graph = GarmentGraph::new(mesh, sewing_parameters)?;
         let rest = body.rest().positions();
         Ok(Self {
-            predictor: Predictor::load(weights, graph, mesh.positions(), rest)?,
+            model: Model::load(weights, graph, mesh.positions(), rest)?,
             body: body.clone(),
             moves: moving_joints(&garment.cloth, body.skeleton().num_joints()),
         })
@@ -68,7 +68,7 @@ impl Network {
         let rest = body.rest().positions();
         let sampling = BodySampling::for_garment(rest, mesh.positions(), &config)?;
         Ok(Self {
-            predictor: Predictor::untrained(&config, 1, graph, sampling)?,
+            model: Model::untrained(&config, 1, graph, sampling)?,
             body: body.clone(),
             moves: moving_joints(&garment.cloth, body.skeleton().num_joints()),
         })
@@ -76,9 +76,9 @@ impl Network {
 
     /// What the network starts from.
     pub fn warp(&self) -> Warp {
-        match self.predictor.model().config().start {
+        match self.model.start() {
             Start::DualQuaternion => Warp::DualQuaternion,
-            Start::Shape => Warp::Shape,
+            Start::Shape | Start::PoseSpace => Warp::Shape,
         }
     }
 
@@ -110,13 +110,13 @@ impl Network {
     ) -> Result<Moved, Error> {
         let parameters = self.body.pose_and_shape(body);
         let joints = self.body.skeleton().joints();
-        let range = self.predictor.range();
+        let range = self.model.range();
         let unfamiliar =
             range.and_then(|range| unfamiliar(&range.excess(&parameters), joints, &self.moves));
         if let Some(reason) = unfamiliar {
             return Self::fallen_back(garment, body, reason);
         }
-        let moved = self.predictor.predict(&SceneInput {
+        let moved = self.model.predict(&SceneInput {
             warped: &warped.positions,
             body: body.skin().positions(),
             body_normals: &warped.body_normals,

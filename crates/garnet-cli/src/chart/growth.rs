@@ -110,15 +110,16 @@ fn networks(methods: &[Method], record: &Record) -> anyhow::Result<Vec<(String, 
         costs.push((cost.map_or(0, |cost| cost.flops), &method.name, weights));
     }
     costs.sort_by_key(|(flop, ..)| *flop);
-    if costs.len() > 2 {
-        costs.drain(1..costs.len() - 1);
-    }
-    if costs.is_empty() {
-        return Ok(vec![(PRESET.to_owned(), GarNetConfig::preset(PRESET)?)]);
-    }
     let mut networks = Vec::with_capacity(costs.len());
     for (_, name, weights) in costs {
-        networks.push((name.clone(), header_of(weights)?.config));
+        let config = header_of(weights)?.config;
+        networks.extend(config.map(|config| (name.clone(), config)));
+    }
+    if networks.len() > 2 {
+        networks.drain(1..networks.len() - 1);
+    }
+    if networks.is_empty() {
+        networks.push((PRESET.to_owned(), GarNetConfig::preset(PRESET)?));
     }
     Ok(networks)
 }

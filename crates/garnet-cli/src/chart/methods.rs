@@ -89,11 +89,15 @@ impl Method {
 impl Weights {
     fn of(path: &Path) -> anyhow::Result<Self> {
         let header = chart::header_of(path)?;
-        let metadata = fs::metadata(path);
-        let metadata = metadata.with_context(|| format!("cannot read `{}`", path.display()))?;
+        let mut bytes = 0;
+        for file in &header.files {
+            let metadata = fs::metadata(file);
+            let metadata = metadata.with_context(|| format!("cannot read `{}`", file.display()))?;
+            bytes += metadata.len();
+        }
         Ok(Self {
             checksum: header.checksum,
-            bytes: metadata.len(),
+            bytes,
         })
     }
 }

@@ -92,8 +92,9 @@ pub(crate) struct InputArgs {
 }
 
 const LONG_HELP: &str = "\
-The rig of a body is found in this order: --rig; `<rest body>.rig.npz` beside the OBJ of \
---rest-body; `<body>.rig.npz` beside BODY. Without --pose, the pose and shape of BODY are \
+The rig of a body is found in this order: --rig; that of the garment package, unless --rest-body is given \
+or BODY has other vertices; `<rest body>.rig.npz` beside the OBJ of --rest-body; `<body>.rig.npz` beside BODY. \
+The garment of a package is brought to a human body of any other topology. Without --pose, the pose and shape of BODY are \
 recovered from its vertices, which must be those of the rest body.
 
 Motions are carried over by the names of the joints. A pose file is JSON: {\"schema\": \"garnet.pose/1\", \"joints\": {\"left_knee\": [0.5, 0, 0, \
@@ -219,6 +220,8 @@ pub(crate) struct SourceFiles {
     pub(crate) garment: PathBuf,
     /// The package that the garment is from.
     pub(crate) package: Option<PathBuf>,
+    /// The body that the garment of the package lies on.
+    pub(crate) own_rig: Option<PathBuf>,
     pub(crate) bodies: Vec<PathBuf>,
     pub(crate) rig: Option<PathBuf>,
     pub(crate) rest_body: Option<PathBuf>,
@@ -313,11 +316,10 @@ impl InputArgs {
         let files = match &package {
             Some(folder) => {
                 let manifest = GarmentPackage::read_manifest(folder)?;
-                let has_body = self.rig.is_some() || self.rest_body.is_some();
-                let rig = folder.join(&manifest.rest_body.rig);
                 SourceFiles {
                     garment: GarmentPackage::template_at(folder),
-                    rig: self.rig.or((!has_body).then_some(rig)),
+                    own_rig: Some(folder.join(&manifest.rest_body.rig)),
+                    rig: self.rig,
                     package,
                     bodies: self.bodies,
                     rest_body: self.rest_body,
@@ -329,6 +331,7 @@ impl InputArgs {
             None => SourceFiles {
                 garment,
                 package,
+                own_rig: None,
                 bodies: self.bodies,
                 rig: self.rig,
                 rest_body: self.rest_body,
@@ -345,7 +348,8 @@ impl InputArgs {
 impl SourceFiles {
     fn check(&self) -> anyhow::Result<()> {
         if self.bodies.is_empty() {
-            let can_pose = self.rig.is_some() || self.rest_body.is_some();
+            let rest = [&self.rig, &self.own_rig, &self.rest_body];
+            let can_pose = rest.into_iter().any(Option::is_some);
             ensure_posed(self.pose.is_some() && can_pose)?;
         }
         if self.pose.is_some() && self.bodies.len() > 1 {

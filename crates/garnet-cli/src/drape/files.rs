@@ -23,6 +23,8 @@ pub(crate) struct Files {
     pub(crate) rest_body: Option<ObjFile>,
     pub(crate) rig: Rig,
     pub(crate) rig_path: PathBuf,
+    /// The body that the garment lies on, where that is not the one of the rig.
+    pub(crate) own: Option<Rig>,
 }
 
 /// A body of which positions are kept, and the text if there is but one.
@@ -46,18 +48,35 @@ impl Files {
         let rig = || rig_path.as_deref().map(read_rig).transpose();
         let ((garment, (bodies, rest_body)), rig) = rayon::join(meshes, rig);
         let (garment, bodies, rest_body) = (garment?, bodies?, rest_body?);
-        let (rig, rig_path) = match (rig?, rig_path) {
+        let (mut rig, mut rig_path) = match (rig?, rig_path) {
             (Some(rig), Some(rig_path)) => (rig, rig_path),
             _ => built_in_rig(rest_body.as_ref(), &bodies, source)?,
         };
+        let mut own = None;
+        if let Some(own_rig) = &source.own_rig {
+            if *own_rig != rig_path {
+                own = Some(read_rig(own_rig)?);
+            } else if let Some(path) = rig_of_stranger(&rig, &bodies) {
+                own = Some(std::mem::replace(&mut rig, read_rig(&path)?));
+                rig_path = path;
+            }
+        }
         Ok(Self {
             garment,
             bodies,
             rest_body,
             rig,
             rig_path,
+            own,
         })
     }
+}
+
+/// The rig beside a body of other vertices than that of the package, if there is one.
+fn rig_of_stranger(own: &Rig, bodies: &[BodyFile]) -> Option<PathBuf> {
+    let num_vertices = own.rest.as_ref()?.num_vertices();
+    let stranger = (bodies.iter()).find(|body| body.positions.len() != num_vertices)?;
+    Some(rig_beside(&stranger.path)).filter(|path| path.is_file())
 }
 
 /// The rig of a built-in body without a rig file: of the rest body, or else of the one body.
@@ -98,9 +117,10 @@ fn read_bodies(paths: &[PathBuf]) -> anyhow::Result<Vec<BodyFile>> {
     all.into_iter().collect()
 }
 
-/// Where the rig is: as named, or beside the rest body, or beside the first body.
+/// Where the rig is: as named, or in the package, or beside the rest body, or beside the first body.
 fn rig_path(source: &SourceFiles) -> Option<PathBuf> {
-    if let Some(path) = &source.rig {
+    let of_package = || (source.own_rig.as_ref()).filter(|_| source.rest_body.is_none());
+    if let Some(path) = source.rig.as_ref().or_else(of_package) {
         return Some(path.clone());
     }
     let beside = source.rest_body.iter().chain(source.bodies.first());

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
-    Moved, Network, PosedBody,
+    BoundGarment, Moved, Network, PosedBody, Warped,
     data::{GarmentPackage, Manifest},
     train::weights_of,
 };
@@ -86,12 +86,11 @@ impl Learned {
         let parameters: Vec<f32> = (parameters.into_iter().flatten())
             .map(|&value| value as f32)
             .collect();
-        Ok(Network::load(
-            weights,
-            &bound.garment,
-            &bound.body,
-            &parameters,
-        )?)
+        let (garment, body) = match &bound.refit {
+            Some(refit) => (refit.garment(), refit.own()),
+            None => (&bound.garment, &bound.body),
+        };
+        Ok(Network::load(weights, garment, body, &parameters)?)
     }
 
     /// What the report names the method.
@@ -112,8 +111,22 @@ impl Learned {
         bound: &Bound,
         posed: &PosedBody,
     ) -> anyhow::Result<(Moved, f64)> {
-        let warped = self.network.warped(&bound.garment, posed)?;
-        let (moved, seconds) = timed(|| self.network.moved(&bound.garment, posed, &warped));
+        let Some(refit) = &bound.refit else {
+            return self.moved(&bound.garment, posed);
+        };
+        let stand_in = refit.stand_in(posed.skin().positions())?;
+        let (moved, seconds) = self.moved(refit.garment(), &stand_in)?;
+        let places = moved.garment.positions(refit.garment());
+        let moved = Moved {
+            garment: Warped::at(&bound.garment, &places),
+            ..moved
+        };
+        Ok((moved, seconds))
+    }
+
+    fn moved(&mut self, garment: &BoundGarment, posed: &PosedBody) -> anyhow::Result<(Moved, f64)> {
+        let warped = self.network.warped(garment, posed)?;
+        let (moved, seconds) = timed(|| self.network.moved(garment, posed, &warped));
         Ok((moved?, seconds))
     }
 }

@@ -19,8 +19,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
-    Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, PosedBody, TriMesh, Warp,
-    data::SceneReport, edge_stretch, io, penetration,
+    Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, Point3, PosedBody, Refit, TriMesh,
+    Warp, data::SceneReport, edge_stretch, io, penetration,
 };
 
 pub(crate) use args::DrapeArgs;
@@ -103,6 +103,8 @@ pub(crate) fn do_job(
 /// The garment, bound, and what it is draped on.
 struct Bound {
     garment: BoundGarment,
+    /// How it came to the body, if it was made for another one.
+    refit: Option<Refit>,
     garment_file: io::ObjFile,
     garment_frame: Frame,
     /// Edges of the polygons of the garment.
@@ -126,6 +128,7 @@ impl Bound {
             garment_file,
             garment_frame,
             garment,
+            refit,
             rest,
             body,
             targets,
@@ -154,6 +157,7 @@ impl Bound {
         Ok(Self {
             warnings: warnings.collect(),
             garment,
+            refit,
             garment_file,
             garment_frame,
             edges,
@@ -165,6 +169,14 @@ impl Bound {
             learned: None,
             choice: None,
         })
+    }
+}
+
+impl Bound {
+    /// The garment as it was made `[vertex]`, in metres: what stretch is measured against.
+    fn rest_positions(&self) -> &[Point3] {
+        let made = (self.refit.as_ref()).map_or(&self.garment, Refit::garment);
+        made.mesh().positions()
     }
 }
 
@@ -251,7 +263,7 @@ fn drape_one(
         fallback,
         mut time,
     } = draped;
-    let rest = bound.garment.mesh().positions();
+    let rest = bound.rest_positions();
     let (free, trapped): (Vec<[u32; 2]>, Vec<[u32; 2]>) = bound
         .edges
         .iter()

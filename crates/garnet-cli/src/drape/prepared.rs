@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
-    Body, Isometry3, Method, Point3, Pose, PosedBody, TriMesh, Unit, UpAxis, io::ObjFile,
+    Body, Garment, Isometry3, Method, Point3, Pose, PosedBody, Refit, Rig, TriMesh, Unit, UpAxis,
+    io::ObjFile,
 };
 
 use super::{
@@ -26,6 +27,8 @@ pub(crate) struct Prepared {
     pub(crate) garment_file: ObjFile,
     pub(crate) garment_frame: Frame,
     pub(crate) garment: TriMesh,
+    /// How the garment came to the body, if it was made for another one.
+    pub(crate) refit: Option<Refit>,
     pub(crate) rest: RestBody,
     pub(crate) body: Body,
     pub(crate) targets: Vec<Target>,
@@ -124,6 +127,7 @@ impl Prepared {
         };
         Ok(Self {
             garment: in_metres(mesh, frame)?,
+            refit: None,
             garment_file: garment,
             garment_frame: frame,
             rest: RestBody {
@@ -151,6 +155,7 @@ impl Prepared {
             rest_body,
             rig,
             rig_path,
+            own,
         } = files;
         let is_posed = source.pose.is_some();
         let first = bodies.first_mut();
@@ -167,7 +172,7 @@ impl Prepared {
             up: frames.obj.up,
         };
         // What the user says is not doubted; binding still refuses what cannot be.
-        if source.units.garment.is_none() {
+        if source.units.garment.is_none() && source.package.is_none() {
             placement::check(
                 [&source.garment, &taken.path],
                 &garment_mesh,
@@ -175,12 +180,27 @@ impl Prepared {
                 (body.rest.rest(), frames.obj.unit),
             )?;
         }
+        let mut refit = None;
+        let garment_in_metres = if source.package.is_some() {
+            // A package is in metres, whatever the bodies are in.
+            match own.map(Rig::into_body).transpose()? {
+                Some(own) if !is_same(&own, &body.rest) => {
+                    let (worn, way) = refitted(source, garment_mesh, own, &body.rest)?;
+                    refit = Some(way);
+                    worn
+                }
+                _ => garment_mesh,
+            }
+        } else {
+            in_metres(garment_mesh, garment_frame)?
+        };
         let (targets, notes) = match &source.pose {
             Some(pose) => posed_targets(pose, &body, &bodies, &frames)?,
             None => (mesh_targets(bodies, &body.rest, &frames)?, Vec::new()),
         };
         Ok(Self {
-            garment: in_metres(garment_mesh, garment_frame)?,
+            garment: garment_in_metres,
+            refit,
             garment_file: garment,
             garment_frame,
             rest: RestBody {
@@ -199,6 +219,28 @@ impl Prepared {
             notes,
         })
     }
+}
+
+/// Whether a garment that lies on one body lies on the other.
+fn is_same(own: &Body, other: &Body) -> bool {
+    let (own, other) = (own.rest(), other.rest());
+    own.faces() == other.faces() && largest_distance(own.positions(), other.positions()) < SAME
+}
+
+/// The garment of a package on another body at rest.
+fn refitted(
+    source: &SourceFiles,
+    garment: TriMesh,
+    own: Body,
+    other: &Body,
+) -> anyhow::Result<(TriMesh, Refit)> {
+    let cannot = || {
+        let garment = source.garment.display();
+        format!("cannot bring `{garment}` from the body of its package to the other one")
+    };
+    let refit = Refit::new(Garment::new(garment), own, other).with_context(cannot)?;
+    let worn = refit.dressed(other).with_context(cannot)?;
+    Ok((worn, refit))
 }
 
 fn mesh_targets(

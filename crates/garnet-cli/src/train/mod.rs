@@ -76,6 +76,12 @@ fn advice(error: &TrainError) -> Option<String> {
         TrainError::NoVariant { .. } => {
             "train the variant that is fine-tuned first, or name weights with `--from`".to_owned()
         }
+        TrainError::OtherStart { .. } => {
+            "train that network anew before it is fine-tuned".to_owned()
+        }
+        TrainError::NoStart { .. } => {
+            "fit it first: `garnet train PACKAGE DATASET --variant pose-space`".to_owned()
+        }
         TrainError::Diverged { .. } => {
             "train with a smaller `learning_rate`, or bound the steps with `max_gradient`"
                 .to_owned()

@@ -57,6 +57,17 @@ impl<'a> Progress<'a> {
                 }
                 self.bar.set_position(done as u64);
             }
+            TrainEvent::Searched {
+                round,
+                rounds,
+                left_out,
+            } => {
+                self.bar.finish_and_clear();
+                self.console.summary(&format_args!(
+                    "round {round}/{rounds}: bodies that are left out are missed by {:.2} mm",
+                    1e3 * left_out
+                ));
+            }
             TrainEvent::Began(began) => self.begin(began),
             TrainEvent::Scene {
                 epoch,

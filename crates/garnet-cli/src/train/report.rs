@@ -56,26 +56,28 @@ impl fmt::Display for TrainReport {
                 scores.normal.to_degrees()
             )
         };
-        let early = if self.ended_early { ", early" } else { "" };
-        write!(
-            formatter,
-            "trained `{}` in {} epochs{early}, {:.1} min; the best is epoch {}\n  validation {}",
-            self.variant,
-            self.epochs,
-            self.seconds / 60.0,
-            self.best_epoch,
-            figures(&self.valid)
-        )?;
+        let (name, minutes) = (&self.variant, self.seconds / 60.0);
+        if self.epochs == 0 {
+            write!(formatter, "fitted `{name}` in {minutes:.1} min")?;
+        } else {
+            let early = if self.ended_early { ", early" } else { "" };
+            write!(
+                formatter,
+                "trained `{name}` in {} epochs{early}, {minutes:.1} min; the best is epoch {}",
+                self.epochs, self.best_epoch
+            )?;
+        }
+        write!(formatter, "\n  validation {}", figures(&self.valid))?;
         if let Some(start) = &self.valid_at_start {
             write!(formatter, " (at the start {})", figures(start))?;
         }
         if let Some(test) = &self.test {
             write!(formatter, "\n  test {}", figures(test))?;
         }
-        write!(
-            formatter,
-            "\nwrote {}; curves and log are in {}",
-            self.weights, self.training
-        )
+        write!(formatter, "\nwrote {}", self.weights)?;
+        if self.epochs == 0 {
+            return Ok(());
+        }
+        write!(formatter, "; curves and log are in {}", self.training)
     }
 }

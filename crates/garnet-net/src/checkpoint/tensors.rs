@@ -10,11 +10,11 @@ use burn::store::{
     ApplyError, FloatCastAdapter, ModuleSnapshot, SafetensorsStore, SafetensorsStoreError,
     burn_pack,
 };
-use burn::tensor::{Bytes, DType, Shape, f16};
-use safetensors::Dtype;
+use burn::tensor::{Bytes, DType, Shape};
 use safetensors::tensor::TensorView;
 
-use super::{Precision, not_safetensors};
+use super::Precision;
+use crate::weight_file::not_safetensors;
 use crate::{CheckpointError, GarNet};
 
 /// Numbers of a tensor on its way into a file.
@@ -30,11 +30,7 @@ impl Stored {
         path: &Path,
         precision: Precision,
     ) -> Result<TensorView<'_>, CheckpointError> {
-        let dtype = match precision {
-            Precision::F32 => Dtype::F32,
-            Precision::F16 => Dtype::F16,
-        };
-        let view = TensorView::new(dtype, self.shape.to_vec(), &self.bytes);
+        let view = TensorView::new(precision.dtype(), self.shape.to_vec(), &self.bytes);
         view.map_err(|source| not_safetensors(path, source))
     }
 }
@@ -53,32 +49,6 @@ pub(super) fn collected(model: &GarNet, precision: Precision) -> BTreeMap<String
     let adapter = Box::new(FloatCastAdapter::to(dtype));
     let tensors = model.collect(None, Some(adapter), false);
     tensors.into_iter().map(read).collect()
-}
-
-/// Whether the numbers of a tensor are such as weights have.
-pub(super) fn check(path: &Path, name: &str, view: &TensorView<'_>) -> Result<(), CheckpointError> {
-    let bytes = view.data();
-    let is_finite =
-        match view.dtype() {
-            Dtype::F32 => (bytes.as_chunks::<4>().0.iter())
-                .all(|&number| f32::from_le_bytes(number).is_finite()),
-            Dtype::F16 => (bytes.as_chunks::<2>().0.iter())
-                .all(|&number| f16::from_le_bytes(number).is_finite()),
-            other => {
-                return Err(CheckpointError::Tensor {
-                    path: path.to_path_buf(),
-                    name: name.to_owned(),
-                    found: format!("of type {other:?}"),
-                    expected: "F32 or F16".to_owned(),
-                });
-            }
-        };
-    if is_finite {
-        return Ok(());
-    }
-    Err(CheckpointError::NotFinite {
-        name: name.to_owned(),
-    })
 }
 
 /// Puts the tensors of a file, which are checked, into a network.

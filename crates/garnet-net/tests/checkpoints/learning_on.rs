@@ -44,6 +44,7 @@ impl Lesson {
             model: model.clone(),
             garment: self.garment.fingerprint(),
             range: None,
+            pose_space: None,
             record: serde_json::Value::Null,
             scores: std::collections::BTreeMap::new(),
         };

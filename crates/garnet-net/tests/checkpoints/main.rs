@@ -20,6 +20,7 @@ fn checkpoint() -> (Checkpoint, GarmentGraph) {
         model: config.init(3, &Device::flex()).unwrap(),
         garment: garment.fingerprint(),
         range: None,
+        pose_space: None,
         record: serde_json::json!({"epochs": 3, "seed": 11}),
         scores: BTreeMap::from([("distance".to_owned(), 0.0056)]),
     };

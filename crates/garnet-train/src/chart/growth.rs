@@ -6,9 +6,7 @@ use std::time::Instant;
 
 use garnet_data::{BodyPath, Quality, Rung, Split};
 use garnet_mesh::Point3;
-use garnet_net::{
-    BodySampling, Checkpoint, CheckpointHeader, GarNetConfig, GarmentGraph, Predictor,
-};
+use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Model, ModelHeader};
 use garnet_skin::{PosedBody, Warp, WarpedGarment};
 use garnet_untangle::{Binding, UntangleOptions, untangle};
 use serde::{Deserialize, Serialize};
@@ -52,8 +50,8 @@ pub struct CostAt {
 /// # Errors
 ///
 /// [`TrainError::Checkpoint`].
-pub fn header_of(weights: &Path) -> Result<CheckpointHeader, TrainError> {
-    Ok(Checkpoint::header(weights)?)
+pub fn header_of(weights: &Path) -> Result<ModelHeader, TrainError> {
+    Ok(ModelHeader::read(weights)?)
 }
 
 /// The bodies of scenes, as targets of the garment of the package.
@@ -106,7 +104,7 @@ pub fn cost_at(
         let config = graph.configured(config.clone());
         let rest = package.body.rest().positions();
         let sampling = BodySampling::for_garment(rest, mesh.positions(), &config)?;
-        networks.push((name, Predictor::untrained(&config, 1, graph, sampling)?));
+        networks.push((name, Model::untrained(&config, 1, graph, sampling)?));
     }
     let binding = Binding::new(&rung.garment)?;
     let mut times: Vec<Vec<f64>> = vec![Vec::new(); 2 + networks.len()];
@@ -143,7 +141,7 @@ fn drape(
     stage: &Stage,
     rung: &Rung,
     binding: &Binding,
-    networks: &mut [(&String, Predictor)],
+    networks: &mut [(&String, Model)],
     body: &PosedBody,
     options: &GrowthOptions,
 ) -> Result<Vec<f64>, TrainError> {
@@ -155,11 +153,11 @@ fn drape(
     let nodes = garment.weld().gather(&by_shape.positions);
     untangle(garment, binding, body, &nodes, &options.untangle)?;
     let mut times = vec![warp, start.elapsed().as_secs_f64()];
-    for (_, predictor) in networks {
-        let warp = warp_of(predictor.model().config().start);
+    for (_, model) in networks {
+        let warp = warp_of(model.start());
         let warped = WarpedGarment::new(garment, own, body, warp)?;
         let start = Instant::now();
-        predicted(predictor, &warped, own, body)?;
+        predicted(model, &warped, own, body)?;
         times.push(start.elapsed().as_secs_f64());
     }
     Ok(times)

@@ -5,4 +5,5 @@
 mod bad_input;
 mod evaluation;
 mod invented;
+mod pose_space;
 mod training;

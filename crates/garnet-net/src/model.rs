@@ -1,0 +1,249 @@
+//! Trained models of either kind, bound to a garment.
+
+use std::path::{Path, PathBuf};
+
+use burn::tensor::Device;
+use garnet_mesh::Point3;
+
+use crate::pose_space::{POSE_SPACE, PoseSpaceHeader, SCHEMA};
+use crate::{
+    BodySampling, Checkpoint, CheckpointError, CheckpointHeader, Cost, GarNetConfig, GarmentGraph,
+    NetError, PoseSpace, Predictor, SceneInput, Start, TrainedRange, weight_file,
+};
+
+/// What moves a warped garment to where the teacher would put it: a pose-space deformation, a network, or
+/// a network that starts from a pose-space deformation.
+#[derive(Debug)]
+pub struct Model {
+    pose_space: Option<PoseSpace>,
+    network: Option<Predictor>,
+    range: Option<TrainedRange>,
+}
+
+/// What the file of a model says about itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelHeader {
+    /// Checksum of the file.
+    pub checksum: String,
+    /// What the network is made of, if there is one.
+    pub config: Option<GarNetConfig>,
+    /// The file, and that of the pose-space deformation that a network starts from.
+    pub files: Vec<PathBuf>,
+}
+
+impl ModelHeader {
+    /// Reads what a file says about itself, and checks no numbers.
+    ///
+    /// # Errors
+    ///
+    /// As [`Model::load`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
+        let path = path.as_ref();
+        let bytes = weight_file::read(path)?;
+        let mut files = vec![path.to_path_buf()];
+        if weight_file::schema(path, &bytes)? == SCHEMA {
+            let header = weight_file::parse::<PoseSpaceHeader>(path, &bytes)?.header;
+            return Ok(Self {
+                checksum: header.checksum,
+                config: None,
+                files,
+            });
+        }
+        let header = weight_file::parse::<CheckpointHeader>(path, &bytes)?.header;
+        if header.config.start == Start::PoseSpace {
+            files.push(start_beside(path));
+        }
+        Ok(Self {
+            checksum: header.checksum,
+            config: Some(header.config),
+            files,
+        })
+    }
+}
+
+/// Where the pose-space deformation is that a network starts from.
+fn start_beside(path: &Path) -> PathBuf {
+    path.with_file_name(format!("{POSE_SPACE}.safetensors"))
+}
+
+impl From<Predictor> for Model {
+    fn from(network: Predictor) -> Self {
+        Self {
+            range: network.range().cloned(),
+            pose_space: None,
+            network: Some(network),
+        }
+    }
+}
+
+impl Model {
+    /// Reads a file of weights and binds it to a garment that lies on a body at rest, in metres. The
+    /// pose-space deformation that a network starts from is in the same folder.
+    ///
+    /// # Errors
+    ///
+    /// [`CheckpointError`] by name: the file is truncated, altered, foreign or of another version, or, as
+    /// [`CheckpointError::Unfit`], of another garment; [`CheckpointError::OtherStart`] for a network that
+    /// was trained on another pose-space deformation.
+    pub fn load(
+        path: impl AsRef<Path>,
+        garment: GarmentGraph,
+        template: &[Point3],
+        rest_body: &[Point3],
+    ) -> Result<Self, CheckpointError> {
+        let path = path.as_ref();
+        let bytes = weight_file::read(path)?;
+        if weight_file::schema(path, &bytes)? == SCHEMA {
+            let space = fitting(path, PoseSpace::from_bytes(path, &bytes)?, &garment)?;
+            return Ok(Self {
+                range: Some(space.range.clone()),
+                pose_space: Some(space),
+                network: None,
+            });
+        }
+        let checkpoint = Checkpoint::from_bytes(path, bytes, &Device::flex())?;
+        let pose_space = match checkpoint.model.config().start {
+            Start::PoseSpace => Some(start_of(path, &checkpoint, &garment)?),
+            Start::DualQuaternion | Start::Shape => None,
+        };
+        let network = Predictor::of_checkpoint(path, checkpoint, garment, template, rest_body)?;
+        Ok(Self {
+            pose_space,
+            ..Self::from(network)
+        })
+    }
+
+    /// A network with random weights from a seed; see [`Predictor::untrained`].
+    ///
+    /// # Errors
+    ///
+    /// As there.
+    pub fn untrained(
+        config: &GarNetConfig,
+        seed: u64,
+        garment: GarmentGraph,
+        sampling: BodySampling,
+    ) -> Result<Self, NetError> {
+        Ok(Predictor::untrained(config, seed, garment, sampling)?.into())
+    }
+
+    /// How the garment has to be brought to the body.
+    pub fn start(&self) -> Start {
+        self.config()
+            .map_or(Start::PoseSpace, |config| config.start)
+    }
+
+    /// What the network is made of, if there is one.
+    pub fn config(&self) -> Option<&GarNetConfig> {
+        let network = self.network.as_ref();
+        network.map(|network| network.model().config())
+    }
+
+    /// Size and work.
+    ///
+    /// # Errors
+    ///
+    /// As [`GarNetConfig::cost`].
+    pub fn cost(&self, num_vertices: usize) -> Result<Cost, NetError> {
+        let mut sum = Cost {
+            parameters: 0,
+            flops: 0,
+        };
+        let network = self.network.as_ref().map(|network| {
+            let config = network.model().config();
+            config.cost(num_vertices, network.num_body_points())
+        });
+        let space = self.pose_space.as_ref().map(PoseSpace::cost);
+        for cost in network.transpose()?.into_iter().chain(space) {
+            sum.parameters += cost.parameters;
+            sum.flops += cost.flops;
+        }
+        Ok(sum)
+    }
+
+    /// The poses and shapes that it was trained on, if the file tells.
+    pub fn range(&self) -> Option<&TrainedRange> {
+        self.range.as_ref()
+    }
+
+    /// Memory kept between scenes, in bytes.
+    pub fn num_bytes(&self) -> usize {
+        let network = self.network.as_ref().map_or(0, Predictor::num_bytes);
+        let space = self.pose_space.as_ref();
+        network
+            + space.map_or(0, |space| {
+                size_of::<f32>() * space.cost().parameters as usize
+            })
+    }
+
+    /// Goes on with another garment of the same topology; see [`Predictor::rebind`].
+    ///
+    /// # Errors
+    ///
+    /// As there.
+    pub fn rebind(&mut self, garment: GarmentGraph) -> Result<(), NetError> {
+        let Some(network) = &mut self.network else {
+            return Ok(());
+        };
+        let garment = match network.model().config().num_sewing_parameters {
+            0 => garment.with_sewing_parameters(&[])?,
+            _ => garment,
+        };
+        network.rebind(garment)
+    }
+
+    /// Drapes: the vertices of a scene `[vertex]`, in metres.
+    ///
+    /// # Errors
+    ///
+    /// As [`PoseSpace::coefficients`], [`PoseSpace::moved`] and [`Predictor::predict`].
+    pub fn predict(&mut self, input: &SceneInput<'_>) -> Result<Vec<Point3>, NetError> {
+        let started = match &self.pose_space {
+            None => None,
+            Some(space) => {
+                let shares = space.coefficients(input.parameters)?;
+                Some(space.moved(input.warped, input.rotations, &shares)?)
+            }
+        };
+        let warped = started.as_deref().unwrap_or(input.warped);
+        match &mut self.network {
+            Some(network) => network.predict(&SceneInput { warped, ..*input }),
+            None => Ok(warped.to_vec()),
+        }
+    }
+}
+
+/// The pose-space deformation that a network starts from.
+fn start_of(
+    path: &Path,
+    checkpoint: &Checkpoint,
+    garment: &GarmentGraph,
+) -> Result<PoseSpace, CheckpointError> {
+    let start = start_beside(path);
+    let space = fitting(&start, PoseSpace::load(&start)?, garment)?;
+    let expected = checkpoint.pose_space.as_deref().unwrap_or("none");
+    if space.checksum() == expected {
+        return Ok(space);
+    }
+    Err(CheckpointError::OtherStart {
+        path: path.to_path_buf(),
+        start,
+        expected: expected.to_owned(),
+        found: space.checksum().to_owned(),
+    })
+}
+
+fn fitting(
+    path: &Path,
+    space: PoseSpace,
+    garment: &GarmentGraph,
+) -> Result<PoseSpace, CheckpointError> {
+    let (expected, found) = (space.garment, garment.fingerprint());
+    if expected == found {
+        return Ok(space);
+    }
+    Err(CheckpointError::Unfit {
+        path: path.to_path_buf(),
+        source: NetError::OtherGarment { expected, found },
+    })
+}

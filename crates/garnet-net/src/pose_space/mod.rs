@@ -1,0 +1,327 @@
+//! Pose-space deformation: drapes of the training, interpolated by how alike poses and shapes are.
+//!
+//! ```text
+//! G_P = M + R (m + S c),   c = Σ_i k(|x − x_i|) w_i,   k(d) = (1 + √3 d) e^{−√3 d}
+//! ```
+//!
+//! x are the scaled numbers of pose and shape, x_i those of the scenes that it was fitted to, m and S the
+//! mean offset and the principal shapes of their offsets from the warp M, R the skinning rotations.
+//!
+//! Source: *Lewis, Cordner and Fong 2000* (pose-space deformation), *Kry, James and Pai 2002* (its
+//! principal shapes), *Rasmussen and Williams 2006, equation 4.17* (the covariance of Matérn, ν = 3/2).
+
+mod file;
+
+pub use file::PoseSpaceHeader;
+pub(crate) use file::SCHEMA;
+
+use std::collections::BTreeMap;
+
+use garnet_mesh::{Fingerprint, Point3, Vector3};
+use nalgebra::UnitQuaternion;
+use rayon::prelude::*;
+
+use crate::{Cost, NetError, TrainedRange};
+
+/// The name of the variant and of its file that networks start from.
+pub const POSE_SPACE: &str = "pose-space";
+
+/// Vertices that are moved together.
+const CHUNK: usize = 512;
+
+/// A pose-space deformation with all that its file says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PoseSpace {
+    /// The garment it was fitted for.
+    pub garment: Fingerprint,
+    /// The poses and shapes that it was fitted to.
+    pub range: TrainedRange,
+    /// Added to the diagonal of the covariances in the fit: the variance of what poses and shapes do not
+    /// tell, over that of what they tell.
+    pub ridge: f64,
+    /// How it was fitted.
+    pub record: serde_json::Value,
+    /// Scores by name.
+    pub scores: BTreeMap<String, f64>,
+    /// Checksum of its file; empty until it was written or read.
+    checksum: String,
+    parts: PoseSpaceParts,
+    /// Numbers whose scale is above zero.
+    kept: Vec<usize>,
+}
+
+/// The numbers of a [`PoseSpace`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PoseSpaceParts {
+    /// What each number of pose and shape is multiplied by `[number]`; zero leaves it out.
+    pub scales: Vec<f32>,
+    /// Scaled numbers of the scenes `[scene][number that is not left out]`.
+    pub centers: Vec<f32>,
+    /// Weights `[scene][shape]`.
+    pub weights: Vec<f32>,
+    /// Mean offset `[vertex][3]`, in metres, in the skinning frames.
+    pub mean: Vec<f32>,
+    /// Principal shapes `[shape][vertex][3]`, each of norm 1.
+    pub shapes: Vec<f32>,
+}
+
+/// The covariance of two scenes from the squared distance of their scaled numbers.
+pub fn covariance(squared: f64) -> f64 {
+    let distance = (3.0 * squared).sqrt();
+    (1.0 + distance) * (-distance).exp()
+}
+
+impl PoseSpace {
+    /// Puts the numbers of a fit together.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::Count`] where their counts do not agree.
+    pub fn new(
+        parts: PoseSpaceParts,
+        garment: Fingerprint,
+        range: TrainedRange,
+        ridge: f64,
+    ) -> Result<Self, NetError> {
+        let kept = (0..parts.scales.len()).filter(|&number| parts.scales[number] > 0.0);
+        let kept: Vec<usize> = kept.collect();
+        let check = |what, found: usize, expected: usize| {
+            if found == expected {
+                return Ok(());
+            }
+            Err(NetError::Count {
+                what,
+                found,
+                expected,
+            })
+        };
+        let num_shapes = parts.shapes.len() / parts.mean.len().max(1);
+        let num_scenes = parts.centers.len() / kept.len().max(1);
+        let coordinates = 3 * (parts.mean.len() / 3);
+        check("coordinates of the mean", parts.mean.len(), coordinates)?;
+        let coordinates = num_shapes * parts.mean.len();
+        check("coordinates of shapes", parts.shapes.len(), coordinates)?;
+        let numbers = num_scenes * kept.len();
+        check("numbers of scenes", parts.centers.len(), numbers)?;
+        check("weights", parts.weights.len(), num_scenes * num_shapes)?;
+        Ok(Self {
+            garment,
+            range,
+            ridge,
+            record: serde_json::Value::Null,
+            scores: BTreeMap::new(),
+            checksum: String::new(),
+            parts,
+            kept,
+        })
+    }
+
+    /// The numbers.
+    pub fn parts(&self) -> &PoseSpaceParts {
+        &self.parts
+    }
+
+    /// Checksum of its file; empty until it was written or read.
+    pub fn checksum(&self) -> &str {
+        &self.checksum
+    }
+
+    /// How many vertices the garment has.
+    pub fn num_vertices(&self) -> usize {
+        self.parts.mean.len() / 3
+    }
+
+    /// How many principal shapes there are.
+    pub fn num_shapes(&self) -> usize {
+        self.parts.shapes.len() / self.parts.mean.len().max(1)
+    }
+
+    /// Size and work.
+    pub fn cost(&self) -> Cost {
+        let PoseSpaceParts {
+            scales,
+            centers,
+            weights,
+            mean,
+            shapes,
+        } = &self.parts;
+        let all = [scales, centers, weights, mean, shapes].map(|part| part.len() as u64);
+        Cost {
+            parameters: all.iter().sum(),
+            // A difference, its square and a sum; a product and a sum.
+            flops: 3 * all[1] + 2 * (all[2] + all[4]) + all[3],
+        }
+    }
+
+    /// The numbers that count, scaled.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::Count`] for another count of numbers than those that it was fitted to.
+    pub fn scaled(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
+        let (found, expected) = (parameters.len(), self.parts.scales.len());
+        if found != expected {
+            return Err(NetError::Count {
+                what: "parameters",
+                found,
+                expected,
+            });
+        }
+        let scales = &self.parts.scales;
+        let scaled = |&number: &usize| scales[number] * parameters[number];
+        Ok(self.kept.iter().map(scaled).collect())
+    }
+
+    /// The share of each principal shape `[shape]`, in metres, by pose and shape of the body.
+    ///
+    /// # Errors
+    ///
+    /// As [`PoseSpace::scaled`].
+    pub fn coefficients(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
+        let place = self.scaled(parameters)?;
+        let mut sums = vec![0.0_f32; self.num_shapes()];
+        if place.is_empty() || sums.is_empty() {
+            return Ok(sums);
+        }
+        let centers = self.parts.centers.chunks_exact(place.len());
+        for (center, weights) in centers.zip(self.parts.weights.chunks_exact(sums.len())) {
+            let squared: f32 = center
+                .iter()
+                .zip(&place)
+                .map(|(a, b)| (a - b) * (a - b))
+                .sum();
+            let alike = covariance(f64::from(squared)) as f32;
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum += alike * weight;
+            }
+        }
+        Ok(sums)
+    }
+
+    /// The warped garment `[vertex]`, moved by mean and principal shapes, in metres.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::Count`] for a garment of another vertex count, [`NetError::Missing`] without skinning
+    /// rotations, [`NetError::Diverged`] for offsets that are not finite.
+    pub fn moved(
+        &self,
+        warped: &[Point3],
+        rotations: &[UnitQuaternion<f32>],
+        coefficients: &[f32],
+    ) -> Result<Vec<Point3>, NetError> {
+        if rotations.len() != warped.len() {
+            return Err(NetError::Missing {
+                what: "skinning rotations are",
+                needed_by: "the pose-space deformation moves vertices in",
+            });
+        }
+        if warped.len() != self.num_vertices() {
+            return Err(NetError::Count {
+                what: "garment vertices",
+                found: warped.len(),
+                expected: self.num_vertices(),
+            });
+        }
+        let mut moved = vec![Point3::origin(); warped.len()];
+        moved
+            .par_chunks_mut(CHUNK)
+            .enumerate()
+            .for_each(|(number, places)| {
+                let first = number * CHUNK;
+                let range = 3 * first..3 * (first + places.len());
+                let mut offsets = self.parts.mean[range.clone()].to_vec();
+                let shapes = self.parts.shapes.chunks_exact(self.parts.mean.len());
+                for (shape, share) in shapes.zip(coefficients) {
+                    for (offset, number) in offsets.iter_mut().zip(&shape[range.clone()]) {
+                        *offset += share * number;
+                    }
+                }
+                let (offsets, _) = offsets.as_chunks::<3>();
+                for (vertex, (place, &offset)) in places.iter_mut().zip(offsets).enumerate() {
+                    let offset = rotations[first + vertex] * Vector3::from(offset);
+                    *place = warped[first + vertex] + offset;
+                }
+            });
+        let is_stray = |place: &Point3| !place.iter().all(|number| number.is_finite());
+        match moved.iter().position(is_stray) {
+            Some(vertex) => Err(NetError::Diverged { vertex }),
+            None => Ok(moved),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two scenes of one number, a garment of one vertex, one shape.
+    pub(super) fn small() -> PoseSpace {
+        let parts = PoseSpaceParts {
+            scales: vec![0.0, 2.0],
+            centers: vec![0.0, 1.0],
+            weights: vec![0.5, -0.25],
+            mean: vec![0.0, 0.125, 0.0],
+            shapes: vec![1.0, 0.0, 0.0],
+        };
+        let range = TrainedRange::of([[0.0, 0.0], [1.0, 0.5]]).unwrap();
+        PoseSpace::new(parts, Fingerprint::of_bytes(b"one"), range, 0.01).unwrap()
+    }
+
+    #[test]
+    fn likeness_is_one_for_the_same_and_falls() {
+        assert!((covariance(0.0) - 1.0).abs() < 1e-12);
+        // Equation 4.17 at distance 1.
+        let at_one = (1.0 + 3.0_f64.sqrt()) * (-3.0_f64.sqrt()).exp();
+        assert!((covariance(1.0) - at_one).abs() < 1e-12);
+        assert!(covariance(1e4) < 1e-12);
+    }
+
+    #[test]
+    fn a_scene_between_two_gets_of_both() {
+        let space = small();
+        let found = space.coefficients(&[9.0, 0.25]).unwrap();
+        let half = covariance(0.25) as f32;
+        assert!((found[0] - 0.25 * half).abs() < 1e-6);
+        let quarter =
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.5 * std::f32::consts::PI);
+        let moved = space
+            .moved(&[Point3::new(1.0, 0.0, 0.0)], &[quarter], &[0.5])
+            .unwrap();
+        assert!((moved[0] - Point3::new(0.875, 0.5, 0.0)).norm() < 1e-6);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named() {
+        let space = small();
+        assert!(matches!(
+            space.coefficients(&[0.0]),
+            Err(NetError::Count {
+                what: "parameters",
+                found: 1,
+                expected: 2
+            })
+        ));
+        let places = [Point3::origin(); 2];
+        let turns = [UnitQuaternion::identity(); 2];
+        assert!(matches!(
+            space.moved(&places, &turns, &[0.0]),
+            Err(NetError::Count { .. })
+        ));
+        assert!(matches!(
+            space.moved(&places, &[], &[0.0]),
+            Err(NetError::Missing { .. })
+        ));
+        let one = [Point3::origin()];
+        assert!(matches!(
+            space.moved(&one, &turns[..1], &[f32::NAN]),
+            Err(NetError::Diverged { vertex: 0 })
+        ));
+        let parts = PoseSpaceParts {
+            weights: vec![0.5],
+            ..space.parts().clone()
+        };
+        let range = space.range.clone();
+        assert!(PoseSpace::new(parts, space.garment, range, 0.01).is_err());
+    }
+}

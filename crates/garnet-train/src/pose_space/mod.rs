@@ -1,0 +1,189 @@
+//! Pose-space deformations: fitted to the drapes of a data set, and what networks start from.
+//!
+//! A fit takes seconds where a network takes hours. Offsets of the drapes from the warp are put into few
+//! principal shapes; the share of each is interpolated between scenes by a Gaussian process. How much
+//! each joint counts is found by leaving out bodies, one after the other.
+
+mod offsets;
+mod principal;
+mod regression;
+mod relevance;
+mod start;
+
+pub(crate) use start::{start, start_of};
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use garnet_data::{GarmentPackage, Split, Variant};
+use garnet_net::pose_space::PoseSpaceParts;
+use garnet_net::{POSE_SPACE, PoseSpace, Start, TrainedRange};
+use serde::{Deserialize, Serialize};
+
+use crate::examples::examples;
+use crate::publish::named;
+use crate::subject::{Example, Subject};
+use crate::validate::{Validation, validate_drapes};
+use crate::{EpochRecord, Scores, Stage, TrainError, TrainEvent, TrainJob, Trained};
+use offsets::{Offsets, bodies, chosen};
+use regression::Regression;
+use relevance::Relevance;
+
+/// How a pose-space deformation is fitted.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PoseSpaceConfig {
+    /// Principal shapes.
+    pub shapes: u32,
+    /// Scenes that it is fitted to at most; bodies are chosen evenly.
+    pub scenes: u32,
+    /// Scenes by which it is found out how much each joint counts, at most.
+    pub searched: u32,
+    /// Rounds of that search.
+    pub rounds: u32,
+}
+
+impl Default for PoseSpaceConfig {
+    fn default() -> Self {
+        Self {
+            shapes: 128,
+            scenes: 4000,
+            searched: 1000,
+            rounds: 5,
+        }
+    }
+}
+
+/// Fits the pose-space deformation of a package and adds it to the package.
+pub(crate) fn fit(
+    job: &TrainJob,
+    stage: &Stage,
+    observer: &mut dyn FnMut(TrainEvent),
+    stop: &AtomicBool,
+) -> Result<Trained, TrainError> {
+    let mut network = job.config.network_config()?;
+    network.start = Start::Shape;
+    let subject = Subject::new(stage, network, &job.config.loss)?;
+    let train = examples(stage, &subject, Split::Train, None, observer)?;
+    let mut space = fitted(&job.config.pose_space, stage, &train, observer, stop)?;
+    space.record = record(job, stage, &space, train.len());
+    let path = job.package.join(format!("{POSE_SPACE}.safetensors"));
+    // What is measured are the numbers that the file will have.
+    let bytes = space.to_bytes(&path, job.config.precision)?;
+    let rounded = PoseSpace::from_bytes(&path, &bytes)?;
+    drop(train);
+    let mut scored = |split: Split| match stage.num_scenes(split) {
+        Ok(_) => {
+            let started = examples(stage, &subject, split, Some(&rounded), observer)?;
+            let drape = &mut |example: &Example| Ok(example.warped.positions.clone());
+            validate_drapes(stage, &subject, drape, &started).map(Some)
+        }
+        Err(TrainError::EmptySplit { .. }) => Ok(None),
+        Err(error) => Err(error),
+    };
+    let (valid, test) = (scored(Split::Valid)?, scored(Split::Test)?);
+    let scores = |found: &Option<Validation>| found.as_ref().map(|found| found.scores);
+    for (split, found) in [(Split::Valid, scores(&valid)), (Split::Test, scores(&test))] {
+        let found = found.map(|found| named(split.name(), &found));
+        space.scores.extend(found.unwrap_or_default());
+    }
+    space.save(&path, job.config.precision)?;
+
+    let mut manifest = GarmentPackage::read_manifest(&job.package)?;
+    manifest.add(Variant {
+        name: POSE_SPACE.to_owned(),
+        weights: format!("{POSE_SPACE}.safetensors"),
+        default: false,
+        distance_error: scores(&test).map(|test| test.distance),
+        flop: Some(space.cost().flops as f64),
+    });
+    GarmentPackage::write_manifest(&job.package, &manifest)?;
+    let test = scores(&test);
+    Ok(Trained {
+        name: POSE_SPACE.to_owned(),
+        weights: path,
+        best: best(valid),
+        epochs: 0,
+        epochs_asked: 0,
+        test,
+    })
+}
+
+/// The validation as a record.
+fn best(valid: Option<Validation>) -> EpochRecord {
+    EpochRecord {
+        epoch: 0,
+        learning_rate: 0.0,
+        loss: None,
+        terms: BTreeMap::new(),
+        skipped: 0,
+        valid_loss: valid.as_ref().map_or(0.0, |found| found.loss),
+        valid: valid.map_or_else(Scores::default, |found| found.scores),
+        is_best: true,
+    }
+}
+
+fn record(job: &TrainJob, stage: &Stage, space: &PoseSpace, num_train: usize) -> serde_json::Value {
+    serde_json::json!({
+        "variant": POSE_SPACE,
+        "dataset": stage.dataset.manifest.fingerprint().to_string(),
+        "scenes": num_train,
+        "config": job.config.pose_space,
+        "precision": job.config.precision,
+        "left_out_m": space.scores.get("left_out_m"),
+        "version": env!("CARGO_PKG_VERSION"),
+    })
+}
+
+/// The deformation of the scenes that the configuration chooses.
+fn fitted(
+    config: &PoseSpaceConfig,
+    stage: &Stage,
+    train: &[Example],
+    observer: &mut dyn FnMut(TrainEvent),
+    stop: &AtomicBool,
+) -> Result<PoseSpace, TrainError> {
+    let used = chosen(train, config.scenes as usize);
+    let offsets = Offsets::of(&used);
+    let principal = principal::principal(&offsets, config.shapes as usize);
+    let mut relevance = Relevance::new(stage.package.body.skeleton().joints());
+    let searched = chosen(&used, config.searched as usize);
+    let mut round = |round, left_out| {
+        observer(TrainEvent::Searched {
+            round,
+            rounds: config.rounds,
+            left_out,
+        });
+        round < config.rounds && !stop.load(Ordering::Relaxed)
+    };
+    relevance.search(&searched, &used, &principal.shares, &mut round);
+    if stop.load(Ordering::Relaxed) {
+        return Err(TrainError::Stopped);
+    }
+    let scales = relevance.scales(&used);
+    let places = relevance::places(&used, &scales);
+    let (regression, ridge) = Regression::surely(&places, &principal.shares, relevance.ridge());
+    let left_out = regression.left_out(&bodies(&used));
+    let numbers = |matrix: &faer::Mat<f64>| -> Vec<f32> {
+        let rows = 0..matrix.nrows();
+        rows.flat_map(|row| (0..matrix.ncols()).map(move |column| matrix[(row, column)] as f32))
+            .collect()
+    };
+    let parts = PoseSpaceParts {
+        scales,
+        centers: numbers(&places),
+        weights: numbers(regression.weights()),
+        mean: offsets.mean,
+        shapes: principal.shapes,
+    };
+    let range = TrainedRange::of(train.iter().map(|example| &example.parameters));
+    let range = range.ok_or(TrainError::EmptySplit {
+        split: Split::Train,
+    })?;
+    let garment = stage.template().graph.fingerprint();
+    let mut space = PoseSpace::new(parts, garment, range, ridge)?;
+    let num_vertices = space.num_vertices().max(1) as f64;
+    let error = relevance::mean_root(&left_out) / num_vertices.sqrt();
+    space.scores.insert("left_out_m".to_owned(), error);
+    Ok(space)
+}

@@ -1,0 +1,125 @@
+//! Pose-space deformations, and networks that start from them.
+
+use garnet_data::{Dataset, GarmentPackage, Split};
+use garnet_net::{POSE_SPACE, PoseSpace};
+use garnet_train::{
+    Candidate, Finish, Stage, TrainConfig, TrainError, TrainEvent, evaluate, train,
+};
+
+use crate::invented::{Invented, run, tiny};
+
+/// A tiny network that starts from the deformation.
+fn started(epochs: u32) -> TrainConfig {
+    TrainConfig {
+        network: toml::from_str("start = \"pose-space\"").unwrap(),
+        ..tiny(epochs)
+    }
+}
+
+fn candidate(invented: &Invented, name: &str) -> Candidate {
+    Candidate::Model {
+        name: name.to_owned(),
+        weights: invented.package().join(format!("{name}.safetensors")),
+    }
+}
+
+fn stage(invented: &Invented) -> Stage {
+    let package = GarmentPackage::read(&invented.package()).unwrap();
+    Stage::new(package, Dataset::open(&invented.dataset()).unwrap()).unwrap()
+}
+
+#[test]
+fn a_ripple_that_grows_with_the_pose_is_found() {
+    let invented = Invented::new();
+    let mut errors = Vec::new();
+    let mut observer = |event| {
+        if let TrainEvent::Searched { left_out, .. } = event {
+            errors.push(left_out);
+        }
+    };
+    let job = invented.job(POSE_SPACE, TrainConfig::default());
+    let fitted = train(&job, &mut observer, &false.into()).unwrap();
+    let config = &job.config.pose_space;
+    assert_eq!(errors.len(), config.rounds as usize + 1);
+    assert!(errors.is_sorted_by(|a, b| a >= b), "{errors:?}");
+    // The warp is 8 mm away; the pose of the validation lies between those that were seen.
+    let valid = fitted.best.valid.distance;
+    println!("{:.3} mm", 1e3 * valid);
+    assert!(valid < 2e-4, "{valid}");
+    let space = PoseSpace::load(&fitted.weights).unwrap();
+    assert!((space.scores["valid.distance_m"] - valid).abs() < 1e-12);
+
+    let manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
+    assert_eq!(
+        manifest.variant(POSE_SPACE).unwrap().weights,
+        "pose-space.safetensors"
+    );
+    let models = [candidate(&invented, POSE_SPACE)];
+    let found = evaluate(
+        &stage(&invented),
+        Split::Test,
+        &models,
+        Finish::None,
+        &mut |_| {},
+    );
+    let row = &found.unwrap().rows[0];
+    assert_eq!(
+        (Some(row.scores), row.config.is_none()),
+        (fitted.test, true)
+    );
+    assert!(row.flops > 0 && row.parameters > 0);
+
+    // The same numbers come out again.
+    let bytes = invented.bytes("pose-space.safetensors");
+    run(&job).unwrap();
+    assert!(invented.bytes("pose-space.safetensors") == bytes);
+}
+
+#[test]
+fn a_network_goes_on_from_where_the_deformation_ends() {
+    let invented = Invented::new();
+    let error = run(&invented.job("mine", started(3))).unwrap_err();
+    assert!(matches!(error, TrainError::NoStart { .. }), "{error}");
+
+    // One shape that is known badly leaves something to learn.
+    let mut coarse = TrainConfig::default();
+    coarse.pose_space.rounds = 0;
+    let fitted = run(&invented.job(POSE_SPACE, coarse)).unwrap();
+    let mut began = None;
+    let mut observer = |event| {
+        if let TrainEvent::Began(start) = event {
+            began = Some(start);
+        }
+    };
+    let job = invented.job("mine", started(3));
+    let trained = train(&job, &mut observer, &false.into()).unwrap();
+    let start = began.unwrap().past[0].valid.distance;
+    assert!((start - fitted.best.valid.distance).abs() < 1e-7);
+    let models = [candidate(&invented, "mine")];
+    let found = evaluate(
+        &stage(&invented),
+        Split::Test,
+        &models,
+        Finish::None,
+        &mut |_| {},
+    );
+    let (found, expected) = (found.unwrap().rows[0].scores, trained.test.unwrap());
+    assert!((found.distance - expected.distance).abs() < 1e-9);
+
+    // Another deformation is not the one that it was trained on.
+    let mut other = TrainConfig::default();
+    other.pose_space.shapes = 1;
+    run(&invented.job(POSE_SPACE, other)).unwrap();
+    let found = evaluate(
+        &stage(&invented),
+        Split::Test,
+        &models,
+        Finish::None,
+        &mut |_| {},
+    );
+    let told = found.unwrap_err().to_string();
+    assert!(
+        told.contains("start from the pose-space deformation"),
+        "{told}"
+    );
+}
