@@ -47,7 +47,15 @@ const OWNERS: [(&str, &[&str]); 9] = [
     ("clap", &["garnet-cli"]),
     ("anyhow", &["garnet-cli"]),
     ("indicatif", &["garnet-cli"]),
-    ("faer", &["garnet-skin", "garnet-sim", "garnet-benches"]),
+    (
+        "faer",
+        &[
+            "garnet-skin",
+            "garnet-sim",
+            "garnet-train",
+            "garnet-benches",
+        ],
+    ),
     ("image", &["garnet-view"]),
     ("plotters", &["garnet-view"]),
 ];

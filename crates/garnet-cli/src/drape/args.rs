@@ -93,7 +93,7 @@ pub(crate) struct InputArgs {
 
 const LONG_HELP: &str = "\
 The rig of a body is found in this order: --rig; that of the garment package, unless --rest-body is given \
-or BODY has other vertices; `<rest body>.rig.npz` beside the OBJ of --rest-body; `<body>.rig.npz` beside BODY. \
+or the rig beside BODY is of another topology; `<rest body>.rig.npz` beside the OBJ of --rest-body; `<body>.rig.npz` beside BODY. \
 The garment of a package is brought to a human body of any other topology. Without --pose, the pose and shape of BODY are \
 recovered from its vertices, which must be those of the rest body.
 

@@ -56,8 +56,8 @@ impl Files {
         if let Some(own_rig) = &source.own_rig {
             if *own_rig != rig_path {
                 own = Some(read_rig(own_rig)?);
-            } else if let Some(path) = rig_of_stranger(&rig, &bodies) {
-                own = Some(std::mem::replace(&mut rig, read_rig(&path)?));
+            } else if let Some((other, path)) = rig_of_stranger(&rig, &bodies)? {
+                own = Some(std::mem::replace(&mut rig, other));
                 rig_path = path;
             }
         }
@@ -72,11 +72,21 @@ impl Files {
     }
 }
 
-/// The rig beside a body of other vertices than that of the package, if there is one.
-fn rig_of_stranger(own: &Rig, bodies: &[BodyFile]) -> Option<PathBuf> {
-    let num_vertices = own.rest.as_ref()?.num_vertices();
-    let stranger = (bodies.iter()).find(|body| body.positions.len() != num_vertices)?;
-    Some(rig_beside(&stranger.path)).filter(|path| path.is_file())
+/// The rig beside a body, if that is of another topology than the body of the package.
+fn rig_of_stranger(own: &Rig, bodies: &[BodyFile]) -> anyhow::Result<Option<(Rig, PathBuf)>> {
+    let (Some(rest), Some(body)) = (&own.rest, bodies.first()) else {
+        return Ok(None);
+    };
+    let path = rig_beside(&body.path);
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let other = read_rig(&path)?;
+    let is_stranger = match &other.rest {
+        Some(mesh) => mesh.faces() != rest.faces(),
+        None => body.positions.len() != rest.num_vertices(),
+    };
+    Ok(is_stranger.then_some((other, path)))
 }
 
 /// The rig of a built-in body without a rig file: of the rest body, or else of the one body.
