@@ -46,6 +46,14 @@ impl Precision {
         }
     }
 
+    /// A number as it comes back from a file.
+    pub fn rounded(self, number: f32) -> f32 {
+        match self {
+            Self::F32 => number,
+            Self::F16 => f16::from_f32(number).to_f32(),
+        }
+    }
+
     /// Numbers as they are stored.
     pub(crate) fn stored(self, numbers: &[f32]) -> Vec<u8> {
         match self {

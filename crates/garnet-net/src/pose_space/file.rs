@@ -62,6 +62,7 @@ impl PoseSpace {
         let parts = &self.parts;
         let num_scenes = parts.centers.len() / self.kept.len().max(1);
         let (num_shapes, num_vertices) = (self.num_shapes(), self.num_vertices());
+        // Large weights cancel each other: rounded to halves they would move a drape by centimetres.
         let single = Precision::F32;
         let tensors = [
             ("scales", vec![parts.scales.len()], &parts.scales, single),
@@ -75,7 +76,7 @@ impl PoseSpace {
                 "weights",
                 vec![num_scenes, num_shapes],
                 &parts.weights,
-                precision,
+                single,
             ),
             ("mean", vec![num_vertices, 3], &parts.mean, single),
             (

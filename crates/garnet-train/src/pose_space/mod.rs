@@ -17,14 +17,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_data::{GarmentPackage, Split, Variant};
 use garnet_net::pose_space::PoseSpaceParts;
-use garnet_net::{POSE_SPACE, PoseSpace, Start, TrainedRange};
+use garnet_net::{POSE_SPACE, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
 
 use crate::examples::examples;
 use crate::publish::named;
 use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate_drapes};
-use crate::{EpochRecord, Scores, Stage, TrainError, TrainEvent, TrainJob, Trained};
+use crate::{EpochRecord, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained};
 use offsets::{Offsets, bodies, chosen};
 use regression::Regression;
 use relevance::Relevance;
@@ -65,7 +65,7 @@ pub(crate) fn fit(
     network.start = Start::Shape;
     let subject = Subject::new(stage, network, &job.config.loss)?;
     let train = examples(stage, &subject, Split::Train, None, observer)?;
-    let mut space = fitted(&job.config.pose_space, stage, &train, observer, stop)?;
+    let mut space = fitted(&job.config, stage, &train, observer, stop)?;
     space.record = record(job, stage, &space, train.len());
     let path = job.package.join(format!("{POSE_SPACE}.safetensors"));
     // What is measured are the numbers that the file will have.
@@ -135,33 +135,46 @@ fn record(job: &TrainJob, stage: &Stage, space: &PoseSpace, num_train: usize) ->
     })
 }
 
+/// Numbers as a file keeps them.
+fn rounded(mut numbers: faer::Mat<f64>, precision: Precision) -> faer::Mat<f64> {
+    for column in 0..numbers.ncols() {
+        for row in 0..numbers.nrows() {
+            let number = &mut numbers[(row, column)];
+            *number = f64::from(precision.rounded(*number as f32));
+        }
+    }
+    numbers
+}
+
 /// The deformation of the scenes that the configuration chooses.
 fn fitted(
-    config: &PoseSpaceConfig,
+    config: &TrainConfig,
     stage: &Stage,
     train: &[Example],
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
 ) -> Result<PoseSpace, TrainError> {
-    let used = chosen(train, config.scenes as usize);
+    let asked = &config.pose_space;
+    let used = chosen(train, asked.scenes as usize);
     let offsets = Offsets::of(&used);
-    let principal = principal::principal(&offsets, config.shapes as usize);
+    let principal = principal::principal(&offsets, asked.shapes as usize);
     let mut relevance = Relevance::new(stage.package.body.skeleton().joints());
-    let searched = chosen(&used, config.searched as usize);
+    let searched = chosen(&used, asked.searched as usize);
     let mut round = |round, left_out| {
         observer(TrainEvent::Searched {
             round,
-            rounds: config.rounds,
+            rounds: asked.rounds,
             left_out,
         });
-        round < config.rounds && !stop.load(Ordering::Relaxed)
+        round < asked.rounds && !stop.load(Ordering::Relaxed)
     };
     relevance.search(&searched, &used, &principal.shares, &mut round);
     if stop.load(Ordering::Relaxed) {
         return Err(TrainError::Stopped);
     }
     let scales = relevance.scales(&used);
-    let places = relevance::places(&used, &scales);
+    // Fitted where the file will have the scenes: what is rounded there is made up for here.
+    let places = rounded(relevance::places(&used, &scales), config.precision);
     let (regression, ridge) = Regression::surely(&places, &principal.shares, relevance.ridge());
     let left_out = regression.left_out(&bodies(&used));
     let numbers = |matrix: &faer::Mat<f64>| -> Vec<f32> {

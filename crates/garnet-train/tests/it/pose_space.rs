@@ -3,7 +3,7 @@
 use garnet_data::{Dataset, GarmentPackage, Split};
 use garnet_net::{POSE_SPACE, PoseSpace};
 use garnet_train::{
-    Candidate, Finish, Stage, TrainConfig, TrainError, TrainEvent, evaluate, train,
+    Candidate, Finish, Precision, Stage, TrainConfig, TrainError, TrainEvent, evaluate, train,
 };
 
 use crate::invented::{Invented, run, tiny};
@@ -68,6 +68,15 @@ fn a_ripple_that_grows_with_the_pose_is_found() {
         (fitted.test, true)
     );
     assert!(row.flops > 0 && row.parameters > 0);
+
+    // Half of the bits are enough for most of the numbers.
+    let half = TrainConfig {
+        precision: Precision::F16,
+        ..TrainConfig::default()
+    };
+    let halved = run(&invented.job(POSE_SPACE, half)).unwrap();
+    assert!((halved.best.valid.distance - valid).abs() < 5e-5);
+    run(&job).unwrap();
 
     // The same numbers come out again.
     let bytes = invented.bytes("pose-space.safetensors");
