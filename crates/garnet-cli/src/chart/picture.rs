@@ -105,7 +105,7 @@ fn legend(report: &ChartReport) -> Vec<Entry> {
     let mut entries = Vec::new();
     for (kind, text) in [
         (Kind::Geometry, "geometry alone, untangled"),
-        (Kind::Network, "network, untangled"),
+        (Kind::Network, "learned, untangled"),
         (Kind::Simulation, "simulation"),
     ] {
         if has(kind) {
