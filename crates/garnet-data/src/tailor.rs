@@ -190,7 +190,7 @@ pub(crate) fn values(parameters: &Parameters) -> BTreeMap<String, f64> {
 /// The fabric that a garment is usually made of.
 pub fn usual_fabric(kind: GarmentKind) -> StoredFabric {
     let (name, fabric) = match kind {
-        GarmentKind::Tshirt => ("jersey", Fabric::jersey()),
+        GarmentKind::Tshirt => ("interlock", Fabric::interlock()),
         GarmentKind::Sweater => ("knit", Fabric::knit()),
         GarmentKind::Dress => ("cotton", Fabric::cotton()),
         GarmentKind::Jeans => ("denim", Fabric::denim()),

@@ -37,7 +37,7 @@ pub struct Fabric {
 pub const DEFAULT_THICKNESS: f32 = 0.003;
 
 /// The names that [`Fabric::named`] knows.
-pub const FABRIC_NAMES: [&str; 5] = ["silk", "jersey", "cotton", "knit", "denim"];
+pub const FABRIC_NAMES: [&str; 6] = ["silk", "jersey", "interlock", "cotton", "knit", "denim"];
 
 /// Smallest and largest value and unit of each constant.
 const LIMITS: [(&str, f32, f32, &str); 5] = [
@@ -59,9 +59,16 @@ impl Fabric {
         Self::of(0.08, 700.0, 3e-6, 0.25)
     }
 
-    /// Single jersey, as T-shirts are made of.
+    /// Single jersey, as light T-shirts are made of. Its folds are as short as the edges of a garment
+    /// of 5000 vertices.
     pub const fn jersey() -> Self {
         Self::of(0.18, 300.0, 5e-6, 0.3)
+    }
+
+    /// Interlock and other double knits, as heavy T-shirts are made of: (B / ρ g)^⅓ is 27 mm, two edges
+    /// of a T-shirt of 5000 vertices, so that its mesh can hold the folds.
+    pub const fn interlock() -> Self {
+        Self::of(0.25, 1000.0, 5e-5, 0.3)
     }
 
     /// Cotton shirting.
@@ -84,6 +91,7 @@ impl Fabric {
         match name {
             "silk" => Some(Self::silk()),
             "jersey" => Some(Self::jersey()),
+            "interlock" => Some(Self::interlock()),
             "cotton" => Some(Self::cotton()),
             "knit" => Some(Self::knit()),
             "denim" => Some(Self::denim()),

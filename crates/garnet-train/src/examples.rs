@@ -23,7 +23,7 @@ pub(crate) fn examples(
         observer(TrainEvent::Read { split, done, total });
     })?;
     if let Some(space) = start {
-        pose_space::start(space, split, &mut examples)?;
+        pose_space::start(space, stage, split, &mut examples)?;
     }
     Ok(examples)
 }

@@ -68,6 +68,7 @@ impl Exercise {
                 body: 0,
                 pose: 0,
             },
+            sequence: String::new(),
             rest: Arc::from(garment.positions()),
             graph,
             warped: WarpedGarment {

@@ -54,6 +54,8 @@ impl Worn {
 pub struct StagedScene {
     /// Which it is.
     pub name: SceneName,
+    /// The sequence that the pose is from; empty if it is from none.
+    pub sequence: String,
     /// Who wears what.
     pub worn: Arc<Worn>,
     /// The body in its pose.
@@ -337,6 +339,7 @@ impl Dressed {
         })?;
         Ok(StagedScene {
             name,
+            sequence: scene.sequence.clone(),
             worn: Arc::clone(&self.worn),
             posed,
             draped: scene.garment.clone(),

@@ -24,6 +24,8 @@ pub(crate) struct Subject {
 #[derive(Debug)]
 pub(crate) struct Example {
     pub(crate) scene: SceneName,
+    /// The sequence that the pose is from; empty if it is from none.
+    pub(crate) sequence: String,
     /// The garment at rest `[vertex]`, in metres.
     pub(crate) rest: Arc<[Point3]>,
     pub(crate) graph: GarmentGraph,
@@ -83,6 +85,7 @@ impl Subject {
         let graph = worn.graph.clone();
         Ok(Example {
             scene: staged.name,
+            sequence: staged.sequence.clone(),
             rest: Arc::clone(&worn.rest),
             graph: match self.config.num_sewing_parameters {
                 0 => graph.with_sewing_parameters(&[])?,

@@ -44,7 +44,7 @@ pub(crate) struct PatternOptions {
     /// rig [default: the mean of both sexes, 172 cm].
     #[arg(long, value_name = "BODY")]
     pub(crate) body: Option<PathBuf>,
-    /// Fabric: silk, jersey, cotton, knit or denim [default: that of the garment].
+    /// Fabric: silk, jersey, interlock, cotton, knit or denim [default: that of the garment].
     #[arg(long, value_name = "NAME")]
     pub(crate) fabric: Option<String>,
     /// Name of the garment [default: that of the pattern].
@@ -67,7 +67,7 @@ pub(crate) struct OwnArgs {
     /// Folder of the package.
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
-    /// Fabric: silk, jersey, cotton, knit or denim.
+    /// Fabric: silk, jersey, interlock, cotton, knit or denim.
     #[arg(long, value_name = "NAME", default_value = "cotton")]
     pub(crate) fabric: String,
     /// Name of the garment [default: that of the file].

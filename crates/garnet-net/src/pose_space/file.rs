@@ -8,12 +8,12 @@ use safetensors::SafeTensors;
 use safetensors::tensor::TensorView;
 use serde::{Deserialize, Serialize};
 
-use super::{PoseSpace, PoseSpaceParts};
+use super::{Mirror, PoseSpace, PoseSpaceParts};
 use crate::weight_file::{self, Header, not_safetensors};
 use crate::{CheckpointError, Precision, TrainedRange, UNIT};
 
 /// The schema that this version reads and writes.
-pub(crate) const SCHEMA: &str = "garnet-pose-space/1";
+pub(crate) const SCHEMA: &str = "garnet-pose-space/2";
 
 /// What the file of a pose-space deformation says about itself.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -35,6 +35,10 @@ pub struct PoseSpaceHeader {
     /// Scores by name.
     pub scores: BTreeMap<String, f64>,
 }
+
+/// Names of the tensors of a [`Mirror`].
+const MIRROR: &str = "mirror";
+const PARITY: &str = "parity";
 
 impl Header for PoseSpaceHeader {
     const SCHEMA: &'static str = SCHEMA;
@@ -64,7 +68,7 @@ impl PoseSpace {
         let (num_shapes, num_vertices) = (self.num_shapes(), self.num_vertices());
         // Large weights cancel each other: rounded to halves they would move a drape by centimetres.
         let single = Precision::F32;
-        let tensors = [
+        let mut tensors = vec![
             ("scales", vec![parts.scales.len()], &parts.scales, single),
             (
                 "centers",
@@ -86,9 +90,21 @@ impl PoseSpace {
                 precision,
             ),
         ];
-        let stored = tensors.map(|(name, shape, numbers, precision)| {
-            (name, shape, precision.dtype(), precision.stored(numbers))
-        });
+        let (numbers, parity);
+        if let Some(mirror) = &parts.mirror {
+            let pairs = mirror.numbers.iter();
+            numbers = pairs
+                .flat_map(|&(number, sign)| [number as f32, sign])
+                .collect();
+            parity = mirror.parity.clone();
+            tensors.push((MIRROR, vec![mirror.numbers.len(), 2], &numbers, single));
+            tensors.push((PARITY, vec![num_shapes], &parity, single));
+        }
+        let stored: Vec<_> = (tensors.into_iter())
+            .map(|(name, shape, numbers, precision)| {
+                (name, shape, precision.dtype(), precision.stored(numbers))
+            })
+            .collect();
         let mut views = Vec::with_capacity(stored.len());
         for (name, shape, dtype, bytes) in &stored {
             let view = TensorView::new(*dtype, shape.clone(), bytes);
@@ -137,12 +153,23 @@ impl PoseSpace {
         let (header, tensors) = weight_file::checked::<PoseSpaceHeader>(path, bytes)?;
         let garment = weight_file::fingerprint(path, &header.garment)?;
         let part = |name| part(path, &tensors, name);
+        let mirror = match tensors.tensor(MIRROR) {
+            Err(_) => None,
+            Ok(_) => Some(Mirror {
+                // Numbers that are none become one that no body has, and are refused with the others.
+                numbers: (part(MIRROR)?.as_chunks::<2>().0.iter())
+                    .map(|&[number, sign]| (number as usize, sign))
+                    .collect(),
+                parity: part(PARITY)?,
+            }),
+        };
         let parts = PoseSpaceParts {
             scales: part("scales")?,
             centers: part("centers")?,
             weights: part("weights")?,
             mean: part("mean")?,
             shapes: part("shapes")?,
+            mirror,
         };
         let space = Self::new(parts, garment, header.range, header.ridge);
         let space = space.map_err(|source| CheckpointError::Config {
@@ -180,6 +207,12 @@ mod tests {
         let path = folder.path().join("pose-space.safetensors");
         let mut space = small();
         space.scores.insert("test.distance_m".to_owned(), 0.01);
+        space.save(&path, Precision::F16).unwrap();
+        assert_eq!(PoseSpace::load(&path).unwrap(), space);
+        space.parts.mirror = Some(Mirror {
+            numbers: vec![(0, -1.0), (1, 1.0)],
+            parity: vec![-1.0],
+        });
         space.save(&path, Precision::F16).unwrap();
         assert_eq!(PoseSpace::load(&path).unwrap(), space);
         assert!(!space.checksum().is_empty());

@@ -1,11 +1,14 @@
 //! Pose-space deformation: drapes of the training, interpolated by how alike poses and shapes are.
 //!
 //! ```text
-//! G_P = M + R (m + S c),   c = Σ_i k(|x − x_i|) w_i,   k(d) = (1 + √3 d) e^{−√3 d}
+//! G_P = M + R (m + S c),   c = Σ_i [k(|x − x_i|) + p k(|x̄ − x_i|)] w_i,   k(d) = (1 + √3 d) e^{−√3 d}
 //! ```
 //!
 //! x are the scaled numbers of pose and shape, x_i those of the scenes that it was fitted to, m and S the
-//! mean offset and the principal shapes of their offsets from the warp M, R the skinning rotations.
+//! mean offset and the principal shapes of their offsets from the warp M, R the skinning rotations. Where
+//! left and right of body and garment are alike, each scene also tells what its mirror image looks like:
+//! x̄ are the numbers of the mirrored body, and the parity p of a shape is 1 if it is the same in the
+//! mirror, −1 if it changes its sign; 0 without a mirror.
 //!
 //! Source: *Lewis, Cordner and Fong 2000* (pose-space deformation), *Kry, James and Pai 2002* (its
 //! principal shapes), *Rasmussen and Williams 2006, equation 4.17* (the covariance of Matérn, ν = 3/2).
@@ -63,6 +66,31 @@ pub struct PoseSpaceParts {
     pub mean: Vec<f32>,
     /// Principal shapes `[shape][vertex][3]`, each of norm 1.
     pub shapes: Vec<f32>,
+    /// How left and right are exchanged, if they are alike.
+    pub mirror: Option<Mirror>,
+}
+
+/// How left and right are exchanged.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mirror {
+    /// For each number of pose and shape the one that takes its place, and its sign `[number]`.
+    pub numbers: Vec<(usize, f32)>,
+    /// 1 for shapes that are the same in the mirror, −1 for those that change their sign `[shape]`.
+    pub parity: Vec<f32>,
+}
+
+impl Mirror {
+    /// The numbers of pose and shape of the mirrored body `[number]`.
+    ///
+    /// # Panics
+    ///
+    /// If there are other numbers than the mirror knows.
+    pub fn of_numbers(&self, parameters: &[f32]) -> Vec<f32> {
+        let numbers = self.numbers.iter();
+        numbers
+            .map(|&(number, sign)| sign * parameters[number])
+            .collect()
+    }
 }
 
 /// The covariance of two scenes from the squared distance of their scaled numbers.
@@ -104,6 +132,12 @@ impl PoseSpace {
         let numbers = num_scenes * kept.len();
         check("numbers of scenes", parts.centers.len(), numbers)?;
         check("weights", parts.weights.len(), num_scenes * num_shapes)?;
+        if let Some(Mirror { numbers, parity }) = &parts.mirror {
+            check("mirrored numbers", numbers.len(), parts.scales.len())?;
+            let within = numbers.iter().filter(|(number, _)| *number < numbers.len());
+            check("mirrored numbers", within.count(), numbers.len())?;
+            check("parities", parity.len(), num_shapes)?;
+        }
         Ok(Self {
             garment,
             range,
@@ -144,12 +178,15 @@ impl PoseSpace {
             weights,
             mean,
             shapes,
+            mirror,
         } = &self.parts;
         let all = [scales, centers, weights, mean, shapes].map(|part| part.len() as u64);
         Cost {
             parameters: all.iter().sum(),
             // A difference, its square and a sum; a product and a sum.
-            flops: 3 * all[1] + 2 * (all[2] + all[4]) + all[3],
+            flops: (1 + u64::from(mirror.is_some())) * (3 * all[1] + 2 * all[2])
+                + 2 * all[4]
+                + all[3],
         }
     }
 
@@ -178,16 +215,28 @@ impl PoseSpace {
     ///
     /// As [`PoseSpace::scaled`].
     pub fn coefficients(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
-        let place = self.scaled(parameters)?;
+        let mut sums = self.sums(&self.scaled(parameters)?);
+        if let Some(mirror) = &self.parts.mirror {
+            let mirrored = self.sums(&self.scaled(&mirror.of_numbers(parameters))?);
+            let mirrored = mirrored.iter().zip(&mirror.parity);
+            for (sum, (mirrored, parity)) in sums.iter_mut().zip(mirrored) {
+                *sum += parity * mirrored;
+            }
+        }
+        Ok(sums)
+    }
+
+    /// The weights of the scenes, by how alike they are to a place `[shape]`.
+    fn sums(&self, place: &[f32]) -> Vec<f32> {
         let mut sums = vec![0.0_f32; self.num_shapes()];
         if place.is_empty() || sums.is_empty() {
-            return Ok(sums);
+            return sums;
         }
         let centers = self.parts.centers.chunks_exact(place.len());
         for (center, weights) in centers.zip(self.parts.weights.chunks_exact(sums.len())) {
             let squared: f32 = center
                 .iter()
-                .zip(&place)
+                .zip(place)
                 .map(|(a, b)| (a - b) * (a - b))
                 .sum();
             let alike = covariance(f64::from(squared)) as f32;
@@ -195,7 +244,7 @@ impl PoseSpace {
                 *sum += alike * weight;
             }
         }
-        Ok(sums)
+        sums
     }
 
     /// The warped garment `[vertex]`, moved by mean and principal shapes, in metres.
@@ -263,6 +312,7 @@ mod tests {
             weights: vec![0.5, -0.25],
             mean: vec![0.0, 0.125, 0.0],
             shapes: vec![1.0, 0.0, 0.0],
+            mirror: None,
         };
         let range = TrainedRange::of([[0.0, 0.0], [1.0, 0.5]]).unwrap();
         PoseSpace::new(parts, Fingerprint::of_bytes(b"one"), range, 0.01).unwrap()
@@ -289,6 +339,35 @@ mod tests {
             .moved(&[Point3::new(1.0, 0.0, 0.0)], &[quarter], &[0.5])
             .unwrap();
         assert!((moved[0] - Point3::new(0.875, 0.5, 0.0)).norm() < 1e-6);
+    }
+
+    #[test]
+    fn what_a_scene_tells_is_told_of_its_mirror_image() {
+        let space = small();
+        for parity in [1.0, -1.0] {
+            let mirror = Mirror {
+                numbers: vec![(0, 1.0), (1, -1.0)],
+                parity: vec![parity],
+            };
+            let parts = PoseSpaceParts {
+                mirror: Some(mirror),
+                ..space.parts().clone()
+            };
+            let mirrored = PoseSpace::new(parts, space.garment, space.range.clone(), 0.01).unwrap();
+            let at = |space: &PoseSpace, number| space.coefficients(&[0.0, number]).unwrap()[0];
+            let expected = at(&space, 0.3) + parity * at(&space, -0.3);
+            assert!((at(&mirrored, 0.3) - expected).abs() < 1e-6);
+            assert!((at(&mirrored, -0.3) - parity * expected).abs() < 1e-6);
+        }
+        let parts = PoseSpaceParts {
+            mirror: Some(Mirror {
+                numbers: vec![(2, 1.0), (1, -1.0)],
+                parity: vec![1.0],
+            }),
+            ..space.parts().clone()
+        };
+        let range = space.range.clone();
+        assert!(PoseSpace::new(parts, space.garment, range, 0.01).is_err());
     }
 
     #[test]

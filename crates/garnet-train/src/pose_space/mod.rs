@@ -2,12 +2,15 @@
 //!
 //! A fit takes seconds where a network takes hours. Offsets of the drapes from the warp are put into few
 //! principal shapes; the share of each is interpolated between scenes by a Gaussian process. How much
-//! each joint counts is found by leaving out bodies, one after the other.
+//! each joint counts is found by leaving out the body and the sequence of poses of each scene. Where left and
+//! right of body and garment are alike, each scene counts as its mirror image, too.
 
+mod mirror;
 mod offsets;
 mod principal;
 mod regression;
 mod relevance;
+mod scenes;
 mod start;
 
 pub(crate) use start::{start, start_of};
@@ -25,9 +28,11 @@ use crate::publish::named;
 use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate_drapes};
 use crate::{EpochRecord, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained};
-use offsets::{Offsets, bodies, chosen};
-use regression::Regression;
+use mirror::GarmentMirror;
+use offsets::Offsets;
+use regression::{Places, Regression};
 use relevance::Relevance;
+use scenes::{chosen, left_out_with};
 
 /// How a pose-space deformation is fitted.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,6 +46,8 @@ pub struct PoseSpaceConfig {
     pub searched: u32,
     /// Rounds of that search.
     pub rounds: u32,
+    /// Whether each scene counts as its mirror image, too, if left and right of body and garment are alike.
+    pub mirror: bool,
 }
 
 impl Default for PoseSpaceConfig {
@@ -50,6 +57,7 @@ impl Default for PoseSpaceConfig {
             scenes: 4000,
             searched: 1000,
             rounds: 5,
+            mirror: true,
         }
     }
 }
@@ -156,7 +164,12 @@ fn fitted(
 ) -> Result<PoseSpace, TrainError> {
     let asked = &config.pose_space;
     let used = chosen(train, asked.scenes as usize);
-    let offsets = Offsets::of(&used);
+    let mirror = match asked.mirror {
+        true => GarmentMirror::of(stage),
+        false => None,
+    };
+    let mirror = mirror.as_ref();
+    let offsets = Offsets::of(&used, mirror);
     let principal = principal::principal(&offsets, asked.shapes as usize);
     let mut relevance = Relevance::new(stage.package.body.skeleton().joints());
     let searched = chosen(&used, asked.searched as usize);
@@ -168,15 +181,20 @@ fn fitted(
         });
         round < asked.rounds && !stop.load(Ordering::Relaxed)
     };
-    relevance.search(&searched, &used, &principal.shares, &mut round);
+    relevance.search(&searched, &used, &principal, mirror, &mut round);
     if stop.load(Ordering::Relaxed) {
         return Err(TrainError::Stopped);
     }
-    let scales = relevance.scales(&used);
+    let scales = relevance.scales(&used, mirror);
     // Fitted where the file will have the scenes: what is rounded there is made up for here.
-    let places = rounded(relevance::places(&used, &scales), config.precision);
-    let (regression, ridge) = Regression::surely(&places, &principal.shares, relevance.ridge());
-    let left_out = regression.left_out(&bodies(&used));
+    let Places { own, mirrored } = relevance::places(&used, &scales, mirror);
+    let places = Places {
+        own: rounded(own, config.precision),
+        mirrored: mirrored.map(|mirrored| rounded(mirrored, config.precision)),
+    };
+    let (shares, parity) = (&principal.shares, &principal.parity);
+    let (regression, ridge) = Regression::surely(&places, shares, parity, relevance.ridge());
+    let left_out = regression.left_out(&left_out_with(&used));
     let numbers = |matrix: &faer::Mat<f64>| -> Vec<f32> {
         let rows = 0..matrix.nrows();
         rows.flat_map(|row| (0..matrix.ncols()).map(move |column| matrix[(row, column)] as f32))
@@ -184,10 +202,11 @@ fn fitted(
     };
     let parts = PoseSpaceParts {
         scales,
-        centers: numbers(&places),
+        centers: numbers(&places.own),
         weights: numbers(regression.weights()),
         mean: offsets.mean,
         shapes: principal.shapes,
+        mirror: mirror.map(|mirror| mirror.with_parity(principal.parity)),
     };
     let range = TrainedRange::of(train.iter().map(|example| &example.parameters));
     let range = range.ok_or(TrainError::EmptySplit {

@@ -12,19 +12,60 @@ const MORE: usize = 16;
 /// Times that the directions are led through the offsets and back.
 const PASSES: usize = 2;
 
+/// Shapes of which the scenes have less than this share of what they have of the first are left out.
+const LEAST: f64 = 1e-6;
+
 /// Principal shapes, and the share that each scene has of them.
 pub(super) struct Principal {
     /// `[shape][vertex][3]`, each of norm 1.
     pub(super) shapes: Vec<f32>,
     /// `[scene, shape]`, in metres.
     pub(super) shares: Mat<f64>,
+    /// 1 for shapes that are the same in the mirror, −1 for those that change their sign `[shape]`.
+    pub(super) parity: Vec<f32>,
+}
+
+/// The largest principal shapes of both halves of offsets, largest first.
+pub(super) fn principal(offsets: &Offsets, count: usize) -> Principal {
+    let mut found = principal_of(&offsets.even, count);
+    let Some(odd) = &offsets.odd else {
+        return found;
+    };
+    let of_odd = principal_of(odd, count);
+    let halves = [&found, &of_odd];
+    let mut order: Vec<(f64, usize, usize)> = (halves.iter().enumerate())
+        .flat_map(|(half, principal)| {
+            let shapes = 0..principal.shares.ncols();
+            shapes.map(move |shape| (principal.shares.col(shape).norm_l2(), half, shape))
+        })
+        .collect();
+    order.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let most = order.first().map_or(0.0, |first| first.0);
+    order.retain(|(norm, _, _)| *norm > LEAST * most);
+    order.truncate(count);
+    let rows = offsets.mean.len();
+    let shape_of = |&(_, half, shape): &(f64, usize, usize)| {
+        &halves[half].shapes[rows * shape..rows * (shape + 1)]
+    };
+    found = Principal {
+        shapes: order.iter().flat_map(shape_of).copied().collect(),
+        shares: Mat::from_fn(found.shares.nrows(), order.len(), |scene, column| {
+            let (_, half, shape) = order[column];
+            halves[half].shares[(scene, shape)]
+        }),
+        parity: order
+            .iter()
+            .map(|&(_, half, _)| [1.0, -1.0][half])
+            .collect(),
+    };
+    found
 }
 
 /// The principal shapes of offsets, largest first, by a randomized range finder.
 ///
 /// Source: *Halko, Martinsson and Tropp 2011, algorithms 4.4 and 5.1*.
-pub(super) fn principal(offsets: &Offsets, count: usize) -> Principal {
-    let matrix = offsets.centered.as_ref();
+fn principal_of(offsets: &Mat<f32>, count: usize) -> Principal {
+    let matrix = offsets.as_ref();
     let (num_rows, num_scenes) = (matrix.nrows(), matrix.ncols());
     let count = count.min(num_scenes).min(num_rows);
     let directions = (count + MORE).min(num_scenes).min(num_rows);
@@ -47,6 +88,7 @@ pub(super) fn principal(offsets: &Offsets, count: usize) -> Principal {
         return Principal {
             shapes: Vec::new(),
             shares: Mat::zeros(num_scenes, 0),
+            parity: Vec::new(),
         };
     };
     // Eigenvalues ascend.
@@ -61,6 +103,7 @@ pub(super) fn principal(offsets: &Offsets, count: usize) -> Principal {
             .flat_map(|shape| column(shape).map(|place| shapes[place]))
             .collect(),
         shares: &double * &turn,
+        parity: vec![1.0; count],
     }
 }
 
@@ -83,7 +126,8 @@ mod tests {
         });
         let offsets = Offsets {
             mean: vec![0.0; 90],
-            centered,
+            even: centered.clone(),
+            odd: None,
         };
         let found = principal(&offsets, 3);
         for scene in 0..20 {
@@ -91,7 +135,7 @@ mod tests {
                 let parts = (0..3).map(|shape| {
                     f64::from(found.shapes[90 * shape + row]) * found.shares[(scene, shape)]
                 });
-                let expected = f64::from(offsets.centered[(row, scene)]);
+                let expected = f64::from(centered[(row, scene)]);
                 assert!((parts.sum::<f64>() - expected).abs() < 1e-4);
             }
         }
@@ -99,5 +143,16 @@ mod tests {
             let norm: f32 = shape.iter().map(|number| number * number).sum();
             assert!((norm - 1.0).abs() < 1e-4);
         }
+        assert_eq!(found.parity, [1.0; 3]);
+
+        // The larger half comes first; what is not there is left out.
+        let halves = Offsets {
+            even: faer::Scale(0.1_f32) * &offsets.even,
+            odd: Some(offsets.even),
+            mean: offsets.mean,
+        };
+        assert_eq!(principal(&halves, 4).parity[0], -1.0);
+        assert_eq!(principal(&halves, 4).shares.ncols(), 4);
+        assert_eq!(principal(&halves, 9).shares.ncols(), 6);
     }
 }

@@ -3,8 +3,10 @@
 use faer::Mat;
 use garnet_skin::{Body, Joint};
 
-use super::offsets::bodies;
-use super::regression::Regression;
+use super::mirror::GarmentMirror;
+use super::principal::Principal;
+use super::regression::{Places, Regression};
+use super::scenes::left_out_with;
 use crate::subject::Example;
 
 /// Numbers of a rotation are multiplied by this before the search: a quarter turn is a tenth of the
@@ -65,8 +67,8 @@ impl Relevance {
         self.factors[self.factors.len() - 1].exp()
     }
 
-    /// What each number is multiplied by; zero where it never changes.
-    pub(super) fn scales(&self, examples: &[&Example]) -> Vec<f32> {
+    /// What each number is multiplied by; zero where it never changes, on both sides if there is a mirror.
+    pub(super) fn scales(&self, examples: &[&Example], mirror: Option<&GarmentMirror>) -> Vec<f32> {
         let all = self.factors[self.factors.len() - 2];
         let scale = |number: usize, group: usize| {
             let values = || examples.iter().map(|example| example.parameters[number]);
@@ -83,39 +85,44 @@ impl Relevance {
             (unit * (self.factors[group] + all).exp()) as f32
         };
         let groups = self.groups.iter().enumerate();
-        groups
+        let mut scales: Vec<f32> = groups
             .map(|(number, &group)| scale(number, group))
-            .collect()
+            .collect();
+        if let Some(mirror) = mirror {
+            mirror.even_out(&mut scales);
+        }
+        scales
     }
 
-    /// Finds the factors by which bodies that are left out are missed least, one factor after the other,
-    /// and leaves out what makes no difference.
+    /// Finds the factors by which bodies and sequences that are left out are missed least, one factor after
+    /// the other, and leaves out what makes no difference.
     ///
-    /// `searched` are some of the scenes `all`, and `shares` `[scene of all, shape]` what they have of
-    /// the principal shapes. `go_on` is told the rounds that are done and the error, the root of the mean
+    /// `searched` are some of the scenes `all` of which the principal shapes are. `go_on` is told the rounds that are done and the error, the root of the mean
     /// square over the vertices, in metres.
     pub(super) fn search(
         &mut self,
         searched: &[&Example],
         all: &[&Example],
-        shares: &Mat<f64>,
+        principal: &Principal,
+        mirror: Option<&GarmentMirror>,
         go_on: &mut dyn FnMut(u32, f64) -> bool,
     ) {
         let rows: Vec<usize> = (all.iter().enumerate())
             .filter(|(_, example)| searched.iter().any(|found| found.scene == example.scene))
             .map(|(row, _)| row)
             .collect();
-        let num_shapes = shares.ncols().min(SHAPES);
+        let num_shapes = principal.shares.ncols().min(SHAPES);
         let shares = Mat::from_fn(rows.len(), num_shapes, |row, shape| {
-            shares[(rows[row], shape)]
+            principal.shares[(rows[row], shape)]
         });
+        let parity = &principal.parity[..num_shapes];
         let num_vertices = all.first().map_or(1, |example| example.draped.len());
         let metres = 1.0 / (num_vertices as f64).sqrt();
-        let groups = bodies(searched);
+        let with = left_out_with(searched);
         let error = |relevance: &Self| {
-            let places = places(searched, &relevance.scales(searched));
-            let found = Regression::new(&places, &shares, relevance.ridge());
-            let missed = found.map(|found| metres * mean_root(&found.left_out(&groups)));
+            let places = places(searched, &relevance.scales(searched, mirror), mirror);
+            let found = Regression::new(&places, &shares, parity, relevance.ridge());
+            let missed = found.map(|found| metres * mean_root(&found.left_out(&with)));
             missed.filter(|missed| missed.is_finite())
         };
         let Some(mut least) = error(self) else {
@@ -150,13 +157,27 @@ impl Relevance {
     }
 }
 
-/// Where each scene is among all `[scene, number that is not left out]`.
-pub(super) fn places(examples: &[&Example], scales: &[f32]) -> Mat<f64> {
+/// Where each scene is among all, and its mirror image `[scene, number that is not left out]`.
+pub(super) fn places(
+    examples: &[&Example],
+    scales: &[f32],
+    mirror: Option<&GarmentMirror>,
+) -> Places {
     let kept: Vec<usize> = (0..scales.len()).filter(|&at| scales[at] > 0.0).collect();
-    Mat::from_fn(examples.len(), kept.len(), |row, column| {
-        let number = kept[column];
-        f64::from(scales[number] * examples[row].parameters[number])
-    })
+    let scaled = |number: &dyn Fn(usize, usize) -> f32| {
+        Mat::from_fn(examples.len(), kept.len(), |row, column| {
+            f64::from(scales[kept[column]] * number(row, kept[column]))
+        })
+    };
+    Places {
+        own: scaled(&|row, number| examples[row].parameters[number]),
+        mirrored: mirror.map(|mirror| {
+            scaled(&|row, number| {
+                let (other, sign) = mirror.numbers()[number];
+                sign * examples[row].parameters[other]
+            })
+        }),
+    }
 }
 
 /// The name of a joint without its side.

@@ -5,9 +5,12 @@ use std::path::Path;
 use faer::Mat;
 use garnet_data::Split;
 use garnet_net::{GarNetConfig, POSE_SPACE, PoseSpace, Start};
+use rayon::prelude::*;
 
-use super::offsets::{bodies, offset_of};
-use super::regression::Regression;
+use super::mirror::GarmentMirror;
+use super::offsets::halves;
+use super::regression::{Places, Regression};
+use super::scenes::left_out_with;
 use crate::subject::Example;
 use crate::{Stage, TrainError};
 
@@ -39,15 +42,16 @@ pub(crate) fn start_of(
 /// Moves the warps of examples to where a network will find them.
 ///
 /// The deformation knows the drapes that it was fitted to: a network that started from them would learn
-/// to mend the errors of a fit, which are half of those that it meets later. Each body of the training is
-/// therefore moved as a deformation of all others would move it.
+/// to mend the errors of a fit, which are half of those that it meets later. Each scene of the training is
+/// therefore moved as a deformation would move it that knows neither its body nor its sequence of poses.
 pub(crate) fn start(
     space: &PoseSpace,
+    stage: &Stage,
     split: Split,
     examples: &mut [Example],
 ) -> Result<(), TrainError> {
     let left_out = match split {
-        Split::Train => Some(left_out(space, examples)?),
+        Split::Train => Some(left_out(space, stage, examples)?),
         Split::Valid | Split::Test => None,
     };
     for (row, example) in examples.iter_mut().enumerate() {
@@ -63,27 +67,53 @@ pub(crate) fn start(
     Ok(())
 }
 
-/// The shares `[scene, shape]` that bodies would have if they had been left out of the fit.
-fn left_out(space: &PoseSpace, examples: &[Example]) -> Result<Mat<f64>, TrainError> {
-    let scaled: Vec<Vec<f32>> = (examples.iter())
-        .map(|example| space.scaled(&example.parameters))
-        .collect::<Result<_, _>>()?;
-    let numbers = scaled.first().map_or(0, Vec::len);
-    let places = Mat::from_fn(examples.len(), numbers, |row, column| {
-        f64::from(scaled[row][column])
-    });
+/// The shares `[scene, shape]` that scenes would have if their bodies and sequences had been left out of
+/// the fit.
+fn left_out(
+    space: &PoseSpace,
+    stage: &Stage,
+    examples: &[Example],
+) -> Result<Mat<f64>, TrainError> {
     let parts = space.parts();
-    let mut shares = Mat::<f64>::zeros(examples.len(), space.num_shapes());
-    for (row, example) in examples.iter().enumerate() {
-        let offsets = offset_of(example).zip(&parts.mean);
-        let offsets: Vec<f32> = offsets.map(|(offset, mean)| offset - mean).collect();
-        let shapes = parts.shapes.chunks_exact(offsets.len().max(1));
-        for (column, shape) in shapes.enumerate() {
-            let product: f32 = shape.iter().zip(&offsets).map(|(a, b)| a * b).sum();
-            shares[(row, column)] = f64::from(product);
+    let places = |numbers: &dyn Fn(&Example) -> Vec<f32>| -> Result<Mat<f64>, TrainError> {
+        let scaled: Vec<Vec<f32>> = (examples.iter())
+            .map(|example| space.scaled(&numbers(example)))
+            .collect::<Result<_, _>>()?;
+        let numbers = scaled.first().map_or(0, Vec::len);
+        Ok(Mat::from_fn(examples.len(), numbers, |row, column| {
+            f64::from(scaled[row][column])
+        }))
+    };
+    let places = Places {
+        own: places(&|example| example.parameters.clone())?,
+        mirrored: match &parts.mirror {
+            Some(mirror) => Some(places(&|example| mirror.of_numbers(&example.parameters))?),
+            None => None,
+        },
+    };
+    let mirror = parts.mirror.as_ref().and_then(|_| GarmentMirror::of(stage));
+    let parity = match &parts.mirror {
+        Some(mirror) => mirror.parity.clone(),
+        None => vec![1.0; space.num_shapes()],
+    };
+    let known = |example: &Example| -> Vec<f64> {
+        let (mut even, odd) = halves(example, mirror.as_ref());
+        for (offset, mean) in even.iter_mut().zip(&parts.mean) {
+            *offset -= mean;
         }
-    }
+        let shapes = parts.shapes.chunks_exact(parts.mean.len().max(1));
+        let share = |(shape, &parity): (&[f32], &f32)| {
+            let half = if parity < 0.0 { &odd } else { &even };
+            let product: f32 = shape.iter().zip(half).map(|(a, b)| a * b).sum();
+            f64::from(product)
+        };
+        shapes.zip(&parity).map(share).collect()
+    };
+    let rows: Vec<Vec<f64>> = examples.par_iter().map(known).collect();
+    let shares = Mat::from_fn(rows.len(), space.num_shapes(), |row, shape| {
+        rows[row][shape]
+    });
     let all: Vec<&Example> = examples.iter().collect();
-    let (regression, _) = Regression::surely(&places, &shares, space.ridge);
-    Ok(shares - regression.left_out(&bodies(&all)))
+    let (regression, _) = Regression::surely(&places, &shares, &parity, space.ridge);
+    Ok(shares - regression.left_out(&left_out_with(&all)))
 }

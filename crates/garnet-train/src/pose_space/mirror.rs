@@ -1,0 +1,83 @@
+//! What a scene tells of its mirror image.
+
+use garnet_mesh::Point3;
+use garnet_net::pose_space::Mirror;
+use garnet_skin::Symmetry;
+use rayon::prelude::*;
+
+use crate::Stage;
+
+/// As many of the vertices as this, mirrored, must lie on the garment.
+const SHARE_ON: f64 = 0.95;
+
+/// No farther than this from it, in metres: folds that a garment has at rest are not the same on both sides.
+const ON: f32 = 0.01;
+
+/// How the left of a garment lies on its right.
+#[derive(Debug, Clone)]
+pub(super) struct GarmentMirror {
+    /// For each vertex the triangle on which its mirror image lies, and the weights of its corners.
+    images: Vec<([u32; 3], [f32; 3])>,
+    /// For each number of pose and shape the one that takes its place, and its sign.
+    numbers: Vec<(usize, f32)>,
+}
+
+impl GarmentMirror {
+    /// Of the garment and the body of a package; none if left and right of them differ.
+    pub(super) fn of(stage: &Stage) -> Option<Self> {
+        let template = stage.template();
+        let symmetry = template.body.skeleton().symmetry()?;
+        let mesh = template.garment.mesh();
+        let surface = garnet_knn::Surface::new(mesh);
+        let image = |place: &Point3| {
+            let found = surface.closest(symmetry.point(place));
+            let triangle = mesh.faces()[found.face as usize];
+            (triangle, found.barycentric, found.distance_squared.sqrt())
+        };
+        let images: Vec<_> = mesh.positions().par_iter().map(image).collect();
+        let on = images.iter().filter(|(_, _, distance)| *distance <= ON);
+        if (on.count() as f64) < SHARE_ON * images.len() as f64 {
+            return None;
+        }
+        let without_distance = |(triangle, weights, _)| (triangle, weights);
+        Some(Self {
+            images: images.into_iter().map(without_distance).collect(),
+            numbers: template.body.mirrored_numbers(&symmetry),
+        })
+    }
+
+    /// The mirror image of offsets in the skinning frames `[vertex][3]`.
+    pub(super) fn offsets(&self, offsets: &[f32]) -> Vec<f32> {
+        let (vectors, _) = offsets.as_chunks::<3>();
+        let image = |(triangle, weights): &([u32; 3], [f32; 3])| {
+            let corners = triangle.iter().zip(weights);
+            let sum = corners.fold(garnet_skin::Vector3::zeros(), |sum, (&corner, &weight)| {
+                sum + garnet_skin::Vector3::from(vectors[corner as usize]) * weight
+            });
+            let image = Symmetry::vector(sum);
+            [image.x, image.y, image.z]
+        };
+        self.images.iter().flat_map(image).collect()
+    }
+
+    /// For each number of pose and shape the one that takes its place in the mirror, and its sign.
+    pub(super) fn numbers(&self) -> &[(usize, f32)] {
+        &self.numbers
+    }
+
+    /// Gives left and right the same scales, the larger ones `[number]`.
+    pub(super) fn even_out(&self, scales: &mut [f32]) {
+        let own = scales.to_vec();
+        for (scale, &(other, _)) in scales.iter_mut().zip(&self.numbers) {
+            *scale = scale.max(own[other]);
+        }
+    }
+
+    /// As a deformation keeps it, with the parity of its shapes.
+    pub(super) fn with_parity(&self, parity: Vec<f32>) -> Mirror {
+        Mirror {
+            numbers: self.numbers.clone(),
+            parity,
+        }
+    }
+}
