@@ -205,7 +205,7 @@ fn scene(
         let Some((binding, options)) = &binding else {
             continue;
         };
-        let finished = Finished::new(staged, binding, &draped.positions, options)?;
+        let finished = Finished::new(staged, binding, &draped, options)?;
         entrant.times[2].push(finished.seconds);
         entrant.left.add(finished.left);
         let tally = entrant.untangled.get_or_insert_with(Tally::default);

@@ -27,7 +27,8 @@ pub enum TrainEvent {
         round: u32,
         /// How many there will be.
         rounds: u32,
-        /// Mean error of bodies that are left out, the root of the mean square over the vertices, in metres.
+        /// Mean error of scenes whose bodies and sequences are left out, the root of the mean square over
+        /// the vertices, in metres.
         left_out: f64,
     },
     /// All is ready.

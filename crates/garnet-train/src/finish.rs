@@ -6,6 +6,7 @@ use garnet_mesh::Point3;
 use garnet_untangle::{Binding, UntangleOptions, UntangleReport, untangle};
 use serde::{Deserialize, Serialize};
 
+use crate::contender::Draped;
 use crate::{StagedScene, TrainError};
 
 /// What is done to drapes before they are measured a second time.
@@ -67,17 +68,21 @@ pub(crate) struct Finished {
 }
 
 impl Finished {
-    /// Untangles a drape `[vertex]`.
+    /// Untangles a drape `[vertex]`; one that was learned as such.
     pub(crate) fn new(
         staged: &StagedScene,
         binding: &Binding,
-        drape: &[Point3],
+        draped: &Draped,
         options: &UntangleOptions,
     ) -> Result<Self, TrainError> {
         let garment = &staged.worn.garment;
+        let options = match draped.network {
+            Some(_) => options.for_drapes(),
+            None => *options,
+        };
         let start = Instant::now();
-        let nodes = garment.weld().gather(drape);
-        let untangled = untangle(garment, binding, &staged.posed, &nodes, options)?;
+        let nodes = garment.weld().gather(&draped.positions);
+        let untangled = untangle(garment, binding, &staged.posed, &nodes, &options)?;
         let positions = garment.weld().scatter(&untangled.positions);
         Ok(Self {
             positions,

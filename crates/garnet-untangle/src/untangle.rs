@@ -12,10 +12,7 @@ use crate::sweep::Sweeper;
 use crate::verify::verified;
 use crate::{Binding, UntangleError, UntangleOptions, UntangleReport};
 
-/// The warp is relaxed while edges are stretched by more than this beyond the largest stretch.
-const RELAX_BEYOND: f32 = 1.1;
-
-/// Relaxation ends when no larger share of the edges is stretched that much.
+/// Relaxation ends when no larger share of the edges is stretched beyond the limit.
 const STRETCHED_SHARE: f32 = 0.005;
 
 /// Steps of relaxation, at most.
@@ -122,9 +119,8 @@ fn relaxed_warp(
         max: options.max_stretch,
     };
     let graph = garment.graph();
-    let limit = RELAX_BEYOND * options.max_stretch;
     for _ in 0..RELAX_STEPS {
-        if stretched_share(graph, &positions, limit) <= STRETCHED_SHARE {
+        if stretched_share(graph, &positions, options.relax_beyond) <= STRETCHED_SHARE {
             break;
         }
         positions = relaxed(graph, &binding.relax_system, warped, &positions, range);

@@ -38,11 +38,13 @@ pub struct Draper {
 pub struct Warped {
     /// Positions `[node]`, in metres; see [`garnet_skin::Weld`].
     pub(crate) nodes: Vec<Point3>,
+    /// Whether it lies as a simulation or a network puts it, not as skinning does.
+    pub(crate) is_draped: bool,
 }
 
 impl Warped {
-    /// A garment that something else than a warp has brought to the body, to be untangled: positions
-    /// `[vertex]` of its mesh, in metres.
+    /// A garment that a simulation or a network has brought to the body, to be untangled: positions
+    /// `[vertex]` of its mesh, in metres. Its strain is relaxed further than that of a warp.
     ///
     /// # Panics
     ///
@@ -50,6 +52,7 @@ impl Warped {
     pub fn at(garment: &BoundGarment, positions: &[Point3]) -> Self {
         Self {
             nodes: garment.cloth.weld().gather(positions),
+            is_draped: true,
         }
     }
 
@@ -110,7 +113,10 @@ impl Draper {
     /// As [`Draper::drape`].
     pub fn warp(&self, garment: &BoundGarment, body: &PosedBody) -> Result<Warped, Error> {
         let nodes = garment.cloth.warped(body, self.options.warp)?;
-        Ok(Warped { nodes })
+        Ok(Warped {
+            nodes,
+            is_draped: false,
+        })
     }
 
     /// The second half of [`Draper::drape`].
@@ -132,13 +138,12 @@ impl Draper {
                 report: None,
             });
         };
-        let untangled = untangle(
-            &garment.cloth,
-            &garment.binding,
-            body,
-            &warped.nodes,
-            options,
-        )?;
+        let options = match warped.is_draped {
+            true => options.for_drapes(),
+            false => *options,
+        };
+        let (cloth, binding) = (&garment.cloth, &garment.binding);
+        let untangled = untangle(cloth, binding, body, &warped.nodes, &options)?;
         Ok(Drape {
             positions: weld.scatter(&untangled.positions),
             is_trapped: weld.scatter(&untangled.is_trapped),

@@ -130,7 +130,10 @@ impl Network {
             return Self::fallen_back(garment, body, reason);
         }
         Ok(Moved {
-            garment: Warped { nodes: after },
+            garment: Warped {
+                nodes: after,
+                is_draped: true,
+            },
             fallback: None,
         })
     }
@@ -142,7 +145,10 @@ impl Network {
     ) -> Result<Moved, Error> {
         let nodes = garment.cloth.warped(body, Warp::Shape)?;
         Ok(Moved {
-            garment: Warped { nodes },
+            garment: Warped {
+                nodes,
+                is_draped: false,
+            },
             fallback: Some(reason),
         })
     }

@@ -64,7 +64,7 @@ impl<'a> Progress<'a> {
             } => {
                 self.bar.finish_and_clear();
                 self.console.summary(&format_args!(
-                    "round {round}/{rounds}: bodies that are left out are missed by {:.2} mm",
+                    "round {round}/{rounds}: scenes of other bodies and sequences are missed by {:.2} mm",
                     1e3 * left_out
                 ));
             }

@@ -116,7 +116,7 @@ fn run(
     options: &UntangleOptions,
 ) -> Result<Run, TrainError> {
     let draped = contender.drape(staged)?;
-    let finished = Finished::new(staged, binding, &draped.positions, options)?;
+    let finished = Finished::new(staged, binding, &draped, options)?;
     Ok(Run {
         seconds: Seconds {
             warp: draped.warp,

@@ -171,7 +171,7 @@ fn fitted(
     let mirror = mirror.as_ref();
     let offsets = Offsets::of(&used, mirror);
     let principal = principal::principal(&offsets, asked.shapes as usize);
-    let mut relevance = Relevance::new(stage.package.body.skeleton().joints());
+    let mut relevance = Relevance::new(stage.package.body.skeleton());
     let searched = chosen(&used, asked.searched as usize);
     let mut round = |round, left_out| {
         observer(TrainEvent::Searched {

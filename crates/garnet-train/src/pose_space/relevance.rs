@@ -1,7 +1,7 @@
 //! How much each joint tells of a drape.
 
 use faer::Mat;
-use garnet_skin::{Body, Joint};
+use garnet_skin::{Body, Skeleton};
 
 use super::mirror::GarmentMirror;
 use super::principal::Principal;
@@ -37,28 +37,30 @@ const LEAST_SPREAD: f32 = 1e-5;
 
 /// What numbers of pose and shape are multiplied by, before distances between scenes are taken.
 pub(super) struct Relevance {
-    /// The group of each number: rotation or shape of joints of a name, left and right alike.
+    /// The group of each number: rotation or shape of a joint and of its partner on the other side.
     groups: Vec<usize>,
     /// Logarithms of the factors of the groups, of all numbers alike, and of the ridge.
     factors: Vec<f64>,
 }
 
 impl Relevance {
-    pub(super) fn new(joints: &[Joint]) -> Self {
-        let mut names: Vec<&str> = Vec::new();
+    pub(super) fn new(skeleton: &Skeleton) -> Self {
+        let symmetry = skeleton.symmetry();
+        let mut firsts: Vec<usize> = Vec::new();
         let mut groups = Vec::new();
-        for joint in joints {
-            let name = plain(&joint.name);
-            let known = names.iter().position(|known| *known == name);
+        for joint in 0..skeleton.num_joints() {
+            let partner = (symmetry.as_ref()).map_or(joint, |symmetry| symmetry.joints[joint]);
+            let first = joint.min(partner);
+            let known = firsts.iter().position(|known| *known == first);
             let place = known.unwrap_or_else(|| {
-                names.push(name);
-                names.len() - 1
+                firsts.push(first);
+                firsts.len() - 1
             });
             let numbers = 0..Body::NUMBERS_A_JOINT;
             groups.extend(numbers.map(|number| 2 * place + usize::from(number >= NUMBERS_OF_TURN)));
         }
-        let mut factors = vec![0.0; 2 * names.len() + 2];
-        factors[2 * names.len() + 1] = RIDGE.ln();
+        let mut factors = vec![0.0; 2 * firsts.len() + 2];
+        factors[2 * firsts.len() + 1] = RIDGE.ln();
         Self { groups, factors }
     }
 
@@ -178,13 +180,6 @@ pub(super) fn places(
             })
         }),
     }
-}
-
-/// The name of a joint without its side.
-fn plain(name: &str) -> &str {
-    let sides = ["left_", "right_", "Left", "Right", "l_", "r_"];
-    let found = sides.iter().find_map(|side| name.strip_prefix(side));
-    found.unwrap_or(name)
 }
 
 /// The mean length of the rows.
