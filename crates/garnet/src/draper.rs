@@ -138,9 +138,10 @@ impl Draper {
                 report: None,
             });
         };
-        let options = match warped.is_draped {
-            true => options.for_drapes(),
-            false => *options,
+        let options = if warped.is_draped {
+            options.for_drapes()
+        } else {
+            *options
         };
         let (cloth, binding) = (&garment.cloth, &garment.binding);
         let untangled = untangle(cloth, binding, body, &warped.nodes, &options)?;

@@ -164,9 +164,10 @@ fn fitted(
 ) -> Result<PoseSpace, TrainError> {
     let asked = &config.pose_space;
     let used = chosen(train, asked.scenes as usize);
-    let mirror = match asked.mirror {
-        true => GarmentMirror::of(stage),
-        false => None,
+    let mirror = if asked.mirror {
+        GarmentMirror::of(stage)
+    } else {
+        None
     };
     let mirror = mirror.as_ref();
     let offsets = Offsets::of(&used, mirror);

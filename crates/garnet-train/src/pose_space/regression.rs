@@ -41,7 +41,7 @@ impl Regression {
         let mut weights = Mat::zeros(count, shares.ncols());
         let mut inverses = Vec::new();
         for sign in [1.0, -1.0] {
-            let of_sign = (0..shares.ncols()).filter(|&share| parity[share] == sign);
+            let of_sign = (0..shares.ncols()).filter(|&share| parity[share] * sign > 0.0);
             let of_sign: Vec<usize> = of_sign.collect();
             if of_sign.is_empty() {
                 continue;
