@@ -156,7 +156,7 @@ impl PoseSpace {
         let mirror = match tensors.tensor(MIRROR) {
             Err(_) => None,
             Ok(_) => Some(Mirror {
-                // Numbers that are none become one that no body has, and are refused with the others.
+                // The checksum holds these; one beyond the last is refused with the other counts.
                 numbers: (part(MIRROR)?.as_chunks::<2>().0.iter())
                     .map(|&[number, sign]| (number as usize, sign))
                     .collect(),

@@ -27,12 +27,12 @@ pub(super) struct Principal {
 
 /// The largest principal shapes of both halves of offsets, largest first.
 pub(super) fn principal(offsets: &Offsets, count: usize) -> Principal {
-    let mut found = principal_of(&offsets.even, count);
+    let of_even = principal_of(&offsets.even, count);
     let Some(odd) = &offsets.odd else {
-        return found;
+        return of_even;
     };
     let of_odd = principal_of(odd, count);
-    let halves = [&found, &of_odd];
+    let halves = [&of_even, &of_odd];
     let mut order: Vec<(f64, usize, usize)> = (halves.iter().enumerate())
         .flat_map(|(half, principal)| {
             let shapes = 0..principal.shares.ncols();
@@ -47,9 +47,9 @@ pub(super) fn principal(offsets: &Offsets, count: usize) -> Principal {
     let shape_of = |&(_, half, shape): &(f64, usize, usize)| {
         &halves[half].shapes[rows * shape..rows * (shape + 1)]
     };
-    found = Principal {
+    Principal {
         shapes: order.iter().flat_map(shape_of).copied().collect(),
-        shares: Mat::from_fn(found.shares.nrows(), order.len(), |scene, column| {
+        shares: Mat::from_fn(of_even.shares.nrows(), order.len(), |scene, column| {
             let (_, half, shape) = order[column];
             halves[half].shares[(scene, shape)]
         }),
@@ -57,8 +57,7 @@ pub(super) fn principal(offsets: &Offsets, count: usize) -> Principal {
             .iter()
             .map(|&(_, half, _)| [1.0, -1.0][half])
             .collect(),
-    };
-    found
+    }
 }
 
 /// The principal shapes of offsets, largest first, by a randomized range finder.

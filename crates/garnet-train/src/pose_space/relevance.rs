@@ -99,8 +99,8 @@ impl Relevance {
     /// Finds the factors by which bodies and sequences that are left out are missed least, one factor after
     /// the other, and leaves out what makes no difference.
     ///
-    /// `searched` are some of the scenes `all` of which the principal shapes are. `go_on` is told the rounds that are done and the error, the root of the mean
-    /// square over the vertices, in metres.
+    /// `searched` are some of the scenes `all` of which the principal shapes are. `go_on` is told the rounds
+    /// that are done and the error, the root of the mean square over the vertices, in metres.
     pub(super) fn search(
         &mut self,
         searched: &[&Example],
