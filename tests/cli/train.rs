@@ -62,7 +62,7 @@ fn a_training_reports_and_leaves_curves() {
     let names: Vec<&str> = names
         .map(|method| method["name"].as_str().unwrap())
         .collect();
-    assert_eq!(names, ["dqs", "warp", "mine"]);
+    assert_eq!(names, ["dqs", "warp", "mine", "mine settled"]);
     for file in ["ap.csv", "ap-distance.svg", "ap-normal.svg"] {
         assert!(fixture.path("curves").join(file).is_file(), "{file}");
     }
@@ -78,6 +78,30 @@ fn a_training_reports_and_leaves_curves() {
     );
     assert!(draped["drapes"][0]["seconds"]["network"].as_f64().unwrap() > 0.0);
     assert_eq!(draped["drapes"][0]["untangle"]["inside"], 0);
+
+    // The sleeve hangs in the air in this data set: settling would let it fall.
+    assert_eq!(draped["settle_frames"], 0);
+    let settled = done(
+        &fixture,
+        "drape net bent.obj --method mine --settle 6 -o settled.obj --report -",
+    );
+    let settled: serde_json::Value = serde_json::from_str(&settled).unwrap();
+    assert_eq!(settled["settle_frames"], 6);
+    assert!(settled["drapes"][0]["seconds"]["settle"].as_f64().unwrap() > 0.0);
+    assert_ne!(fixture.read("settled.obj"), fixture.read("out.obj"));
+}
+
+#[test]
+fn what_is_simulated_all_the_way_does_not_settle() {
+    let fixture = prepared();
+    let output = fixture.garnet("drape net bent.obj --method sim --settle 3 -o out.obj");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).contains("`--settle` is for what"),
+        "{}",
+        stderr(&output)
+    );
+    assert!(!fixture.path("out.obj").exists());
 }
 
 #[test]
@@ -101,7 +125,12 @@ fn networks_are_chosen_by_error_and_by_time() {
         (&choice["by"], &choice["is_met"]),
         (&"tolerance_m".into(), &true.into())
     );
-    assert_eq!(choice["candidates"].as_array().unwrap().len(), 2);
+    // Each as it is, and settled.
+    assert_eq!(choice["candidates"].as_array().unwrap().len(), 4);
+    assert_eq!(
+        (&choice["settles"], &within["settle_frames"]),
+        (&false.into(), &0.into())
+    );
 
     // Both are of one size and fast enough: the more accurate one is taken, and it alone was timed.
     let within = drape("--budget 60000");

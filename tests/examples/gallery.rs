@@ -10,7 +10,7 @@ use std::{env, error::Error, path::Path};
 
 use garnet::{
     UntangleOptions,
-    data::{Dataset, GarmentPackage, Split},
+    data::{Dataset, GarmentPackage, SETTLE_FRAMES, Split},
     train::{Candidate, Exhibit, SceneName, Stage, chart::spread, exhibit, weights_of},
 };
 use garnet_mesh::{Point3, Topology, TriMesh, mean_curvatures};
@@ -59,11 +59,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut names = vec!["skinning (DQS)".to_owned(), "warp".to_owned()];
     for name in variants {
         let weights = weights_of(path, &package.manifest, name)?;
-        candidates.push(Candidate::Model {
+        candidates.extend([0, SETTLE_FRAMES].map(|settle| Candidate::Model {
             name: name.clone(),
-            weights,
-        });
-        names.push(name.clone());
+            weights: weights.clone(),
+            settle,
+        }));
+        names.extend([0, SETTLE_FRAMES].map(|settle| Candidate::settled_name(name, settle)));
     }
     let stage = Stage::new(package, Dataset::open(Path::new(dataset))?)?;
     let all = stage.scene_names(split)?;

@@ -119,6 +119,19 @@ pub(crate) fn milliseconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Frames of a sixtieth of a second that cloth settles.
+pub(crate) fn settle_frames(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(frames) if frames <= MAX_SETTLE_FRAMES => Ok(frames),
+        _ => Err(format!(
+            "expected a number of frames, from 0 to {MAX_SETTLE_FRAMES}"
+        )),
+    }
+}
+
+/// Ten seconds of cloth that rests after one: more is asked for by mistake.
+const MAX_SETTLE_FRAMES: u32 = 600;
+
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;

@@ -1,20 +1,24 @@
 //! A way to drape, ready to be timed.
 
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use garnet_mesh::Point3;
 use garnet_net::{Cost, GarNetConfig, Model, Start};
 
 use crate::network_input::predicted;
+use crate::teachers::Teachers;
 use crate::{Candidate, Stage, StagedScene, TrainError, warp_of};
 
 /// A candidate, bound to the garment.
 #[derive(Debug)]
-pub(crate) struct Contender {
+pub(crate) struct Contender<'a> {
     name: String,
     start: Start,
     model: Option<Model>,
     cost: Option<Cost>,
+    /// For how many frames cloth settles, and who simulates it.
+    settle: Option<(u32, Teachers<'a>)>,
 }
 
 /// A drape that is not untangled yet.
@@ -26,16 +30,22 @@ pub(crate) struct Draped {
     pub(crate) warp: f64,
     /// Time of the network with all that it needs of a scene, in seconds.
     pub(crate) network: Option<f64>,
+    /// Time of settling, in seconds.
+    pub(crate) settle: Option<f64>,
 }
 
-impl Contender {
+impl<'a> Contender<'a> {
     /// Reads the weights, if it has any.
-    pub(crate) fn new(stage: &Stage, candidate: &Candidate) -> Result<Self, TrainError> {
+    pub(crate) fn new(stage: &'a Stage, candidate: &Candidate) -> Result<Self, TrainError> {
         let package = &stage.package;
-        let (name, start, model) = match candidate {
-            Candidate::Skinning => ("dqs", Start::DualQuaternion, None),
-            Candidate::Warp => ("warp", Start::Shape, None),
-            Candidate::Model { name, weights } => {
+        let (name, start, model, settle) = match candidate {
+            Candidate::Skinning => ("dqs", Start::DualQuaternion, None, 0),
+            Candidate::Warp => ("warp", Start::Shape, None, 0),
+            Candidate::Model {
+                name,
+                weights,
+                settle,
+            } => {
                 let graph = stage.template().graph.clone();
                 // Sewing parameters may be those of bodies alone.
                 let count = stage.num_sewing_parameters()?;
@@ -43,22 +53,28 @@ impl Contender {
                 let rest = package.body.rest().positions();
                 let template = package.mesh.positions();
                 let model = Model::load(weights, graph, template, rest)?;
-                (name.as_str(), model.start(), Some(model))
+                (name.as_str(), model.start(), Some(model), *settle)
             }
         };
         let num_vertices = package.mesh.num_vertices();
         let cost = model.as_ref().map(|model| model.cost(num_vertices));
         Ok(Self {
-            name: name.to_owned(),
+            name: Candidate::settled_name(name, settle),
             start,
             cost: cost.transpose()?,
             model,
+            settle: (settle > 0).then(|| (settle, Teachers::new(stage))),
         })
     }
 
     /// `dqs`, `warp`, or the name of the model.
     pub(crate) fn name(&self) -> &str {
         &self.name
+    }
+
+    /// For how many frames cloth settles.
+    pub(crate) fn settle_frames(&self) -> u32 {
+        self.settle.as_ref().map_or(0, |(frames, _)| *frames)
     }
 
     /// Size and work of the network, if it is one.
@@ -94,6 +110,7 @@ impl Contender {
                 positions: worn.garment.weld().scatter(&nodes),
                 warp,
                 network: None,
+                settle: None,
             });
         };
         model.rebind(worn.graph.clone())?;
@@ -101,11 +118,21 @@ impl Contender {
         let warped = staged.warped(self.start)?;
         let warp = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let positions = predicted(model, &warped, &worn.body, &staged.posed)?;
+        let mut positions = predicted(model, &warped, &worn.body, &staged.posed)?;
+        let network = start.elapsed().as_secs_f64();
+        let mut settle = None;
+        if let Some((frames, teachers)) = &mut self.settle {
+            let teacher = teachers.of(staged)?;
+            let start = Instant::now();
+            let skin = staged.posed.skin().positions();
+            positions = teacher.settled(skin, &positions, *frames, &AtomicBool::new(false))?;
+            settle = Some(start.elapsed().as_secs_f64());
+        }
         Ok(Draped {
             positions,
             warp,
-            network: Some(start.elapsed().as_secs_f64()),
+            network: Some(network),
+            settle,
         })
     }
 }

@@ -23,11 +23,23 @@ pub enum Candidate {
     Warp,
     /// A network.
     Model {
-        /// What it is called in tables.
+        /// What it is called in tables, where it does not settle.
         name: String,
         /// Its weights.
         weights: PathBuf,
+        /// For how many frames the cloth is simulated where the network has put it; 0 leaves it.
+        settle: u32,
     },
+}
+
+impl Candidate {
+    /// What a model is called in tables, if it settles for so many frames.
+    pub fn settled_name(name: &str, settle: u32) -> String {
+        match settle {
+            0 => name.to_owned(),
+            _ => format!("{name} settled"),
+        }
+    }
 }
 
 /// What an evaluation tells while it runs.
@@ -61,6 +73,8 @@ pub struct Row {
     pub name: String,
     /// What the network is made of; none for skinning and warp.
     pub config: Option<GarNetConfig>,
+    /// For how many frames the cloth settles where the network has put it.
+    pub settle: u32,
     /// Weights of the network.
     pub parameters: u64,
     /// Multiplications and additions of a forward pass.
@@ -92,6 +106,8 @@ pub struct StageSeconds {
     pub warp: Percentiles,
     /// The network with all that it needs of a scene.
     pub network: Percentiles,
+    /// Settling by simulation.
+    pub settle: Percentiles,
     /// Untangling.
     pub untangle: Percentiles,
 }
@@ -110,7 +126,7 @@ pub fn evaluate(
     observer: &mut dyn FnMut(EvalEvent),
 ) -> Result<Evaluation, TrainError> {
     let total = stage.num_scenes(split)?;
-    let mut entrants: Vec<Entrant> = (candidates.iter())
+    let mut entrants: Vec<Entrant<'_>> = (candidates.iter())
         .map(|candidate| Ok(Entrant::new(Contender::new(stage, candidate)?)))
         .collect::<Result<_, TrainError>>()?;
     let measure = Measure::new(stage)?;
@@ -134,18 +150,18 @@ pub fn evaluate(
 }
 
 /// A candidate with what it has measured so far.
-struct Entrant {
-    contender: Contender,
+struct Entrant<'a> {
+    contender: Contender<'a>,
     tally: Tally,
     distances: Counts,
     angles: Counts,
     untangled: Option<Tally>,
     left: Left,
-    times: [Vec<f64>; 3],
+    times: [Vec<f64>; 4],
 }
 
-impl Entrant {
-    fn new(contender: Contender) -> Self {
+impl<'a> Entrant<'a> {
+    fn new(contender: Contender<'a>) -> Self {
         Self {
             contender,
             tally: Tally::default(),
@@ -158,11 +174,12 @@ impl Entrant {
     }
 
     fn into_row(self) -> Row {
-        let [warp, network, untangle] = self.times.map(Percentiles::of);
+        let [warp, network, settle, untangle] = self.times.map(Percentiles::of);
         let cost = self.contender.cost();
         Row {
             name: self.contender.name().to_owned(),
             config: self.contender.config().cloned(),
+            settle: self.contender.settle_frames(),
             parameters: cost.map_or(0, |cost| cost.parameters),
             flops: cost.map_or(0, |cost| cost.flops),
             scores: self.tally.scores(),
@@ -177,6 +194,7 @@ impl Entrant {
             seconds: StageSeconds {
                 warp,
                 network,
+                settle,
                 untangle,
             },
         }
@@ -185,7 +203,7 @@ impl Entrant {
 
 /// Measures a scene with all candidates.
 fn scene(
-    entrants: &mut [Entrant],
+    entrants: &mut [Entrant<'_>],
     measure: &Measure,
     finish: Finish,
     staged: &StagedScene,
@@ -198,6 +216,7 @@ fn scene(
         let draped = entrant.contender.drape(staged)?;
         entrant.times[0].push(draped.warp);
         entrant.times[1].extend(draped.network);
+        entrant.times[2].extend(draped.settle);
         let Errors { distances, angles } =
             measure.add(&mut entrant.tally, staged, &draped.positions)?;
         entrant.distances.add(&distances);
@@ -206,7 +225,7 @@ fn scene(
             continue;
         };
         let finished = Finished::new(staged, binding, &draped, options)?;
-        entrant.times[2].push(finished.seconds);
+        entrant.times[3].push(finished.seconds);
         entrant.left.add(finished.left);
         let tally = entrant.untangled.get_or_insert_with(Tally::default);
         measure.add(tally, staged, &finished.positions)?;

@@ -38,7 +38,7 @@ pub fn exhibit(
     let contenders = candidates
         .iter()
         .map(|candidate| Contender::new(stage, candidate));
-    let mut contenders: Vec<Contender> = contenders.collect::<Result<_, _>>()?;
+    let mut contenders: Vec<Contender<'_>> = contenders.collect::<Result<_, _>>()?;
     let mut first_error = None;
     stage.for_each_of(split, keep, Ok, &mut |staged: StagedScene| {
         if first_error.is_none() {
@@ -52,7 +52,7 @@ pub fn exhibit(
 }
 
 fn shown(
-    contenders: &mut [Contender],
+    contenders: &mut [Contender<'_>],
     options: &UntangleOptions,
     staged: &StagedScene,
 ) -> Result<Exhibit, TrainError> {

@@ -58,6 +58,7 @@ mod scores;
 mod stage;
 mod state;
 mod subject;
+mod teachers;
 mod trainer;
 mod validate;
 

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use burn::tensor::Device;
-use garnet_data::{GarmentPackage, Manifest, Split, Variant};
+use garnet_data::{GarmentPackage, Manifest, SETTLE_FRAMES, Split, Variant};
 use garnet_net::{Checkpoint, PoseSpace, Precision, TrainedRange};
 
 use crate::examples::examples;
 use crate::state::State;
 use crate::subject::{Example, Subject};
 use crate::validate::validate;
-use crate::{EpochRecord, Scores, Stage, TrainError, TrainEvent};
+use crate::{Candidate, EpochRecord, Finish, Scores, Stage, TrainError, TrainEvent, evaluate};
 
 /// What a training has come to.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,6 +131,7 @@ pub(crate) fn publish(
         weights: file,
         default: false,
         distance_error: test.map(|test| test.distance),
+        settled_error: test.and_then(|_| settled_error(stage, &weights)),
         flop: Some(cost.flops as f64),
     });
     GarmentPackage::write_manifest(folder, &manifest)?;
@@ -142,6 +143,19 @@ pub(crate) fn publish(
         best,
         test,
     })
+}
+
+/// Mean distance to the teacher on the test split once the cloth has settled, in metres; none of garments
+/// that cannot be simulated.
+pub(crate) fn settled_error(stage: &Stage, weights: &Path) -> Option<f64> {
+    let candidate = Candidate::Model {
+        name: String::new(),
+        weights: weights.to_path_buf(),
+        settle: SETTLE_FRAMES,
+    };
+    let found = evaluate(stage, Split::Test, &[candidate], Finish::None, &mut |_| {});
+    let found = found.ok()?;
+    found.rows.first().map(|row| row.scores.distance)
 }
 
 /// Scores under the names that weight files keep them by.

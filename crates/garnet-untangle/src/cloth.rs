@@ -254,7 +254,7 @@ impl<'a> Cloth<'a> {
         let mut contact = self.finder.find(node, position, normal, reach, hint);
         if contact.foreign_parts > 0 {
             let direction = self.ways_out[node].unwrap_or(contact.home);
-            contact.foreign = way_out(self.finder, position, direction, &contact);
+            contact.foreign = way_out(self.finder, node, position, direction, &contact);
         }
         contact
     }

@@ -239,6 +239,27 @@ mod tests {
     }
 
     #[test]
+    fn cloth_on_skin_that_another_part_is_pressed_into_stays_on_it_and_whole() {
+        let sphere = icosphere(4, RADIUS);
+        let apart = 1.9 * RADIUS;
+        let other = shifted(&sphere, Vector3::new(apart, 0.0, 0.0));
+        let body = one_joint_body(joined(&[sphere, other]));
+        let garment = icosphere(4, RADIUS + 0.004);
+        let faces = garment.faces().to_vec();
+        let (warped, result) = untangled_at_rest(garment, &body);
+        assert_eq!(result.report.inside, 0);
+        assert!(result.report.trapped_inside > 0);
+        for (place, is_trapped) in result.positions.iter().zip(&result.is_trapped) {
+            let height = place.coords.norm() - RADIUS;
+            assert!(!is_trapped || (0.0..0.01).contains(&height), "{height}");
+        }
+        for [a, b, _] in faces.iter().map(|face| face.map(|node| node as usize)) {
+            let length = |places: &[Point3]| (places[a] - places[b]).norm();
+            assert!(length(&result.positions) < 1.5 * length(&warped));
+        }
+    }
+
+    #[test]
     fn one_and_two_threads_give_the_same_bits() {
         let body = one_joint_body(icosphere(4, RADIUS));
         let run = |num_threads: usize| {

@@ -2,8 +2,10 @@
 //!
 //! Where an arm reaches through a skirt, the nearest skin would send one node to the front of the
 //! arm and its neighbour to the back, and tear the cloth. So nodes that hang together leave together,
-//! in one direction.
+//! in one direction. Where the arm is pressed into the skin that the cloth belongs to, a way ends at
+//! that skin, inside the arm: cloth caught between two parts of the body stays between them.
 
+use garnet_knn::Passage;
 use garnet_mesh::{Point3, Vector3};
 use garnet_skin::ClothGraph;
 use rayon::prelude::*;
@@ -19,6 +21,10 @@ const MIN_GAP: f32 = 0.003;
 
 /// Steps in which a way out of a body with holes is probed, in metres.
 const STEP: f32 = 0.005;
+
+/// Cloth that is caught between its own skin and another part is no farther from its own than this, less
+/// the clearance, in metres.
+const CAUGHT_HEIGHT: f32 = 0.007;
 
 /// Halvings of the step in which such a way out ends.
 const HALVINGS: usize = 4;
@@ -73,7 +79,7 @@ pub(crate) fn find_ways_out(
             .map(|&node| {
                 let contact = &contacts[node];
                 if is_found[node] {
-                    way_out(finder, positions[node], direction, contact)
+                    way_out(finder, node, positions[node], direction, contact)
                 } else {
                     contact.foreign
                 }
@@ -132,7 +138,7 @@ fn shortest_direction(
     let stride = patch.len().div_ceil(MAX_SAMPLES);
     let samples = patch.iter().step_by(stride);
     let samples: Vec<Start> = samples
-        .map(|&node| Start::new(finder, positions[node], &contacts[node]))
+        .map(|&node| Start::new(finder, node, positions[node], &contacts[node]))
         .collect();
     let mut shortest = (f32::INFINITY, home);
     for direction in std::iter::once(home).chain(all_round()) {
@@ -156,14 +162,23 @@ fn shortest_direction(
 /// The half space that a node inside foreign parts reaches along `direction`.
 pub(crate) fn way_out(
     finder: &ContactFinder<'_>,
+    node: usize,
     position: Point3,
     direction: Vector3,
     contact: &Contact,
 ) -> Option<Plane> {
-    let exit = Start::new(finder, position, contact).exit(finder, direction)?;
+    let exit = Start::new(finder, node, position, contact).exit(finder, direction)?;
+    let place = position + exit.length * direction;
     let skin_normal = finder
         .normals
         .smooth_at(finder.skin, exit.face, exit.barycentric);
+    if exit.is_caught {
+        let normal = -skin_normal;
+        return Some(Plane {
+            normal,
+            offset: normal.dot(&place.coords) - CAUGHT_HEIGHT,
+        });
+    }
     let normal = if skin_normal.dot(&direction) > MIN_COSINE {
         skin_normal
     } else {
@@ -171,13 +186,14 @@ pub(crate) fn way_out(
     };
     Some(Plane {
         normal,
-        offset: normal.dot(&(position + exit.length * direction).coords),
+        offset: normal.dot(&place.coords),
     })
 }
 
 /// Where a node starts that has to leave foreign parts.
 #[derive(Debug, Clone, Copy)]
 struct Start {
+    node: usize,
     position: Point3,
     /// Inside how many parts of the body it is.
     parts: i32,
@@ -191,18 +207,22 @@ struct Exit {
     length: f32,
     face: u32,
     barycentric: [f32; 3],
+    /// Whether it ends at the node's own skin, where that lies inside another part.
+    is_caught: bool,
 }
 
 impl Start {
-    fn new(finder: &ContactFinder<'_>, position: Point3, contact: &Contact) -> Self {
+    fn new(finder: &ContactFinder<'_>, node: usize, position: Point3, contact: &Contact) -> Self {
         Self {
+            node,
             position,
             parts: finder.winding(position),
             own_parts: contact.own_parts,
         }
     }
 
-    /// The first place along `direction` that is in no more parts of the body than it may be.
+    /// The first place along `direction` that is in no more parts of the body than it may be, or at the
+    /// node's own skin.
     fn exit(&self, finder: &ContactFinder<'_>, direction: Vector3) -> Option<Exit> {
         if self.parts <= self.own_parts {
             return Some(exit_near(finder, self.position, 0.0));
@@ -215,19 +235,27 @@ impl Start {
         let passages = finder.skin.passages(self.position, direction, reach);
         for (index, passage) in passages.iter().enumerate() {
             parts -= passage.turn;
+            let place = self.position + passage.length * direction;
+            let is_caught = self.is_caught_at(finder, passage, place);
             let next = passages.get(index + 1).map_or(f32::INFINITY, |p| p.length);
-            if parts <= self.own_parts
-                && passage.length <= MAX_LENGTH
-                && next - passage.length >= MIN_GAP
-            {
+            let is_out = parts <= self.own_parts && next - passage.length >= MIN_GAP;
+            if passage.length <= MAX_LENGTH && (is_out || is_caught) {
                 return Some(Exit {
                     length: passage.length,
                     face: passage.face,
                     barycentric: passage.barycentric,
+                    is_caught,
                 });
             }
         }
         None
+    }
+
+    /// Whether a way comes upon the node's own skin from in front of it, where another part lies on it.
+    fn is_caught_at(&self, finder: &ContactFinder<'_>, passage: &Passage, place: Point3) -> bool {
+        passage.turn < 0
+            && finder.binding.is_own(self.node, passage.face)
+            && finder.embedded.is_trap(passage.face, place)
     }
 
     /// The same on a body with holes, which no count of passages makes sense of.
@@ -257,5 +285,6 @@ fn exit_near(finder: &ContactFinder<'_>, place: Point3, length: f32) -> Exit {
         length,
         face: closest.face,
         barycentric: closest.barycentric,
+        is_caught: false,
     }
 }

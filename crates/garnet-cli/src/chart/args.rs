@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use garnet::{
     UntangleOptions,
-    data::{GarmentPackage, Quality},
+    data::{GarmentPackage, Quality, SETTLE_FRAMES},
     train::Candidate,
 };
 
 use crate::{
-    args::{millimetres, tolerance},
+    args::{millimetres, settle_frames, tolerance},
     dataset::QualityName,
     eval, output,
 };
@@ -32,6 +32,10 @@ pub(crate) struct ChartArgs {
     /// variants].
     #[arg(long, value_name = "NAME|FILE", value_delimiter = ',')]
     model: Vec<String>,
+    /// Drape by networks twice: as they are, and with the cloth simulated for so many frames of 1/60 s; 0
+    /// leaves that out.
+    #[arg(long, value_name = "FRAMES", default_value_t = SETTLE_FRAMES, value_parser = settle_frames)]
+    settle: u32,
     /// Drape so many scenes, evenly spread over the split.
     #[arg(long, value_name = "N", default_value = "40", value_parser = at_least_one)]
     scenes: usize,
@@ -114,7 +118,7 @@ impl ChartArgs {
 
     /// Skinning, warp, and the models.
     pub(crate) fn candidates(&self, package: &GarmentPackage) -> anyhow::Result<Vec<Candidate>> {
-        eval::candidates(&self.package, package, &self.model)
+        eval::candidates(&self.package, package, &self.model, self.settle)
     }
 
     /// The qualities of the simulations, from the fastest.

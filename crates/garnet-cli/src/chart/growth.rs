@@ -103,7 +103,10 @@ pub(super) fn measure(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
 fn networks(methods: &[Method], record: &Record) -> anyhow::Result<Vec<(String, GarNetConfig)>> {
     let mut costs = Vec::new();
     for method in methods {
-        let Way::Drape(Candidate::Model { weights, .. }) = &method.way else {
+        let Way::Drape(Candidate::Model {
+            weights, settle: 0, ..
+        }) = &method.way
+        else {
             continue;
         };
         let cost = record.find(&method.name).and_then(|known| known.cost);

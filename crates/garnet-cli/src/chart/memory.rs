@@ -16,7 +16,7 @@ use garnet::{
 use super::{
     Job, SPLIT,
     args::ChartArgs,
-    methods::{Method, Way},
+    methods::{Method, Way, shown},
     record::Keeper,
 };
 use crate::{machine, train::advised};
@@ -60,27 +60,32 @@ pub(super) fn measure(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
     keeper.write()
 }
 
-/// The subcommand of a method, and its option; none for weights that are not in the package.
-fn arguments(method: &Method) -> Option<[String; 3]> {
-    let [command, option, value] = match &method.way {
-        Way::Drape(Candidate::Model { name, .. }) if *name != method.name => return None,
+/// The subcommand of a method, and its options; none for weights that are not in the package.
+fn arguments(method: &Method) -> Option<Vec<String>> {
+    let words = match &method.way {
+        Way::Drape(Candidate::Model { name, settle, .. }) => {
+            let frames = settle.to_string();
+            let words = ["drape", "--method", name, "--settle", &frames];
+            return (*name == shown(name)).then(|| words.map(str::to_owned).to_vec());
+        }
         Way::Drape(_) => ["drape", "--method", &method.name],
         // How fine the steps are does not show in the memory.
         Way::Simulation(_) => ["simulate", "--quality", quality_name(Quality::Fast)],
     };
-    Some([command, option, value].map(str::to_owned))
+    Some(words.map(str::to_owned).to_vec())
 }
 
 /// The peak that the process itself reports; none if it comes to no end.
 fn peak_of(args: &ChartArgs, method: &Method, body: &Path, folder: &Path) -> Option<u64> {
-    let [command, option, value] = arguments(method)?;
+    let words = arguments(method)?;
+    let (command, options) = words.split_first()?;
     let report = folder.join("report.json");
     let status = Command::new(env::current_exe().ok()?)
-        .args([&command, "--quiet", "--threads"])
+        .args([command, "--quiet", "--threads"])
         .arg(rayon::current_num_threads().to_string())
         .arg(&args.package)
         .arg(body)
-        .args([&option, &value])
+        .args(options)
         .arg("--report")
         .arg(&report)
         .arg("-o")

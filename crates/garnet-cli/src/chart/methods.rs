@@ -55,7 +55,14 @@ impl Method {
             let (name, weights) = match &candidate {
                 Candidate::Skinning => ("dqs".to_owned(), None),
                 Candidate::Warp => ("warp".to_owned(), None),
-                Candidate::Model { name, weights } => (shown(name), Some(Weights::of(weights)?)),
+                Candidate::Model {
+                    name,
+                    weights,
+                    settle,
+                } => (
+                    Candidate::settled_name(&shown(name), *settle),
+                    Some(Weights::of(weights)?),
+                ),
             };
             Ok(Self {
                 name,
@@ -103,7 +110,7 @@ impl Weights {
 }
 
 /// The name of a variant, or of a file without its folder and ending.
-fn shown(name: &str) -> String {
+pub(super) fn shown(name: &str) -> String {
     let path = Path::new(name);
     match path.extension() {
         Some(extension) if extension == "safetensors" => {

@@ -13,6 +13,7 @@ use super::{
     args::{Job, Limit, NetworkChoice, Source},
     drape_timed,
     learned::{Found, Learned},
+    settled::Settler,
 };
 use crate::{console::Console, failure::refused};
 
@@ -26,6 +27,8 @@ pub(crate) struct ChoiceReport {
     by: &'static str,
     /// Seconds or metres.
     limit: f64,
+    /// Whether the cloth settles by simulation where it is put.
+    settles: bool,
     /// Whether what was chosen is within the limit.
     pub(crate) is_met: bool,
     /// The network; none if the garment is warped.
@@ -41,21 +44,35 @@ pub(crate) struct ChoiceReport {
 #[derive(Debug, Clone, Serialize)]
 struct CandidateReport {
     variant: String,
+    /// Whether the cloth settles by simulation where the network has put it.
+    settles: bool,
     /// Mean distance to the teacher on the test scenes of its training.
     error_m: Option<f64>,
     flop: Option<f64>,
-    /// Warp, network and untangling on the first body; none if it was not timed.
+    /// Warp, network, settling and untangling on the first body; none if it was not timed.
     seconds: Option<f64>,
 }
 
-impl From<&Variant> for CandidateReport {
-    fn from(variant: &Variant) -> Self {
+impl CandidateReport {
+    fn of(variant: &Variant, settles: bool) -> Self {
         Self {
             variant: variant.name.clone(),
-            error_m: variant.distance_error,
+            settles,
+            error_m: if settles {
+                variant.settled_error
+            } else {
+                variant.distance_error
+            },
             flop: variant.flop,
             seconds: None,
         }
+    }
+}
+
+impl ChoiceReport {
+    /// Whether the cloth settles.
+    pub(super) fn settles(&self) -> bool {
+        self.settles
     }
 }
 
@@ -78,7 +95,16 @@ pub(super) fn choose(
         ));
     };
     let variants = GarmentPackage::read_manifest(folder)?.variants;
-    let mut candidates: Vec<CandidateReport> = variants.iter().map(Into::into).collect();
+    // With `--settle`, all settle, or none does.
+    let ways = match job.settle {
+        None => vec![false, true],
+        Some(frames) => vec![frames > 0],
+    };
+    let both = variants.iter().flat_map(|variant| {
+        let of = |&settles: &bool| CandidateReport::of(variant, settles);
+        ways.iter().map(of)
+    });
+    let mut candidates: Vec<CandidateReport> = both.collect();
     match limit {
         Limit::Distance(tolerance) => by_tolerance(bound, job, candidates, tolerance),
         Limit::Seconds(budget) => {
@@ -100,22 +126,23 @@ fn by_tolerance(
     mut candidates: Vec<CandidateReport>,
     tolerance: f64,
 ) -> anyhow::Result<(Found, ChoiceReport)> {
-    candidates.sort_by(|a, b| ascending(a.flop, b.flop));
+    // Settling costs more than any network.
+    candidates.sort_by(|a, b| a.settles.cmp(&b.settles).then(ascending(a.flop, b.flop)));
     let error = |candidate: &&CandidateReport| candidate.error_m.unwrap_or(f64::INFINITY);
     let within = candidates.iter().find(|found| error(found) <= tolerance);
     let measured = candidates.iter().filter(|found| found.error_m.is_some());
     let best = measured.min_by(|a, b| ascending(a.error_m, b.error_m));
     let text = match (within, best) {
         (Some(found), _) => format!(
-            "`{}` is chosen, the cheapest network within {} mm: {}",
-            found.variant,
+            "{} is chosen, the cheapest network within {} mm: {}",
+            named(found),
             shown(tolerance),
             described(found)
         ),
         (None, Some(best)) => format!(
-            "no network of the package is within {} mm; `{}` comes nearest: {}",
+            "no network of the package is within {} mm; {} comes nearest: {}",
             shown(tolerance),
-            best.variant,
+            named(best),
             described(best)
         ),
         (None, None) => format!(
@@ -124,6 +151,7 @@ fn by_tolerance(
             shown(tolerance)
         ),
     };
+    let settles = within.or(best).is_some_and(|found| found.settles);
     let chosen = within.or(best).map(|found| found.variant.clone());
     let found = match &chosen {
         Some(name) => Learned::find(bound, &NetworkChoice::Named(name.clone()), &job.source)?,
@@ -132,6 +160,7 @@ fn by_tolerance(
     let report = ChoiceReport {
         by: "tolerance_m",
         limit: tolerance,
+        settles,
         is_met: within.is_some(),
         chosen,
         candidates,
@@ -151,7 +180,10 @@ fn by_budget(
     let mut way = Way {
         draper: Draper::with_options(job.options),
         learned: None,
+        settler: None,
     };
+    // What cannot settle is told of when it is draped.
+    let mut settler = Settler::find(bound, job, true).ok().flatten();
     let mut found = Found::NotAsked;
     let mut is_met = false;
     for candidate in &mut candidates {
@@ -159,7 +191,9 @@ fn by_budget(
         if let Found::Network(learned) = Learned::find(bound, &named, &job.source)? {
             way.learned = Some(*learned);
         }
+        way.settler = settler.take_if(|_| candidate.settles);
         let seconds = seconds_of(bound, &mut way, console)?;
+        settler = settler.or(way.settler.take());
         candidate.seconds = Some(seconds);
         if seconds <= budget {
             is_met = true;
@@ -172,8 +206,8 @@ fn by_budget(
         .find(|candidate| is_met && candidate.seconds.is_some_and(|seconds| seconds <= budget));
     let text = if let Some(chosen) = chosen {
         format!(
-            "`{}` is chosen, the most accurate network within {} ms: {}",
-            chosen.variant,
+            "{} is chosen, the most accurate network within {} ms: {}",
+            named(chosen),
             shown(budget),
             described(chosen)
         )
@@ -190,6 +224,7 @@ fn by_budget(
     let report = ChoiceReport {
         by: "budget_s",
         limit: budget,
+        settles: chosen.is_some_and(|chosen| chosen.settles),
         is_met,
         chosen: chosen.map(|chosen| chosen.variant.clone()),
         candidates,
@@ -198,7 +233,7 @@ fn by_budget(
     Ok((found, report))
 }
 
-/// The least time of some drapes on the first body: warp, network and untangling.
+/// The least time of some drapes on the first body: warp, network, settling and untangling.
 fn seconds_of(bound: &Bound, way: &mut Way, console: &Console) -> anyhow::Result<f64> {
     let Some(target) = bound.targets.first() else {
         return Ok(0.0);
@@ -207,7 +242,7 @@ fn seconds_of(bound: &Bound, way: &mut Way, console: &Console) -> anyhow::Result
     for trial in 0..=TRIALS {
         let time = drape_timed(bound, way, target, console)?.time;
         if trial > 0 {
-            least = least.min(time.warp + time.network + time.untangle);
+            least = least.min(time.of_drape());
         }
     }
     Ok(least)
@@ -216,6 +251,11 @@ fn seconds_of(bound: &Bound, way: &mut Way, console: &Console) -> anyhow::Result
 /// A limit in thousandths, as the user gave it.
 fn shown(limit: f64) -> f32 {
     (1e3 * limit) as f32
+}
+
+fn named(candidate: &CandidateReport) -> String {
+    let settled = if candidate.settles { " settled" } else { "" };
+    format!("`{}`{settled}", candidate.variant)
 }
 
 fn described(candidate: &CandidateReport) -> String {

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
-    BoundGarment, Moved, Network, PosedBody, Warped,
-    data::{GarmentPackage, Manifest},
+    BoundGarment, Draper, Moved, Network, PosedBody, Warped,
+    data::{GarmentPackage, Manifest, Variant},
     train::weights_of,
 };
 
@@ -25,6 +25,7 @@ pub(super) struct Learned {
     network: Network,
     name: String,
     weights: PathBuf,
+    gains_by_settling: bool,
 }
 
 /// Whether a network drapes.
@@ -73,8 +74,10 @@ impl Learned {
         })?;
         let network = Self::load(bound, &manifest, &weights);
         let network = network.with_context(|| format!("cannot use the network `{name}`"))?;
+        let variant = manifest.variant(&name);
         Ok(Found::Network(Box::new(Self {
             network,
+            gains_by_settling: variant.is_some_and(Variant::gains_by_settling),
             name,
             weights,
         })))
@@ -98,6 +101,11 @@ impl Learned {
         &self.name
     }
 
+    /// Whether its drapes come nearer to the teacher when they settle.
+    pub(super) fn gains_by_settling(&self) -> bool {
+        self.gains_by_settling
+    }
+
     pub(super) fn report(&self) -> NetworkReport {
         NetworkReport {
             variant: self.name.clone(),
@@ -116,6 +124,10 @@ impl Learned {
         };
         let stand_in = refit.stand_in(posed.skin().positions())?;
         let (moved, seconds) = self.moved(refit.garment(), &stand_in)?;
+        if moved.fallback.is_some() {
+            let garment = Draper::new().warp(&bound.garment, posed)?;
+            return Ok((Moved { garment, ..moved }, seconds));
+        }
         let places = moved.garment.positions(refit.garment());
         let moved = Moved {
             garment: Warped::at(&bound.garment, &places),

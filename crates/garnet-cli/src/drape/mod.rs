@@ -10,6 +10,7 @@ mod prepared;
 mod report;
 mod rest_body;
 mod rest_mesh;
+mod settled;
 mod simulated;
 mod summary;
 mod timing;
@@ -35,6 +36,7 @@ use report::{
 };
 pub(crate) use rest_body::rest_body_of;
 pub(crate) use rest_mesh::{Frames, RestMesh};
+use settled::Settler;
 use simulated::Teaching;
 use timing::timed;
 use warning::{Problem, Warning};
@@ -85,6 +87,18 @@ pub(crate) fn do_job(
                 &"note: the package has no trained network: the garment is warped and untangled",
             ),
         }
+        let gains = match (&bound.choice, &bound.learned) {
+            (Some(choice), _) => choice.settles(),
+            (None, learned) => learned.as_ref().is_some_and(Learned::gains_by_settling),
+        };
+        match Settler::find(&bound, &job, gains) {
+            Ok(settler) => bound.settler = settler,
+            Err(error) if job.settle.is_some() => return Err(error),
+            Err(error) => bound.warnings.push(Warning {
+                path: bound.garment_file.path().to_path_buf(),
+                problem: Problem::Unsettled(format!("{error:#}")),
+            }),
+        }
         let drapes = drape_all(&mut bound, &job, console)?;
         let seconds = OnceSeconds {
             read,
@@ -117,6 +131,8 @@ struct Bound {
     teacher: Option<Teaching>,
     /// The network, if one drapes.
     learned: Option<Learned>,
+    /// The simulation of what was put, if it settles.
+    settler: Option<Settler>,
     /// How that was chosen, if it was.
     choice: Option<ChoiceReport>,
     warnings: Vec<Warning>,
@@ -167,6 +183,7 @@ impl Bound {
             pose,
             teacher: None,
             learned: None,
+            settler: None,
             choice: None,
         })
     }
@@ -215,6 +232,7 @@ fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<
     let mut way = Way {
         draper: Draper::with_options(job.options),
         learned: bound.learned.take(),
+        settler: bound.settler.take(),
     };
     let bar = console.progress(bound.targets.len());
     let mut drapes = Vec::with_capacity(bound.targets.len());
@@ -230,6 +248,7 @@ fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<
     }
     bar.finish_and_clear();
     bound.learned = way.learned;
+    bound.settler = way.settler;
     let (drapes, warnings): (Vec<_>, Vec<_>) = drapes.into_iter().unzip();
     bound.warnings.extend(warnings.into_iter().flatten());
     Ok(drapes)
@@ -239,6 +258,7 @@ fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<
 struct Way {
     draper: Draper,
     learned: Option<Learned>,
+    settler: Option<Settler>,
 }
 
 fn drape_one(
@@ -261,6 +281,7 @@ fn drape_one(
         drape,
         simulated,
         fallback,
+        unsettled,
         mut time,
     } = draped;
     let rest = bound.rest_positions();
@@ -272,6 +293,7 @@ fn drape_one(
     let stretch_at_trapped = edge_stretch(rest, &drape.positions, &trapped)?;
     let mut problems: Vec<Problem> = warning::of_fit(posed.max_residual()).into_iter().collect();
     problems.extend(fallback.clone().map(Problem::Fallback));
+    problems.extend(unsettled.map(Problem::Unsettled));
     let inside = if let Some(report) = &drape.report {
         problems.extend(warning::of_result(report));
         None
@@ -333,6 +355,8 @@ struct Draped {
     simulated: Option<SceneReport>,
     /// Why the network was not used.
     fallback: Option<String>,
+    /// Why the cloth was left where it was put.
+    unsettled: Option<String>,
     time: DrapeSeconds,
 }
 
@@ -348,7 +372,11 @@ fn drape_timed(
         let garment = bound.garment_file.path().display();
         format!("cannot drape `{garment}` on `{}`", target.path.display())
     };
-    let Way { draper, learned } = way;
+    let Way {
+        draper,
+        learned,
+        settler,
+    } = way;
     let (mut network, mut fallback) = (0.0, None);
     let (brought, mut warp) = timed(|| match (&bound.teacher, learned) {
         (Some(teaching), _) => teaching.drape(bound, &posed, console),
@@ -360,13 +388,22 @@ fn drape_timed(
         (None, None) => Ok((draper.warp(&bound.garment, &posed)?, None)),
     });
     warp -= network;
-    let (warped, simulated) = brought.with_context(cannot)?;
+    let (mut warped, simulated) = brought.with_context(cannot)?;
+    let (mut settle, mut unsettled) = (0.0, None);
+    // What fell back to the warp is far from where cloth rests.
+    if let Some(settler) = settler.as_ref().filter(|_| fallback.is_none()) {
+        match settler.settled(bound, &posed, &warped) {
+            Ok(settled) => (warped, settle) = settled,
+            Err(error) => unsettled = Some(format!("{error:#}")),
+        }
+    }
     let (drape, untangle) = timed(|| draper.finish(&bound.garment, &posed, &warped));
     let drape = drape.with_context(cannot)?;
     let time = DrapeSeconds {
         fit,
         warp,
         network,
+        settle,
         untangle,
         write: 0.0,
     };
@@ -375,6 +412,7 @@ fn drape_timed(
         drape,
         simulated,
         fallback: fallback.map(|reason| reason.to_string()),
+        unsettled,
         time,
     })
 }
@@ -434,6 +472,7 @@ impl Bound {
             network: self.learned.as_ref().map(Learned::report),
             choice,
             simulation: self.teacher.as_ref().map(Teaching::report),
+            settle_frames: self.settler.as_ref().map_or(0, Settler::frames),
             untangled: untangle.is_some(),
             clearance_m: untangle.map(|options| options.clearance),
             threads: rayon::current_num_threads(),

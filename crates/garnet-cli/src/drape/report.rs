@@ -29,6 +29,8 @@ pub(crate) struct DrapeReport {
     pub(crate) choice: Option<ChoiceReport>,
     /// Quality and fabric of the simulation; none for other methods.
     pub(crate) simulation: Option<SimulationReport>,
+    /// For how many frames of a sixtieth of a second the cloth was simulated where it was put.
+    pub(crate) settle_frames: u32,
     /// Whether penetrations were removed.
     pub(crate) untangled: bool,
     /// Smallest distance asked for between cloth and skin; none without untangling.
@@ -227,9 +229,18 @@ pub(crate) struct DrapeSeconds {
     pub(crate) warp: f64,
     /// Zero without a network.
     pub(crate) network: f64,
+    /// Zero if the cloth was left where it was put.
+    pub(crate) settle: f64,
     pub(crate) untangle: f64,
     /// Zero for all but the last repetition.
     pub(crate) write: f64,
+}
+
+impl DrapeSeconds {
+    /// From the posed body to the drape.
+    pub(crate) fn of_drape(&self) -> f64 {
+        self.warp + self.network + self.settle + self.untangle
+    }
 }
 
 /// Times of repeated drapes: median and 95th percentile.
@@ -238,8 +249,9 @@ pub(crate) struct RepeatedSeconds {
     pub(crate) fit: Repeated,
     pub(crate) warp: Repeated,
     pub(crate) network: Repeated,
+    pub(crate) settle: Repeated,
     pub(crate) untangle: Repeated,
-    /// Warp, network and untangling together.
+    /// Warp, network, settling and untangling together.
     pub(crate) drape: Repeated,
 }
 
@@ -255,8 +267,9 @@ impl RepeatedSeconds {
             fit: spread(|time| time.fit)?,
             warp: spread(|time| time.warp)?,
             network: spread(|time| time.network)?,
+            settle: spread(|time| time.settle)?,
             untangle: spread(|time| time.untangle)?,
-            drape: spread(|time| time.warp + time.network + time.untangle)?,
+            drape: spread(DrapeSeconds::of_drape)?,
         })
     }
 }

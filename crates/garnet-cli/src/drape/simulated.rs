@@ -24,30 +24,39 @@ pub(super) struct Teaching {
     frames: Option<PathBuf>,
 }
 
+/// The simulation of a garment: of a fabric, or of that of its package, or of cotton.
+pub(super) fn teacher_of(
+    bound: &Bound,
+    fabric: Option<&StoredFabric>,
+    source: &Source,
+) -> anyhow::Result<(Teacher, StoredFabric)> {
+    let package = match source {
+        Source::Files(files) => files.package.as_deref(),
+        Source::Scene(_) => None,
+    };
+    let package = package.map(GarmentPackage::read).transpose()?;
+    let (rest, own) = if let Some(package) = package {
+        (package.rest, package.manifest.fabric)
+    } else {
+        let worn = bound.garment.mesh().positions().to_vec();
+        let cotton = StoredFabric::new("cotton", &Fabric::cotton());
+        (RestShape::Worn(worn), cotton)
+    };
+    let fabric = fabric.cloned().unwrap_or(own);
+    let cloth = bound.garment.cloth().clone();
+    let teacher = Teacher::of_garment(cloth, &bound.body, &rest, &fabric.fabric());
+    let teacher = teacher
+        .with_context(|| format!("cannot simulate `{}`", bound.garment_file.path().display()))?;
+    Ok((teacher, fabric))
+}
+
 impl Teaching {
     pub(super) fn new(
         bound: &Bound,
         simulation: &Simulation,
         source: &Source,
     ) -> anyhow::Result<Self> {
-        let package = match source {
-            Source::Files(files) => files.package.as_deref(),
-            Source::Scene(_) => None,
-        };
-        let package = package.map(GarmentPackage::read).transpose()?;
-        let (rest, fabric) = if let Some(package) = package {
-            (package.rest, package.manifest.fabric)
-        } else {
-            let worn = bound.garment.mesh().positions().to_vec();
-            let cotton = StoredFabric::new("cotton", &Fabric::cotton());
-            (RestShape::Worn(worn), cotton)
-        };
-        let fabric = simulation.fabric.clone().unwrap_or(fabric);
-        let cloth = bound.garment.cloth().clone();
-        let teacher = Teacher::of_garment(cloth, &bound.body, &rest, &fabric.fabric());
-        let teacher = teacher.with_context(|| {
-            format!("cannot simulate `{}`", bound.garment_file.path().display())
-        })?;
+        let (teacher, fabric) = teacher_of(bound, simulation.fabric.as_ref(), source)?;
         if let Some(folder) = &simulation.frames {
             output::make_folder(folder)?;
         }

@@ -134,7 +134,7 @@ fn times(drape: &DrapeOutput, repeated: &RepeatedSeconds, report: &DrapeReport) 
         )
     };
     format!(
-        "`{}`: {} drapes on {} threads, median: fit {}, warp {}, {}untangle {}, all but the fit {}",
+        "`{}`: {} drapes on {} threads, median: fit {}, warp {}, {}{}untangle {}, all but the fit {}",
         drape.target,
         report.repeat,
         report.threads,
@@ -144,6 +144,10 @@ fn times(drape: &DrapeOutput, repeated: &RepeatedSeconds, report: &DrapeReport) 
             Some(_) => format!("network {}, ", of(&repeated.network)),
             None => String::new(),
         },
+        match report.settle_frames {
+            0 => String::new(),
+            _ => format!("settle {}, ", of(&repeated.settle)),
+        },
         of(&repeated.untangle),
         of(&repeated.drape)
     )
@@ -152,7 +156,7 @@ fn times(drape: &DrapeOutput, repeated: &RepeatedSeconds, report: &DrapeReport) 
 fn stages(report: &DrapeReport) -> String {
     let sum = |stage: fn(&DrapeOutput) -> f64| readable(report.drapes.iter().map(stage).sum());
     format!(
-        "stages on {} threads: read {}, bind {}, fit {}, warp {}, {}untangle {}, write {}",
+        "stages on {} threads: read {}, bind {}, fit {}, warp {}, {}{}untangle {}, write {}",
         report.threads,
         readable(report.seconds.read),
         readable(report.seconds.bind),
@@ -161,6 +165,10 @@ fn stages(report: &DrapeReport) -> String {
         match &report.network {
             Some(_) => format!("network {}, ", sum(|drape| drape.seconds.network)),
             None => String::new(),
+        },
+        match report.settle_frames {
+            0 => String::new(),
+            _ => format!("settle {}, ", sum(|drape| drape.seconds.settle)),
         },
         sum(|drape| drape.seconds.untangle),
         sum(|drape| drape.seconds.write)

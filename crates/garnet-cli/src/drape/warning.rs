@@ -36,6 +36,8 @@ pub(crate) enum Problem {
     PoorFit(f32),
     /// The network was not used, and why.
     Fallback(String),
+    /// The cloth was left where the network put it, and why.
+    Unsettled(String),
 }
 
 impl Problem {
@@ -59,6 +61,7 @@ impl Problem {
             Self::Inside(..) => "inside",
             Self::PoorFit(_) => "poor_fit",
             Self::Fallback(_) => "fallback",
+            Self::Unsettled(_) => "unsettled",
         }
     }
 
@@ -80,7 +83,7 @@ impl Problem {
             | Self::BelowClearance(count, _)
             | Self::CrossingFaces(count)
             | Self::Inside(count, _) => Some(count),
-            Self::PoorFit(_) | Self::Fallback(_) => None,
+            Self::PoorFit(_) | Self::Fallback(_) | Self::Unsettled(_) => None,
         }
     }
 }
@@ -155,6 +158,9 @@ impl fmt::Display for Warning {
             Problem::Fallback(ref reason) => format!(
                 "the network is not used on `{path}`, and the warp by pose and shape is: {reason}"
             ),
+            Problem::Unsettled(ref reason) => {
+                format!("`{path}` is not settled by simulation: {reason}")
+            }
         };
         formatter.write_str(&text)
     }

@@ -5,11 +5,15 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use garnet::{
     UntangleOptions,
-    data::{GarmentPackage, Split},
+    data::{GarmentPackage, SETTLE_FRAMES, Split},
     train::{Candidate, Finish, weights_of},
 };
 
-use crate::{args::millimetres, failure::Hint, output};
+use crate::{
+    args::{millimetres, settle_frames},
+    failure::Hint,
+    output,
+};
 
 /// Arguments of `eval`.
 #[derive(Debug, Args)]
@@ -27,6 +31,10 @@ pub(crate) struct EvalArgs {
     /// The scenes to measure on; models are chosen by `valid` and judged by `test`.
     #[arg(long, value_name = "SPLIT", default_value = "test")]
     split: SplitName,
+    /// Measure networks twice: as they are, and with their drapes simulated for so many frames of 1/60 s; 0
+    /// leaves that out.
+    #[arg(long, value_name = "FRAMES", default_value_t = SETTLE_FRAMES, value_parser = settle_frames)]
+    settle: u32,
     /// Measure drapes as the networks leave them only.
     #[arg(long)]
     no_untangle: bool,
@@ -83,16 +91,17 @@ impl EvalArgs {
 
     /// Skinning, warp, and the models.
     pub(crate) fn candidates(&self, package: &GarmentPackage) -> anyhow::Result<Vec<Candidate>> {
-        candidates(&self.package, package, &self.model)
+        candidates(&self.package, package, &self.model, self.settle)
     }
 }
 
-/// Skinning, warp, and models of a package in a folder by name or file; all of the package if none are
-/// named.
+/// Skinning, warp, and models of a package in a folder by name or file, each also settled; all of the
+/// package if none are named.
 pub(crate) fn candidates(
     folder: &Path,
     package: &GarmentPackage,
     models: &[String],
+    settle: u32,
 ) -> anyhow::Result<Vec<Candidate>> {
     let variants = &package.manifest.variants;
     let all = variants.iter().map(|variant| variant.name.clone());
@@ -113,7 +122,13 @@ pub(crate) fn candidates(
             weights_of(folder, &package.manifest, &name)
                 .hint(|| "`garnet train` adds variants to a package".to_owned())?
         };
-        candidates.push(Candidate::Model { name, weights });
+        let mut frames = vec![0, settle];
+        frames.dedup();
+        candidates.extend(frames.into_iter().map(|settle| Candidate::Model {
+            name: name.clone(),
+            weights: weights.clone(),
+            settle,
+        }));
     }
     Ok(candidates)
 }

@@ -29,6 +29,8 @@ pub(crate) struct EvalReport {
 #[derive(Debug, Serialize)]
 pub(crate) struct MethodReport {
     pub(crate) name: String,
+    /// For how many frames of a sixtieth of a second the cloth settles where the network has put it.
+    pub(crate) settle_frames: u32,
     /// Weights of the network; none of skinning and warp.
     pub(crate) weights: Option<u64>,
     /// Multiplications and additions of a forward pass; none of skinning and warp.
@@ -64,6 +66,7 @@ impl From<&Row> for MethodReport {
         let is_network = row.config.is_some();
         Self {
             name: row.name.clone(),
+            settle_frames: row.settle,
             weights: is_network.then_some(row.parameters),
             flop: is_network.then_some(row.flops),
             network: row.config.clone(),
@@ -109,7 +112,7 @@ impl fmt::Display for EvalReport {
         }
         for method in &self.methods {
             let seconds = &method.seconds;
-            let first = seconds.warp.median + seconds.network.median;
+            let first = seconds.warp.median + seconds.network.median + seconds.settle.median;
             line(formatter, width, &method.name, &method.scores, first)?;
             if let Some(untangled) = &method.untangled {
                 let name = format!("{} untangled", method.name);

@@ -60,7 +60,7 @@ pub fn time_drapes(
     let contenders = tasks
         .iter()
         .map(|task| Contender::new(stage, &task.candidate));
-    let mut contenders: Vec<Contender> = contenders.collect::<Result<_, _>>()?;
+    let mut contenders: Vec<Contender<'_>> = contenders.collect::<Result<_, _>>()?;
     let measure = Measure::new(stage)?;
     let is_wanted = |scene| tasks.iter().any(|task| task.scenes.contains(&scene));
     let mut is_warm = false;
@@ -93,7 +93,7 @@ pub fn time_drapes(
     }
 }
 
-fn cost(contender: &Contender) -> Option<NetworkCost> {
+fn cost(contender: &Contender<'_>) -> Option<NetworkCost> {
     let cost = contender.cost()?;
     Some(NetworkCost {
         parameters: cost.parameters,
@@ -110,7 +110,7 @@ struct Run {
 }
 
 fn run(
-    contender: &mut Contender,
+    contender: &mut Contender<'_>,
     staged: &StagedScene,
     binding: &Binding,
     options: &UntangleOptions,
@@ -122,7 +122,7 @@ fn run(
             warp: draped.warp,
             network: draped.network.unwrap_or(0.0),
             untangle: finished.seconds,
-            simulation: 0.0,
+            simulation: draped.settle.unwrap_or(0.0),
         },
         before: draped.positions,
         finished,
@@ -131,7 +131,7 @@ fn run(
 
 /// The samples of one scene.
 fn samples(
-    mut contenders: Vec<(usize, &mut Contender)>,
+    mut contenders: Vec<(usize, &mut Contender<'_>)>,
     measure: &Measure,
     staged: &StagedScene,
     binding: &Binding,

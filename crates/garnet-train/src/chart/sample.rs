@@ -32,7 +32,7 @@ pub struct Seconds {
     pub network: f64,
     /// Untangling.
     pub untangle: f64,
-    /// The simulation.
+    /// The simulation, or the settling of what a network has put.
     pub simulation: f64,
 }
 
@@ -47,7 +47,7 @@ pub struct Times {
     pub network: Percentiles,
     /// Untangling.
     pub untangle: Percentiles,
-    /// The simulation.
+    /// The simulation, or the settling of what a network has put.
     pub simulation: Percentiles,
 }
 

@@ -1,14 +1,14 @@
 //! The teacher, timed on single scenes, and how repeatable it is.
 
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::{DataError, Quality, Split, Tailor, Teacher, noise_floor, wearer_of};
+use garnet_data::{DataError, Quality, Split, Teacher, noise_floor};
 
 use super::sample::{Sample, Seconds};
 use crate::measure::Measure;
-use crate::{Left, SceneName, Stage, StagedScene, Tally, TrainError, Worn};
+use crate::teachers::Teachers;
+use crate::{Left, SceneName, Stage, StagedScene, Tally, TrainError};
 
 /// What is asked of the teacher on a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,7 +44,7 @@ pub fn ask_teacher(
 ) -> Result<(), TrainError> {
     let measure = Measure::new(stage)?;
     let asked = |name| questions.iter().find(|(scene, _)| *scene == name);
-    let mut teacher: Option<(Arc<Worn>, Teacher)> = None;
+    let mut teachers = Teachers::new(stage);
     let mut first_error = None;
     let keep = |name| asked(name).is_some_and(|(_, questions)| !questions.is_empty());
     stage.for_each_of(split, keep, Ok, &mut |staged: StagedScene| {
@@ -52,39 +52,16 @@ pub fn ask_teacher(
             return;
         }
         let mut scene = || {
-            let known = teacher.take();
-            let known = known.filter(|(worn, _)| Arc::ptr_eq(worn, &staged.worn));
-            let (worn, known) = match known {
-                Some(known) => known,
-                None => (Arc::clone(&staged.worn), teacher_of(stage, &staged)?),
-            };
+            let teacher = teachers.of(&staged)?;
             for &question in asked(staged.name).map_or(&[][..], |(_, questions)| questions) {
-                let answer = answer(&known, &measure, &staged, question)?;
+                let answer = answer(teacher, &measure, &staged, question)?;
                 take(staged.name, question, answer);
             }
-            teacher = Some((worn, known));
             Ok(())
         };
         first_error = scene().err();
     })?;
     first_error.map_or(Ok(()), Err)
-}
-
-/// The teacher that made a scene.
-fn teacher_of(stage: &Stage, staged: &StagedScene) -> Result<Teacher, TrainError> {
-    let package = &stage.package;
-    let tailor = match &staged.own {
-        Some(_) if stage.is_made_to_measure() => Tailor::of_package(package)?,
-        _ => None,
-    };
-    let body = &staged.worn.body;
-    if let (Some(tailor), Some(wearer)) = (tailor, wearer_of(body)) {
-        let tailor = tailor.with_size(None);
-        let wearer = wearer.map_err(DataError::from)?;
-        let worn = tailor.dress(body, &wearer, &AtomicBool::new(false))?;
-        return Ok(tailor.teacher(&worn, body)?);
-    }
-    Ok(Teacher::new(package)?)
 }
 
 fn answer(

@@ -24,7 +24,7 @@ use garnet_net::{POSE_SPACE, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
 
 use crate::examples::examples;
-use crate::publish::named;
+use crate::publish::{named, settled_error};
 use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate_drapes};
 use crate::{EpochRecord, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained};
@@ -103,6 +103,7 @@ pub(crate) fn fit(
         weights: format!("{POSE_SPACE}.safetensors"),
         default: false,
         distance_error: scores(&test).map(|test| test.distance),
+        settled_error: scores(&test).and_then(|_| settled_error(stage, &path)),
         flop: Some(space.cost().flops as f64),
     });
     GarmentPackage::write_manifest(&job.package, &manifest)?;

@@ -18,6 +18,7 @@ fn a_network_is_measured_as_its_training_measured_it() {
         Candidate::Model {
             name: "local".to_owned(),
             weights: trained.weights.clone(),
+            settle: 0,
         },
     ];
     let mut told = Vec::new();
@@ -54,6 +55,7 @@ fn a_network_is_measured_as_its_training_measured_it() {
         &[Candidate::Model {
             name: "none".to_owned(),
             weights: invented.path().join("none.safetensors"),
+            settle: 0,
         }],
         Finish::None,
         &mut |_| {},

@@ -20,6 +20,7 @@ fn candidate(invented: &Invented, name: &str) -> Candidate {
     Candidate::Model {
         name: name.to_owned(),
         weights: invented.package().join(format!("{name}.safetensors")),
+        settle: 0,
     }
 }
 

@@ -1,0 +1,48 @@
+//! The simulation of the garments of scenes.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use garnet_data::{DataError, Tailor, Teacher, wearer_of};
+
+use crate::{Stage, StagedScene, TrainError, Worn};
+
+/// Makes the teachers of scenes; that of the last garment is kept.
+#[derive(Debug)]
+pub(crate) struct Teachers<'a> {
+    stage: &'a Stage,
+    last: Option<(Arc<Worn>, Teacher)>,
+}
+
+impl<'a> Teachers<'a> {
+    pub(crate) fn new(stage: &'a Stage) -> Self {
+        Self { stage, last: None }
+    }
+
+    /// The teacher that made a scene.
+    pub(crate) fn of(&mut self, staged: &StagedScene) -> Result<&Teacher, TrainError> {
+        let last = self.last.take();
+        let known = last.filter(|(worn, _)| Arc::ptr_eq(worn, &staged.worn));
+        let known = match known {
+            Some(known) => known,
+            None => (Arc::clone(&staged.worn), teacher_of(self.stage, staged)?),
+        };
+        Ok(&self.last.insert(known).1)
+    }
+}
+
+fn teacher_of(stage: &Stage, staged: &StagedScene) -> Result<Teacher, TrainError> {
+    let package = &stage.package;
+    let tailor = match &staged.own {
+        Some(_) if stage.is_made_to_measure() => Tailor::of_package(package)?,
+        _ => None,
+    };
+    let body = &staged.worn.body;
+    if let (Some(tailor), Some(wearer)) = (tailor, wearer_of(body)) {
+        let tailor = tailor.with_size(None);
+        let wearer = wearer.map_err(DataError::from)?;
+        let worn = tailor.dress(body, &wearer, &AtomicBool::new(false))?;
+        return Ok(tailor.teacher(&worn, body)?);
+    }
+    Ok(Teacher::new(package)?)
+}
