@@ -83,6 +83,9 @@ pub enum DataError {
     /// A garment that was not made from a pattern is to be cut to measure.
     #[error("the garment has no sewing pattern: it cannot be cut to the measures of bodies")]
     NoPattern,
+    /// All bodies wear the template, and parameters are to be drawn for each.
+    #[error("all bodies wear the template: no sewing parameters can be drawn for each")]
+    VariedTemplate,
     /// A garment lies too deep in its body to be simulated.
     #[error("{inside} of {vertices} vertices of the garment are inside the body at rest, the deepest by {} mm", 1e3 * deepest)]
     InsideAtStart {

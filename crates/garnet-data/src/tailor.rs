@@ -93,6 +93,12 @@ impl Tailor {
         Ok(tailor.with_size(self.size))
     }
 
+    /// The same with other parameters of the same pattern.
+    #[must_use]
+    pub fn with_parameters(self, parameters: Parameters) -> Self {
+        Self { parameters, ..self }
+    }
+
     /// The parameters that garments are cut with.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters

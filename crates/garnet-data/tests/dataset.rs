@@ -13,7 +13,7 @@ use std::{
 
 use garnet_data::{
     Counts, DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest,
-    Limits, Quality, Sizing, Split, generate, import,
+    Limits, Quality, Sizing, Split, Variations, generate, import,
 };
 use garnet_mesh::write_obj;
 
@@ -28,6 +28,7 @@ fn options(threads: usize) -> DatasetOptions {
         poses: 2,
         quality: Quality::Fast,
         sizing: Sizing::OneSize,
+        vary: Variations::default(),
         // Coarse cloth in few steps: here the files are tested, not the drapes.
         limits: Limits {
             inside: 50,
@@ -141,6 +142,43 @@ fn scenes_have_a_body_a_pose_and_a_garment() {
         }
     }
     assert_eq!(scenes, 6);
+}
+
+#[test]
+fn sewing_parameters_are_drawn_for_each_body() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    let vary = Variations::default().with("sleeve", [0.18, 0.34]);
+    let options = DatasetOptions {
+        poses: 1,
+        sizing: Sizing::MadeToMeasure,
+        vary: vary.clone(),
+        ..options(2)
+    };
+    make(&package, folder.path(), &options);
+    let dataset = Dataset::open(folder.path()).unwrap();
+    let bodies = dataset.shards().flat_map(|shard| shard.unwrap().bodies);
+    let sleeves: Vec<f64> = bodies.map(|body| body.garment["sleeve"]).collect();
+    assert_eq!(sleeves.len(), 3);
+    assert!(sleeves.iter().all(|sleeve| (0.18..0.34).contains(sleeve)));
+    let differ = |pair: &[f64]| (pair[0] - pair[1]).abs() > 1e-4;
+    assert!(sleeves.windows(2).all(differ));
+
+    let refused = |options: DatasetOptions| {
+        let folder = tempfile::tempdir().unwrap();
+        let stop = AtomicBool::new(false);
+        generate(&package, folder.path(), &options, &|_| {}, &stop).unwrap_err()
+    };
+    let one_size = DatasetOptions {
+        sizing: Sizing::OneSize,
+        ..options.clone()
+    };
+    assert!(matches!(refused(one_size), DataError::VariedTemplate));
+    let unknown = DatasetOptions {
+        vary: vary.with("collar", [0.0, 0.1]),
+        ..options
+    };
+    assert!(refused(unknown).to_string().contains("collar"));
 }
 
 #[test]

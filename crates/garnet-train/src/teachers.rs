@@ -1,5 +1,6 @@
 //! The simulation of the garments of scenes.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -39,7 +40,19 @@ fn teacher_of(stage: &Stage, staged: &StagedScene) -> Result<Teacher, TrainError
     };
     let body = &staged.worn.body;
     if let (Some(tailor), Some(wearer)) = (tailor, wearer_of(body)) {
-        let tailor = tailor.with_size(None);
+        // Parameters may have been drawn for the body; they are in the order of their names.
+        let mut parameters = tailor.parameters().clone();
+        let names: BTreeSet<&str> = tailor
+            .parameters()
+            .iter()
+            .map(|own| own.spec.name)
+            .collect();
+        for (name, &value) in names.into_iter().zip(staged.worn.graph.sewing_parameters()) {
+            parameters
+                .set(name, value.into())
+                .map_err(DataError::from)?;
+        }
+        let tailor = tailor.with_size(None).with_parameters(parameters);
         let wearer = wearer.map_err(DataError::from)?;
         let worn = tailor.dress(body, &wearer, &AtomicBool::new(false))?;
         return Ok(tailor.teacher(&worn, body)?);

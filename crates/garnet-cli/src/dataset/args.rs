@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use garnet::{
     Unit, UnitError,
-    data::{Counts, GarmentPackage, Quality, Sizing},
+    data::{Counts, GarmentPackage, Quality, Sizing, Variations},
 };
 
 /// Arguments of `dataset`.
@@ -30,9 +30,13 @@ pub(crate) struct DatasetArgs {
     /// Quality of the simulation.
     #[arg(long, value_name = "QUALITY", default_value = "teacher")]
     pub(crate) quality: QualityName,
-    /// Who wears what [default: made-to-measure for jeans, one-size for all else].
+    /// Who wears what [default: made-to-measure for jeans and with --vary, one-size for all else].
     #[arg(long, value_name = "SIZING")]
     pub(crate) sizing: Option<SizingName>,
+    /// Draw a parameter of the pattern for each body, in centimetres or per cent as `garnet garment` takes
+    /// it; for garments that are made to measure. May be given several times.
+    #[arg(long, value_name = "NAME=MIN:MAX", value_parser = variation)]
+    pub(crate) vary: Vec<(String, [f64; 2])>,
     /// Keep the scenes that the checks would reject, to look at them.
     #[arg(long)]
     pub(crate) keep_all: bool,
@@ -89,11 +93,20 @@ impl QualityName {
 }
 
 impl DatasetArgs {
+    /// The parameters that are drawn for each body.
+    pub(crate) fn variations(&self) -> Variations {
+        let all = self.vary.iter().cloned();
+        all.fold(Variations::default(), |all, (name, range)| {
+            all.with(name, range)
+        })
+    }
+
     pub(crate) fn sizing(&self, package: &GarmentPackage) -> Sizing {
         let pattern = package.manifest.pattern.as_ref();
         match self.sizing {
             Some(SizingName::MadeToMeasure) => Sizing::MadeToMeasure,
             None if pattern.is_some_and(|pattern| pattern.kind == "jeans") => Sizing::MadeToMeasure,
+            None if !self.vary.is_empty() => Sizing::MadeToMeasure,
             Some(SizingName::OneSize) | None => Sizing::OneSize,
         }
     }
@@ -111,6 +124,18 @@ fn counts(text: &str) -> Result<Counts, String> {
         }
         _ => Err("expected three numbers of bodies, as in 500/20/80".to_owned()),
     }
+}
+
+/// A parameter and its range, in metres or shares.
+fn variation(text: &str) -> Result<(String, [f64; 2]), String> {
+    let read = || {
+        let (name, range) = text.split_once('=')?;
+        let (low, high) = range.split_once(':')?;
+        let [low, high] = [low, high].map(|end| end.parse::<f64>().ok());
+        let range = [low? / 100.0, high? / 100.0];
+        (range[0] <= range[1]).then(|| (name.to_owned(), range))
+    };
+    read().ok_or_else(|| "expected a parameter and its range, as in sleeve=18:34".to_owned())
 }
 
 /// Number of the part, from 0, and of how many.
@@ -151,6 +176,21 @@ mod tests {
             "9999999/1/1",
         ] {
             assert!(counts(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn variations_have_a_name_and_a_range() {
+        let expected = ("sleeve".to_owned(), [0.18, 0.34]);
+        assert_eq!(variation("sleeve=18:34"), Ok(expected));
+        for text in [
+            "sleeve",
+            "sleeve=18",
+            "sleeve=40:18",
+            "sleeve=a:b",
+            "sleeve=nan:1",
+        ] {
+            assert!(variation(text).is_err(), "{text}");
         }
     }
 

@@ -63,6 +63,7 @@ fn make(args: &DatasetArgs, package: &GarmentPackage, console: &Console) -> anyh
         poses: args.poses,
         quality: args.quality.quality(),
         sizing: args.sizing(package),
+        vary: args.variations(),
         limits: if args.keep_all {
             Limits::NONE
         } else {

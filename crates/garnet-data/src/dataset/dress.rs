@@ -70,15 +70,17 @@ impl<'a> Dresser<'a> {
         options: &DatasetOptions,
     ) -> Result<Self, DataError> {
         let tailor = match options.sizing {
-            Sizing::OneSize => None,
+            Sizing::OneSize if options.vary.is_empty() => None,
+            Sizing::OneSize => return Err(DataError::VariedTemplate),
             Sizing::MadeToMeasure => {
                 let tailor = Tailor::of_package(package)?.ok_or(DataError::NoPattern)?;
+                options.vary.check(tailor.parameters())?;
                 Some(tailor.with_size(None))
             }
         };
         Ok(Self {
             package,
-            options: *options,
+            options: options.clone(),
             population: Population::new(options.seed),
             template: Teacher::new(package)?,
             tailor,
@@ -96,12 +98,20 @@ impl<'a> Dresser<'a> {
     /// Builds a body, and cuts and fits the garment if each has its own.
     pub(super) fn dressed(&self, index: u64, stop: &AtomicBool) -> Dressed {
         let parameters = self.population.sample(index);
-        let ready = self.ready(&parameters, stop);
+        let ready = self.ready(index, &parameters, stop);
         Dressed { parameters, ready }
+    }
+
+    /// The tailor with the parameters of a body.
+    fn varied(&self, tailor: &Tailor, body: u64) -> Result<Tailor, DataError> {
+        let DatasetOptions { seed, vary, .. } = &self.options;
+        let parameters = vary.drawn(tailor.parameters(), *seed, body)?;
+        Ok(tailor.clone().with_parameters(parameters))
     }
 
     fn ready(
         &self,
+        index: u64,
         parameters: &BodyParameters,
         stop: &AtomicBool,
     ) -> Result<Ready, (&'static str, String)> {
@@ -112,7 +122,9 @@ impl<'a> Dresser<'a> {
             Some(tailor) => {
                 let worn = wearer::wearer(built.body(), built.measures())
                     .map_err(DataError::from)
-                    .and_then(|wearer| own(tailor, built.body(), &wearer, stop));
+                    .and_then(|wearer| {
+                        own(&self.varied(tailor, index)?, built.body(), &wearer, stop)
+                    });
                 Some(worn.map_err(|error| ("wearing", error.to_string()))?)
             }
         };

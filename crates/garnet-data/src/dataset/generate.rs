@@ -17,6 +17,7 @@ use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
 use super::plan::{Counts, Plan, sampler};
 use super::record::{Rejection, SceneRecord, Split};
 use super::shard::{Layout, Shard};
+use super::variations::Variations;
 use crate::teacher::quality_name;
 use crate::{DataError, GarmentPackage, Limits, Quality};
 
@@ -24,7 +25,7 @@ use crate::{DataError, GarmentPackage, Limits, Quality};
 const BODIES_PER_SHARD: u32 = 10;
 
 /// What data set is asked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DatasetOptions {
     /// Seed of bodies and poses.
     pub seed: u64,
@@ -36,6 +37,8 @@ pub struct DatasetOptions {
     pub quality: Quality,
     /// Who wears what.
     pub sizing: Sizing,
+    /// Sewing parameters that are drawn for each body; garments that are cut to measure alone have any.
+    pub vary: Variations,
     /// Above these a scene is rejected.
     pub limits: Limits,
     /// This machine's share: shard `i` is made if `i % part.1 == part.0`.
@@ -117,6 +120,7 @@ struct Pending {
 /// # Errors
 ///
 /// [`DataError::OtherDataset`] if the folder holds another data set, [`DataError::FewFit`],
+/// [`DataError::Pattern`] for variations that the pattern does not allow, [`DataError::VariedTemplate`],
 /// [`DataError::Stopped`] after `stop` was set, or that a file cannot be read or written. A scene
 /// that cannot be simulated is a rejection, not an error.
 pub fn generate(
@@ -130,8 +134,9 @@ pub fn generate(
         folder: folder.to_path_buf(),
     };
     let manifest = DatasetManifest::asked(package, options);
-    begin(&layout, &manifest)?;
+    // Before anything is written.
     let dresser = Dresser::new(package, options)?;
+    begin(&layout, &manifest)?;
     let plan = Plan::new(options.seed, options.bodies, |body| dresser.fits(body))?;
     let (shards, tasks) = tasks(&plan, &layout, options);
     let job = Job {
@@ -163,6 +168,7 @@ impl DatasetManifest {
             poses: options.poses,
             quality: Some(quality_name(options.quality).to_owned()),
             sizing: options.sizing,
+            vary: options.vary.clone(),
             limits: options.limits,
             bodies_per_shard: BODIES_PER_SHARD,
         }

@@ -14,6 +14,7 @@ use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
 use super::plan::Counts;
 use super::record::{BodyRecord, Posed, SceneRecord, Split};
 use super::shard::{Layout, Shard};
+use super::variations::Variations;
 use crate::{DataError, GarmentPackage, Limits};
 
 /// What this version reads.
@@ -228,6 +229,7 @@ fn described(
         bodies: Counts { train, valid, test },
         poses: most.unwrap_or(0) as u32,
         quality: None,
+        vary: Variations::default(),
         sizing: if has_parameters {
             Sizing::MadeToMeasure
         } else {

@@ -6,6 +6,7 @@ use garnet_mesh::{Fingerprint, write_atomically};
 use serde::{Deserialize, Serialize};
 
 use super::plan::Counts;
+use super::variations::Variations;
 use crate::{DataError, Limits, package::Manifest as PackageManifest};
 
 /// What this version writes and reads.
@@ -31,6 +32,9 @@ pub struct DatasetManifest {
     pub quality: Option<String>,
     /// Whether all bodies wear the template, or each a garment cut for it.
     pub sizing: Sizing,
+    /// Sewing parameters that are drawn for each body.
+    #[serde(default, skip_serializing_if = "Variations::is_empty")]
+    pub vary: Variations,
     /// Above these a scene is rejected.
     pub limits: Limits,
     /// Bodies in a shard.
@@ -111,6 +115,7 @@ impl DatasetManifest {
                 ("poses", manifest.poses.to_string()),
                 ("quality", manifest.quality.clone().unwrap_or_default()),
                 ("sizing", format!("{:?}", manifest.sizing)),
+                ("varied parameters", format!("{:?}", manifest.vary)),
                 ("version", manifest.generator.clone()),
                 ("fingerprint", manifest.fingerprint().to_string()),
             ]

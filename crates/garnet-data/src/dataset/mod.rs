@@ -7,6 +7,7 @@ mod manifest;
 mod plan;
 mod record;
 mod shard;
+mod variations;
 
 use std::path::{Path, PathBuf};
 
@@ -18,6 +19,7 @@ pub use manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
 pub use plan::{Counts, Plan, sampler, sequences};
 pub use record::{BodyRecord, Posed, Rejection, SceneRecord, Split, StoredParameters};
 pub use shard::Shard;
+pub use variations::Variations;
 
 use crate::DataError;
 use shard::Layout;

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use garnet_data::{
     BodyRecord, Counts, DATASET_SCHEMA, DatasetManifest, GarmentPackage, Limits, PackageParts,
-    Posed, SceneRecord, Shard, Sizing, Split, StoredFabric,
+    Posed, SceneRecord, Shard, Sizing, Split, StoredFabric, Variations,
 };
 use garnet_mesh::primitives::{capsule, tube};
 use garnet_mesh::{ObjFile, Point3, Vector3, write_obj};
@@ -172,6 +172,7 @@ fn manifest(package: &GarmentPackage) -> DatasetManifest {
         poses: 6,
         quality: None,
         sizing: Sizing::OneSize,
+        vary: Variations::default(),
         limits: Limits::NONE,
         bodies_per_shard: 1,
     }
