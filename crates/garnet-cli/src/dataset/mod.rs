@@ -7,7 +7,8 @@ mod report;
 use std::{path::Path, sync::atomic::AtomicBool, time::Instant};
 
 use garnet::data::{
-    Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest, Limits, generate, import,
+    DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest, Limits,
+    generate, import,
 };
 
 pub(crate) use args::{DatasetArgs, QualityName};
@@ -82,12 +83,25 @@ fn make(args: &DatasetArgs, package: &GarmentPackage, console: &Console) -> anyh
         &AtomicBool::new(false),
     );
     progress.finish();
-    made.hint(|| {
-        "the data set goes on where it was if the command is run again with the same arguments; \
-         other arguments need another folder"
-            .to_owned()
-    })?;
+    let hint = made.as_ref().err().and_then(hint_for);
+    match hint {
+        Some(hint) => made.hint(|| hint.to_owned()).map(|_| ())?,
+        None => made.map(|_| ())?,
+    }
     Ok(progress.tried())
+}
+
+/// What helps against an error, where that does not say it itself.
+fn hint_for(error: &DataError) -> Option<&'static str> {
+    match error {
+        DataError::VariedTemplate => Some("leave out `--sizing one-size`, or `--vary`"),
+        DataError::NoPattern => Some("leave out `--sizing made-to-measure` and `--vary`"),
+        DataError::Pattern(_) => None,
+        _ => Some(
+            "the data set goes on where it was if the command is run again with the same arguments; \
+             other arguments need another folder",
+        ),
+    }
 }
 
 /// Imports.
