@@ -1,6 +1,6 @@
 //! Which drapes are good enough to learn from.
 
-use garnet_sim::DrapeReport;
+use garnet_sim::{DrapeReport, reference::Balance};
 use serde::{Deserialize, Serialize};
 
 /// What the simulation of a scene measured at its end.
@@ -23,6 +23,29 @@ pub struct SceneReport {
     pub self_intersections: u32,
     /// Such pairs where the body has no room for two layers of cloth, apart from those.
     pub trapped_intersections: u32,
+    /// How the reference solver brought the garment into balance, if it did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub balance: Option<BalanceReport>,
+}
+
+/// How the reference solver ended.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BalanceReport {
+    /// Whether no vertex is out of balance by a hundredth of a mean vertex's weight.
+    pub is_reached: bool,
+    /// The largest force left over on a free vertex, over the mean weight of a vertex.
+    pub residual: f64,
+    /// The root of the mean square of the same.
+    pub rms_residual: f64,
+    /// Steps that it took.
+    pub steps: usize,
+    /// Newton iterations, each with one factorisation.
+    pub iterations: usize,
+    /// Vertices that were held where they lay: caught between two parts of the body, or in a crease.
+    pub held: usize,
+    /// How far vertices moved from where the production solver had left them, in the mean, in metres.
+    pub moved: f64,
 }
 
 /// Above these values a scene is not learned from.
@@ -68,6 +91,22 @@ impl From<&DrapeReport> for SceneReport {
             deepest: report.penetration.deepest,
             self_intersections: report.self_intersections.num_free as u32,
             trapped_intersections: report.self_intersections.num_trapped as u32,
+            balance: report.balance.as_ref().map(BalanceReport::from),
+        }
+    }
+}
+
+impl From<&Balance> for BalanceReport {
+    fn from(balance: &Balance) -> Self {
+        let settled = &balance.settled;
+        Self {
+            is_reached: settled.is_settled,
+            residual: settled.residual,
+            rms_residual: settled.rms_residual,
+            steps: settled.steps,
+            iterations: settled.iterations,
+            held: balance.held,
+            moved: balance.moved,
         }
     }
 }

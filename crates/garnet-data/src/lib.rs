@@ -19,7 +19,7 @@ mod tensors;
 mod wearer;
 
 pub use body_path::BodyPath;
-pub use check::{Limits, SceneReport};
+pub use check::{BalanceReport, Limits, SceneReport};
 pub use dataset::{
     BodyRecord, Counts, DATASET_SCHEMA, Dataset, DatasetEvent, DatasetManifest, DatasetOptions,
     ImportManifest, ImportScene, Plan, Posed, Rejection, SceneRecord, Shard, Sizing, Split,

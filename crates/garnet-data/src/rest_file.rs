@@ -3,17 +3,22 @@
 use std::path::Path;
 
 use garnet_mesh::write_atomically;
-use garnet_sim::RestShape;
+use garnet_sim::{GRIP, RestShape};
 
 use crate::DataError;
 use crate::tensors::{Array, Contents, to_bytes};
 
 const SCHEMA: &str = "garnet.rest/1";
 
-/// Writes tensors `corners` `[face, 3, 2]`, metres, and `shrink` `[face]`. A garment without pattern
-/// needs no file; returns whether there is one.
+/// Writes tensors `corners` `[face, 3, 2]`, metres, `shrink` `[face]` and, if it is not that of waistbands,
+/// `grip` `[1]`. A garment without pattern needs no file; returns whether there is one.
 pub(crate) fn write(path: &Path, rest: &RestShape) -> Result<bool, DataError> {
-    let RestShape::Flat { corners, shrink } = rest else {
+    let RestShape::Flat {
+        corners,
+        shrink,
+        grip,
+    } = rest
+    else {
         return Ok(false);
     };
     let corners = Array {
@@ -24,7 +29,14 @@ pub(crate) fn write(path: &Path, rest: &RestShape) -> Result<bool, DataError> {
         shape: vec![shrink.len()],
         values: shrink.clone(),
     };
-    let arrays = [("corners", &corners), ("shrink", &shrink)];
+    let grip = Array {
+        shape: vec![1],
+        values: vec![*grip],
+    };
+    let mut arrays = vec![("corners", &corners), ("shrink", &shrink)];
+    if grip.values != [GRIP] {
+        arrays.push(("grip", &grip));
+    }
     let bytes = to_bytes(&arrays, SCHEMA.to_owned());
     let bytes = bytes.map_err(|source| DataError::tensors(path, source))?;
     write_atomically(path, |writer| writer.write_all(&bytes))?;
@@ -45,5 +57,13 @@ pub(crate) fn read(path: &Path, num_faces: usize) -> Result<RestShape, DataError
     let corners = array("corners", &[num_faces, 3, 2])?.values;
     let corners: Vec<[[f32; 2]; 3]> = corners.as_chunks::<2>().0.as_chunks::<3>().0.to_vec();
     let shrink = array("shrink", &[num_faces])?.values;
-    Ok(RestShape::Flat { corners, shrink })
+    let grip = match contents.array("grip") {
+        Some(_) => array("grip", &[1])?.values[0],
+        None => GRIP,
+    };
+    Ok(RestShape::Flat {
+        corners,
+        shrink,
+        grip,
+    })
 }

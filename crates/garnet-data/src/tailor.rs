@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use garnet_mesh::{ObjFile, Point3};
 use garnet_pattern::{GarmentKind, Parameters, SewnGarment, Size, Template, Wearer};
-use garnet_sim::{Cloth, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, drape};
+use garnet_sim::{Cloth, Fabric, GRIP, MovingBody, Quality, RestShape, Scene, Schedule, drape};
 use garnet_skin::{Body, Garment};
 
 use crate::package::{PackageParts, StoredFabric, StoredPattern};
@@ -222,5 +222,10 @@ fn rest_of(sewn: &SewnGarment) -> RestShape {
     RestShape::Flat {
         corners: sewn.flat.clone(),
         shrink: sewn.shrink.clone(),
+        grip: match sewn.parameters.garment() {
+            // Knitted ribs give way: sleeves and hem ride up under raised arms.
+            GarmentKind::Sweater => 0.0,
+            GarmentKind::Tshirt | GarmentKind::Dress | GarmentKind::Jeans => GRIP,
+        },
     }
 }

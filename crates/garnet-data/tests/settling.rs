@@ -9,6 +9,7 @@ use std::sync::atomic::AtomicBool;
 use garnet_body::poses::{Poser, key_pose};
 use garnet_data::{BodyPath, DataError, GarmentPackage, Quality, SETTLE_FRAMES, Teacher};
 use garnet_mesh::{Point3, Topology, edge_stretch};
+use garnet_sim::Drape;
 use garnet_skin::{Garment, PosedBody, Warp};
 
 /// A package, its simulation, and a body that it is warped to.
@@ -43,6 +44,13 @@ impl Scene {
         self.teacher.settled(skin, from, frames, &stop).unwrap()
     }
 
+    fn simulated(&self, quality: Quality) -> Drape {
+        let path = BodyPath::to_posed(&self.package.body, &self.posed);
+        let stop = AtomicBool::new(false);
+        let drape = self.teacher.drape(&path, quality, &stop, &mut |_| {});
+        drape.unwrap()
+    }
+
     /// The 99th percentile of edge lengths over those at rest.
     fn stretch(&self, places: &[Point3]) -> f32 {
         let mesh = &self.package.mesh;
@@ -60,17 +68,27 @@ fn mean_distance(a: &[Point3], b: &[Point3]) -> f32 {
 #[test]
 fn a_warp_that_settles_is_less_strained_and_nearer_to_the_simulation() {
     let scene = Scene::new("reach_high");
-    let path = BodyPath::to_posed(&scene.package.body, &scene.posed);
-    let stop = AtomicBool::new(false);
-    let drape = scene
-        .teacher
-        .drape(&path, Quality::Teacher, &stop, &mut |_| {});
-    let simulated = drape.unwrap().positions;
+    let simulated = scene.simulated(Quality::Teacher).positions;
     let settled = scene.settled(&scene.warped, 4 * SETTLE_FRAMES);
     let [before, after] = [&scene.warped, &settled].map(|places| scene.stretch(places));
     assert!(after - 1.0 < 0.5 * (before - 1.0), "{before} {after}");
     let [before, after] = [&scene.warped, &settled].map(|drape| mean_distance(drape, &simulated));
     assert!(after < 0.8 * before, "{before} {after}");
+}
+
+#[test]
+fn the_teacher_ends_near_the_balance_that_the_reference_solver_finds() {
+    for pose in ["wave", "reach_front"] {
+        let scene = Scene::new(pose);
+        let taught = scene.simulated(Quality::Teacher);
+        let balanced = scene.simulated(Quality::Reference);
+        let balance = balanced.report.balance.unwrap();
+        assert!(balance.settled.is_settled, "{pose}: {balance:?}");
+        assert!(balance.settled.residual <= 0.01, "{pose}: {balance:?}");
+        assert_eq!(balanced.report.penetration.num_inside, 0, "{pose}");
+        let distance = mean_distance(&taught.positions, &balanced.positions);
+        assert!(distance < 8e-3, "{pose}: {distance}");
+    }
 }
 
 #[test]

@@ -36,6 +36,7 @@ pub struct Cloth {
     is_pinned: Vec<bool>,
     springs: Vec<Spring>,
     is_shrunk: Vec<bool>,
+    grip: f32,
     hinges: Vec<BendingHinge>,
 }
 
@@ -103,6 +104,7 @@ impl Cloth {
         Ok(Self {
             springs: springs(&topology, &rest_faces, fabric),
             is_shrunk: are_shrunk(&topology, &rest_faces),
+            grip: rest.grip()?,
             hinges: hinges(&topology, &rest_faces, fabric),
             is_pinned: masses.iter().map(|&mass| mass == 0.0).collect(),
             masses,
@@ -181,16 +183,17 @@ impl Cloth {
         &self.is_shrunk
     }
 
-    /// Whether a vertex belongs to a shrunk face `[vertex]`.
-    pub(crate) fn is_rib(&self) -> Vec<bool> {
-        let mut is_rib = vec![false; self.num_vertices()];
+    /// What friction is multiplied by at each vertex `[vertex]`: the [grip](RestShape::Flat::grip) at shrunk
+    /// faces, 0 at others.
+    pub(crate) fn grips(&self) -> Vec<f32> {
+        let mut grips = vec![0.0; self.num_vertices()];
         let edges = self.springs.iter().zip(&self.is_shrunk);
         for (spring, _) in edges.filter(|&(_, &is_shrunk)| is_shrunk) {
             for vertex in spring.vertices {
-                is_rib[vertex as usize] = true;
+                grips[vertex as usize] = self.grip;
             }
         }
-        is_rib
+        grips
     }
 
     /// The hinges, one an edge with two faces, in the order of [`Topology::hinges`].
@@ -365,6 +368,7 @@ mod tests {
         let rest = RestShape::Flat {
             corners: mesh.faces().iter().map(flat).collect(),
             shrink: Vec::new(),
+            grip: 0.0,
         };
         let cut = Cloth::new(mesh.faces(), mesh.num_vertices(), &rest, &fabric).unwrap();
         let worn = flat_cloth([0.4, 0.3], &fabric);
@@ -386,6 +390,7 @@ mod tests {
         let rest = RestShape::Flat {
             corners: mesh.faces().iter().map(corners).collect(),
             shrink: vec![0.9; mesh.num_faces()],
+            grip: 0.0,
         };
         let fabric = Fabric::knit();
         let cloth = Cloth::new(mesh.faces(), mesh.num_vertices(), &rest, &fabric).unwrap();
@@ -432,6 +437,7 @@ mod tests {
                 [[1.0, 0.0], [0.0, 0.0], [0.2, 0.9]],
             ],
             shrink: Vec::new(),
+            grip: 0.0,
         };
         let error = Cloth::new(&[[0, 1, 2], [1, 0, 3]], 4, &rest, &Fabric::silk()).unwrap_err();
         assert_eq!(error, SimError::FoldedPattern { faces: [0, 1] });

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::contact::Skin;
+use crate::reference::{Balance, balance};
 use crate::report::{Penetration, SelfIntersections, Speeds, Strain, free};
 use crate::rest_shape::check_count;
 use crate::solver::Solver;
@@ -31,6 +32,15 @@ pub enum Event<'a> {
         progress: f32,
         /// Where the garment is `[vertex]`, in metres.
         positions: &'a [Point3],
+    },
+    /// All frames are done, and the cloth is being brought into balance.
+    Balance {
+        /// How many steps are done.
+        num_done: u64,
+        /// How many there will be at most.
+        max_steps: u64,
+        /// The largest force left over on a vertex, over the mean weight of a vertex.
+        residual: f64,
     },
 }
 
@@ -152,7 +162,37 @@ pub fn drape(
             skin.arrive()?;
         }
     }
-    finish(scene, schedule, skin.as_ref(), &solver, &clock)
+    let positions = solver.positions();
+    let mut ending = Ending {
+        speeds: clock.speeds(&positions),
+        positions,
+        balance: None,
+    };
+    if schedule.balance_steps > 0 {
+        let max_steps = u64::from(schedule.balance_steps);
+        let mut watch = |num_done: usize, residual: f64| {
+            observer(Event::Balance {
+                num_done: num_done as u64,
+                max_steps,
+                residual,
+            })
+        };
+        let ground = (skin.as_ref()).map(|skin| (&skin.skin, solver.contacts().clone()));
+        let (positions, found) = balance(scene, schedule, ground, &ending.positions, &mut watch)?;
+        if found.settled.is_settled {
+            ending.speeds = Speeds::STILL;
+        }
+        ending.positions = positions;
+        ending.balance = Some(found);
+    }
+    finish(scene, schedule, skin.as_ref(), &solver, &clock, ending)
+}
+
+/// What the steps have come to.
+struct Ending {
+    positions: Vec<Point3>,
+    speeds: Speeds,
+    balance: Option<Balance>,
 }
 
 fn finish(
@@ -161,9 +201,13 @@ fn finish(
     body: Option<&BodyOnWay<'_>>,
     solver: &Solver<'_>,
     clock: &Clock<'_>,
+    ending: Ending,
 ) -> Result<Drape, SimError> {
-    let mut positions = solver.positions();
-    let speeds = clock.speeds(&positions);
+    let Ending {
+        mut positions,
+        speeds,
+        balance,
+    } = ending;
     let num_freed = body.map_or(0, |body| free(&mut positions, body.skin.surface()));
     let strain = Strain::of(scene.cloth, &positions);
     if strain.max.is_nan() || strain.max > TORN - 1.0 {
@@ -177,6 +221,7 @@ fn finish(
         strain,
         rib_strain: Strain::of_ribs(scene.cloth, &positions),
         speeds,
+        balance,
         num_freed,
         penetration: body.map_or_else(Penetration::default, |body| {
             Penetration::of(&positions, body.skin.surface())

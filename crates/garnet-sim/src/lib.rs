@@ -27,6 +27,6 @@ pub use garnet_mesh::{Point3, Vector3};
 pub use report::{
     DrapeReport, Energy, Penetration, STILL_SPEED, SelfIntersections, Speeds, Strain,
 };
-pub use rest_shape::RestShape;
+pub use rest_shape::{GRIP, RestShape};
 pub use scene::{MovingBody, Scene, Wind};
 pub use schedule::{MAX_SUBSTEPS, Quality, STANDARD_GRAVITY, Schedule, SelfContact, Stage};

@@ -1,5 +1,6 @@
 //! What a drape is like, in numbers.
 
+use crate::reference::Balance;
 use crate::{Cloth, Point3};
 use garnet_knn::Surface;
 use garnet_mesh::TriMesh;
@@ -12,8 +13,10 @@ pub struct DrapeReport {
     pub strain: Strain,
     /// That of ribs and waistbands, if there are any.
     pub rib_strain: Option<Strain>,
-    /// Speeds over the last tenth of a second.
+    /// Speeds over the last tenth of a second; none of cloth that was brought into balance.
     pub speeds: Speeds,
+    /// How the cloth was brought into balance, if it was.
+    pub balance: Option<Balance>,
     /// Where the garment is in the skin.
     pub penetration: Penetration,
     /// Vertices at the rims of contacts of the body with itself that were inside at the end of the
@@ -152,6 +155,13 @@ impl Strain {
 }
 
 impl Speeds {
+    /// Those of cloth at rest.
+    pub const STILL: Self = Self {
+        rms: 0.0,
+        max: 0.0,
+        share_moving: 0.0,
+    };
+
     /// The speeds of vertices that went from one place to another in some seconds.
     pub fn between(before: &[Point3], after: &[Point3], seconds: f32) -> Self {
         let (mut sum, mut max, mut moving) = (0.0_f64, 0.0_f32, 0_usize);

@@ -20,8 +20,18 @@ pub enum RestShape {
         /// Length that is aimed at over flat length `[face]`: ribs 0.9, waistbands 0.93, all else 1.
         /// Empty means 1 everywhere.
         shrink: Vec<f32>,
+        /// What the fabric's friction on skin is multiplied by at shrunk faces, which keep all of it
+        /// while the body moves: [`GRIP`] where elastic, buttons or a belt hold them. 0: they hold
+        /// as other cloth does.
+        grip: f32,
     },
 }
+
+/// The grip of waistbands and of ribs around the neck.
+pub const GRIP: f32 = 3.0;
+
+/// Smallest and largest grip.
+const GRIP_RANGE: std::ops::RangeInclusive<f32> = 0.0..=20.0;
 
 /// Smallest and largest factor of a shrunk face.
 const SHRINK_RANGE: std::ops::RangeInclusive<f32> = 0.2..=2.0;
@@ -61,6 +71,24 @@ impl RestFace {
 }
 
 impl RestShape {
+    /// The grip of shrunk faces; 0 without a pattern.
+    pub(crate) fn grip(&self) -> Result<f32, SimError> {
+        let grip = match self {
+            Self::Worn(_) => 0.0,
+            Self::Flat { grip, .. } => *grip,
+        };
+        if GRIP_RANGE.contains(&grip) {
+            return Ok(grip);
+        }
+        Err(SimError::Fabric {
+            quantity: "grip of ribs",
+            value: grip,
+            min: *GRIP_RANGE.start(),
+            max: *GRIP_RANGE.end(),
+            unit: "times the friction",
+        })
+    }
+
     /// The triangles at rest `[face]`.
     pub(crate) fn faces(&self, topology: &Topology) -> Result<Vec<RestFace>, SimError> {
         let faces = topology.faces();
@@ -74,7 +102,9 @@ impl RestShape {
                     triangles.map(|[a, b, c]| (worn_face([a, b, c]), 1.0)),
                 )
             }
-            Self::Flat { corners, shrink } => {
+            Self::Flat {
+                corners, shrink, ..
+            } => {
                 check_count("faces of the pattern", corners.len(), faces.len())?;
                 if !shrink.is_empty() {
                     check_count("factors of shrinking", shrink.len(), faces.len())?;

@@ -65,7 +65,7 @@ impl<'a> Solver<'a> {
             particles: Particles::new(cloth, scene.start),
             springs,
             bending: Bending::new(cloth),
-            contacts: Contacts::new(scene.masks(), cloth.is_rib(), cloth.fabric().thickness),
+            contacts: Contacts::new(scene.masks(), cloth.grips(), cloth.fabric().thickness),
             pairs: match schedule.self_contact {
                 SelfContact::Off => None,
                 SelfContact::Repulsion { distance, least } => {
@@ -87,6 +87,11 @@ impl<'a> Solver<'a> {
 
     pub(crate) fn positions(&self) -> Vec<Point3> {
         self.particles.positions()
+    }
+
+    /// What holds the cloth on the skin.
+    pub(crate) fn contacts(&self) -> &Contacts {
+        &self.contacts
     }
 
     /// From now on vertices near the skin stay on the skin that they are on.

@@ -294,6 +294,9 @@ fn drape_one(
     let mut problems: Vec<Problem> = warning::of_fit(posed.max_residual()).into_iter().collect();
     problems.extend(fallback.clone().map(Problem::Fallback));
     problems.extend(unsettled.map(Problem::Unsettled));
+    let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
+    let failed = balance.filter(|balance| !balance.is_reached);
+    problems.extend(failed.map(|found| Problem::OutOfBalance(found.steps, found.residual)));
     let inside = if let Some(report) = &drape.report {
         problems.extend(warning::of_result(report));
         None

@@ -88,6 +88,16 @@ impl Teaching {
         let mut written: anyhow::Result<()> = Ok(());
         let bar = console.progress(1000);
         let mut watch = |event: Event<'_>| {
+            if let Event::Balance {
+                num_done,
+                max_steps,
+                residual,
+            } = event
+            {
+                let message =
+                    format!("balance: step {num_done} of at most {max_steps}, {residual:.2}");
+                bar.set_message(message);
+            }
             if let Event::Frame {
                 num_done,
                 progress,

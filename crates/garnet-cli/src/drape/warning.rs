@@ -38,6 +38,9 @@ pub(crate) enum Problem {
     Fallback(String),
     /// The cloth was left where the network put it, and why.
     Unsettled(String),
+    /// The reference solver has not brought the cloth into balance in so many steps, and the largest
+    /// force left over, in mean weights of a vertex.
+    OutOfBalance(usize, f64),
 }
 
 impl Problem {
@@ -62,6 +65,7 @@ impl Problem {
             Self::PoorFit(_) => "poor_fit",
             Self::Fallback(_) => "fallback",
             Self::Unsettled(_) => "unsettled",
+            Self::OutOfBalance(..) => "out_of_balance",
         }
     }
 
@@ -83,7 +87,9 @@ impl Problem {
             | Self::BelowClearance(count, _)
             | Self::CrossingFaces(count)
             | Self::Inside(count, _) => Some(count),
-            Self::PoorFit(_) | Self::Fallback(_) | Self::Unsettled(_) => None,
+            Self::PoorFit(_) | Self::Fallback(_) | Self::Unsettled(_) | Self::OutOfBalance(..) => {
+                None
+            }
         }
     }
 }
@@ -161,6 +167,10 @@ impl fmt::Display for Warning {
             Problem::Unsettled(ref reason) => {
                 format!("`{path}` is not settled by simulation: {reason}")
             }
+            Problem::OutOfBalance(steps, residual) => format!(
+                "`{path}` is not in balance after {steps} steps of the reference solver: a force of \
+                 {residual:.2} mean weights of a vertex is left on one"
+            ),
         };
         formatter.write_str(&text)
     }

@@ -13,14 +13,14 @@ use crate::{Point3, Vector3};
 /// room on the other side. Where limbs run through each other cloth lies near the middle of what they
 /// share, as if both gave way. Where the skin is so crumpled that a vertex is pushed to and fro, it is
 /// held instead.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Contacts {
     tracks: Vec<Track>,
     unrest: Vec<Unrest>,
-    masks: Vec<u32>,
-    /// Whether a vertex is of a rib or waistband.
-    grips: Vec<bool>,
-    reach: Reach,
+    pub(super) masks: Vec<u32>,
+    /// What friction is multiplied by at the vertices of ribs and waistbands; 0 at others.
+    pub(super) grips: Vec<f32>,
+    pub(super) reach: Reach,
     turn: u32,
     /// 1 if the faces of the cloth look away from the skin, −1 if towards it, 0 if not yet known.
     orientation: f32,
@@ -42,10 +42,6 @@ const SQUEEZED: f32 = 5e-4;
 /// Between two skins without room cloth loses velocity at this rate, 1/s: it is caught there.
 const SQUEEZED_DRAG: f32 = 300.0;
 
-/// Ribs and waistbands hold to the skin by more than their fabric's friction, by this factor: they are
-/// elastic, buttoned or belted.
-const GRIP: f32 = 3.0;
-
 /// The time from one refresh to the next.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Interval {
@@ -54,7 +50,7 @@ pub(crate) struct Interval {
     pub(crate) num_substeps: u32,
     /// Cloth behind the skin comes out at no more than this, m/s.
     pub(crate) max_push_speed: f32,
-    /// Coefficient of friction of the fabric on skin, and the share of it that acts; ribs keep all.
+    /// Coefficient of friction of the fabric on skin, and the share of it that acts; ribs that grip keep all.
     pub(crate) friction: f32,
     pub(crate) friction_share: f32,
     /// Whether vertices near the skin may change to other skin than that which they can walk to.
@@ -72,9 +68,9 @@ impl Interval {
         Brake::Drag(1.0 - (-SQUEEZED_DRAG * self.step).exp())
     }
 
-    fn brake(self, grips: bool) -> Brake {
-        Brake::Friction(if grips {
-            GRIP * self.friction
+    fn brake(self, grip: f32) -> Brake {
+        Brake::Friction(if grip > 0.0 {
+            grip * self.friction
         } else {
             self.friction_share * self.friction
         })
@@ -83,15 +79,15 @@ impl Interval {
 
 /// A place that holds a vertex, and how far from the skin, in metres.
 #[derive(Debug, Clone, Copy)]
-struct Hold {
-    near: Near,
-    clearance: f32,
+pub(super) struct Hold {
+    pub(super) near: Near,
+    pub(super) clearance: f32,
 }
 
 impl Contacts {
-    /// `masks` says which parts each vertex may touch; 0 for vertices that touch none. `grips` are the
-    /// vertices of ribs and waistbands.
-    pub(crate) fn new(masks: Vec<u32>, grips: Vec<bool>, thickness: f32) -> Self {
+    /// `masks` says which parts each vertex may touch; 0 for vertices that touch none. `grips`
+    /// is what friction is multiplied by at ribs and waistbands, 0 elsewhere.
+    pub(crate) fn new(masks: Vec<u32>, grips: Vec<f32>, thickness: f32) -> Self {
         Self {
             tracks: vec![Track::new(); masks.len()],
             unrest: vec![Unrest::default(); masks.len()],
@@ -114,30 +110,15 @@ impl Contacts {
         particles: &Particles,
         interval: Interval,
     ) {
-        self.measure_normals(faces, particles);
-        if self.orientation == 0.0 {
-            self.orientation = self.vote(skin, particles);
-        }
+        self.look(skin, faces, particles);
         self.planes.clear();
-        self.turn = (self.turn + 1) % TURNS;
         for vertex in 0..self.tracks.len() {
             let point = particles.position(vertex);
-            let track = &mut self.tracks[vertex];
             self.is_squeezed[vertex] = false;
-            if self.masks[vertex] == 0 || track.is_free(point, skin) {
+            if self.tracks[vertex].is_free(point, skin) {
                 continue;
             }
-            let seeker = Seeker {
-                skin,
-                reach: &self.reach,
-                point,
-                mask: self.masks[vertex],
-                outward: self.orientation * self.normals[vertex],
-            };
-            let is_turn = interval.may_change && vertex as u32 % TURNS == self.turn;
-            let own = seeker.own(track, is_turn);
-            let other = seeker.other(track, own, is_turn);
-            let holds = holds(skin, &self.reach, own, other);
+            let holds = self.holds(vertex, point, skin, interval.may_change);
             let thickness = self.reach.thickness;
             let is_caught = holds[1].is_some_and(|Hold { near, .. }| {
                 let moves = skin.velocity(&near.foot) != Vector3::zeros();
@@ -166,6 +147,40 @@ impl Contacts {
                 }));
             }
         }
+    }
+
+    /// Gets ready to say where vertices are held.
+    pub(super) fn look(&mut self, skin: &Skin, faces: &[[u32; 3]], particles: &Particles) {
+        self.measure_normals(faces, particles);
+        if self.orientation == 0.0 {
+            self.orientation = self.vote(skin, particles);
+        }
+        self.turn = (self.turn + 1) % TURNS;
+    }
+
+    /// The places that hold a vertex at `point`; that of the own skin last, because the last plane wins.
+    pub(super) fn holds(
+        &mut self,
+        vertex: usize,
+        point: Point3,
+        skin: &Skin,
+        may_change: bool,
+    ) -> [Option<Hold>; 2] {
+        if self.masks[vertex] == 0 {
+            return [None; 2];
+        }
+        let seeker = Seeker {
+            skin,
+            reach: &self.reach,
+            point,
+            mask: self.masks[vertex],
+            outward: self.orientation * self.normals[vertex],
+        };
+        let is_turn = may_change && vertex as u32 % TURNS == self.turn;
+        let track = &mut self.tracks[vertex];
+        let own = seeker.own(track, is_turn);
+        let other = seeker.other(track, own, is_turn);
+        holds(skin, &self.reach, own, other)
     }
 
     /// Which way the faces of most of the cloth near the skin look.

@@ -1,6 +1,7 @@
 //! Cloth on skin: which place of the skin each vertex is held out of, and how.
 
 mod contacts;
+mod grounds;
 mod plane;
 mod seeker;
 mod skin;
@@ -8,5 +9,6 @@ mod triangle;
 mod unrest;
 
 pub(crate) use contacts::{Contacts, Interval};
+pub(crate) use grounds::Grounds;
 pub(crate) use plane::project;
 pub(crate) use skin::Skin;

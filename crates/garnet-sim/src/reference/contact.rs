@@ -29,7 +29,8 @@ pub(super) struct Contact<'a> {
     thickness: f64,
     /// Of the springs along and across the normal, N/m.
     stiffness: f64,
-    friction: f64,
+    /// Coefficient of friction of each vertex.
+    friction: Vec<f64>,
     touches: Vec<Touch>,
 }
 
@@ -99,6 +100,7 @@ impl<'a> Contact<'a> {
         x: &[Vector3<f64>],
         is_held: &[bool],
     ) -> Self {
+        obstacle.follow(x);
         let touch = |(vertex, place): (usize, &Vector3<f64>)| {
             let nearest = obstacle.nearest(vertex, place, REACH);
             let is_lost = nearest.is_some_and(|nearest| nearest.distance < -MAX_START_DEPTH);
@@ -117,13 +119,21 @@ impl<'a> Contact<'a> {
             obstacle,
             thickness,
             stiffness,
-            friction,
+            friction: vec![friction; x.len()],
+        }
+    }
+
+    /// Multiplies the coefficient of friction of each vertex.
+    pub(super) fn scale_friction(&mut self, factor: impl Fn(usize) -> f64) {
+        for (vertex, friction) in self.friction.iter_mut().enumerate() {
+            *friction *= factor(vertex);
         }
     }
 
     /// Ends a step at `x` and begins the next: moves the anchors that were pulled too hard, lets
     /// those go that touch no more and sets the bounds of the pulls from the present forces.
     pub(super) fn advance(&mut self, x: &[Vector3<f64>]) {
+        self.obstacle.follow(x);
         for (vertex, place) in x.iter().enumerate() {
             if self.touches[vertex].clearance.is_infinite() {
                 continue;
@@ -164,7 +174,7 @@ impl<'a> Contact<'a> {
         (depth > 0.0).then(|| Grip {
             anchor: grip.map_or(place, |grip| grip.anchor),
             normal,
-            limit: self.friction * self.stiffness * depth,
+            limit: self.friction[vertex] * self.stiffness * depth,
         })
     }
 
@@ -174,8 +184,10 @@ impl<'a> Contact<'a> {
         if touch.clearance - (x - touch.place).norm() > self.thickness {
             return None;
         }
-        let nearest = self.obstacle.nearest(vertex, x, self.thickness)?;
-        Some((self.thickness - nearest.distance, nearest.normal))
+        // Looked for as far as a vertex may be inside: deeper ones must not be lost to a step that is too long.
+        let nearest = self.obstacle.nearest(vertex, x, REACH)?;
+        let depth = self.thickness - nearest.distance;
+        (depth > 0.0).then_some((depth, nearest.normal))
     }
 
     /// Energy, J.

@@ -4,8 +4,8 @@
 //! precision: energy, gradient, second derivatives and a sparse Cholesky factor a step. It is slow,
 //! makes no compromise, and says how far from balance it ended. Two uses:
 //!
-//! - [`settle`] drapes a garment from the result of the production solver: the accurate end of the
-//!   chart of speed against accuracy.
+//! - The reference quality of [`drape`](crate::drape()) ends with it: the accurate end of the chart of
+//!   speed against accuracy.
 //! - [`Reference`] runs the physics tests: pinned vertices, dead loads, exact obstacles, steps in time.
 //!
 //! A step of length h ends at the minimum of
@@ -17,6 +17,7 @@
 //! which is implicit Euler. Without speeds (v₀ = 0 in every step) it is a descent that cannot
 //! overshoot, and with h → ∞ Newton's method on E alone: that is how [`Reference::settle`] ends.
 
+mod balance;
 mod bending;
 mod blocks;
 mod contact;
@@ -32,6 +33,8 @@ mod settle;
 mod solver;
 mod system;
 
+pub use balance::Balance;
+pub(crate) use balance::balance;
 pub use contact::ContactForce;
 pub use obstacle::{Cylinder, Disc, Nearest, Nothing, Obstacle, Plane, Sphere};
 pub use options::ReferenceOptions;

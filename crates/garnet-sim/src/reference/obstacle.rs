@@ -1,6 +1,6 @@
 //! What the cloth of the reference solver lies on: exact shapes and triangle meshes.
 
-use garnet_knn::{Feature, Surface};
+use garnet_knn::{ClosestPoint, Feature, Surface};
 use nalgebra::{Unit, Vector3};
 
 use crate::Point3;
@@ -16,6 +16,9 @@ pub struct Nearest {
 
 /// A solid that cloth cannot enter.
 pub trait Obstacle: Sync {
+    /// Before each step: where the vertices `[vertex]` are. What is shown to them may follow.
+    fn follow(&self, _places: &[Vector3<f64>]) {}
+
     /// The nearest point of the surface to a place of `vertex`, if it is no farther than `reach`.
     ///
     /// The distance has to be continuous and 1-Lipschitz in `place`. `vertex` is there for
@@ -107,41 +110,51 @@ impl Obstacle for Surface {
     fn nearest(&self, _: usize, place: &Vector3<f64>, reach: f64) -> Option<Nearest> {
         let point = Point3::from(place.cast::<f32>());
         let closest = self.closest_within(point, reach as f32)?;
-        let corners = self.faces()[closest.face as usize];
-        let [a, b, c] =
-            corners.map(|vertex| self.positions()[vertex as usize].coords.cast::<f64>());
-        let outward = self.pseudonormal(&closest).cast::<f64>();
-        // The query rounds to `f32`, which at a stiffness of 500 N/m is the weight of a vertex: the
-        // feature is found there, the distance to it here.
-        let offset = match closest.feature {
-            Feature::Face => {
-                let normal = (b - a).cross(&(c - a)).normalize();
-                normal * normal.dot(&(place - a))
-            }
-            Feature::Edge(corner) => {
-                let corners = [a, b, c];
-                let start = usize::from(corner % 3);
-                let along = corners[(start + 1) % 3] - corners[start];
-                let offset = place - corners[start];
-                let share = (offset.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-                offset - along * share
-            }
-            Feature::Vertex(corner) => place - [a, b, c][usize::from(corner % 3)],
-        };
-        let length = offset.norm();
-        if length < MIN_OFFSET {
-            return (outward.norm_squared() > 0.5).then_some(Nearest {
-                distance: 0.0,
-                normal: outward,
-            });
-        }
-        let side = if outward.dot(&offset) < 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
-        within(reach, side * length, offset * (side / length))
+        exactly(self, &closest, place, reach)
     }
+}
+
+/// The closest point of a surface to a place, as contact sees it.
+///
+/// The query rounds to `f32`, which at a stiffness of 500 N/m is the weight of a vertex: the feature is
+/// found there, the distance to it here.
+pub(super) fn exactly(
+    surface: &Surface,
+    closest: &ClosestPoint,
+    place: &Vector3<f64>,
+    reach: f64,
+) -> Option<Nearest> {
+    let corners = surface.faces()[closest.face as usize];
+    let [a, b, c] = corners.map(|vertex| surface.positions()[vertex as usize].coords.cast::<f64>());
+    let outward = surface.pseudonormal(closest).cast::<f64>();
+    let offset = match closest.feature {
+        Feature::Face => {
+            let normal = (b - a).cross(&(c - a)).normalize();
+            normal * normal.dot(&(place - a))
+        }
+        Feature::Edge(corner) => {
+            let corners = [a, b, c];
+            let start = usize::from(corner % 3);
+            let along = corners[(start + 1) % 3] - corners[start];
+            let offset = place - corners[start];
+            let share = (offset.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            offset - along * share
+        }
+        Feature::Vertex(corner) => place - [a, b, c][usize::from(corner % 3)],
+    };
+    let length = offset.norm();
+    if length < MIN_OFFSET {
+        return (outward.norm_squared() > 0.5).then_some(Nearest {
+            distance: 0.0,
+            normal: outward,
+        });
+    }
+    let side = if outward.dot(&offset) < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    within(reach, side * length, offset * (side / length))
 }
 
 /// Below this distance, in metres, an offset has no direction.

@@ -20,6 +20,9 @@ pub(super) struct SelfContact {
     stiffness: f64,
     /// Vertices `[vertex]` that are near along the cloth, sorted.
     neighbors: Vec<Vec<u32>>,
+    /// Where the vertices were at first, and the least share of r: pairs that were nearer than r keep what
+    /// they had, but no less than that.
+    layers: Option<(Vec<Point3>, f64)>,
     /// Candidates, sorted.
     pairs: Vec<[u32; 2]>,
     /// Where the candidates were looked for.
@@ -29,12 +32,36 @@ pub(super) struct SelfContact {
 impl SelfContact {
     pub(super) fn new(cloth: &Cloth, radius: f64, stiffness: f64) -> Self {
         Self {
+            layers: None,
             radius,
             stiffness,
             neighbors: neighbors_along(cloth, NEIGHBOR_RADII * radius),
             pairs: Vec::new(),
             places: Vec::new(),
         }
+    }
+
+    /// As in the production solver: all vertices repel each other but the ends of edges, so that folds
+    /// do not close, and layers of cloth that were nearer to each other at `start` `[vertex]` keep that
+    /// distance, or `least` of the full one.
+    pub(super) fn keep_layers(&mut self, cloth: &Cloth, start: &[Point3], least: f64) {
+        let topology = cloth.topology();
+        let sorted = |vertex: usize| {
+            let mut neighbors = topology.neighbors(vertex).to_vec();
+            neighbors.sort_unstable();
+            neighbors
+        };
+        self.neighbors = (0..cloth.num_vertices()).map(sorted).collect();
+        self.layers = Some((start.to_vec(), least));
+    }
+
+    /// The distance that two vertices keep.
+    fn reach(&self, [a, b]: [u32; 2]) -> f64 {
+        let Some((start, least)) = &self.layers else {
+            return self.radius;
+        };
+        let at_start = f64::from((start[b as usize] - start[a as usize]).norm());
+        self.radius.min(at_start.max(least * self.radius))
     }
 
     /// The longest way that a vertex may go before the next [`SelfContact::look`], in metres.
@@ -86,7 +113,8 @@ impl SelfContact {
     fn depth(&self, x: &[Vector3<f64>], [a, b]: [u32; 2]) -> (f64, Vector3<f64>, f64) {
         let along = x[b as usize] - x[a as usize];
         let length = along.norm().max(1e-9);
-        (self.radius - length, along / length, length)
+        let depth = self.reach([a, b]) - length;
+        (depth.max(0.0), along / length, length)
     }
 
     /// Energy, J.
@@ -114,6 +142,9 @@ impl SelfContact {
     ) {
         for [a, b] in self.near_pairs(x, 1.0) {
             let (depth, direction, length) = self.depth(x, [a, b]);
+            if depth == 0.0 {
+                continue;
+            }
             let across = curvature.of(-self.stiffness * depth / length);
             let axial = direction * direction.transpose();
             let block = axial * (self.stiffness - across) + Matrix3::identity() * across;

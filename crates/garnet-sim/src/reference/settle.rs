@@ -1,5 +1,7 @@
 //! Cloth coming to rest.
 
+use std::ops::ControlFlow;
+
 use garnet_knn::Surface;
 
 use super::options::ReferenceOptions;
@@ -40,8 +42,20 @@ impl Reference<'_> {
     ///
     /// [`SimError::Exploded`] or [`SimError::Unsolvable`].
     pub fn settle(&mut self) -> Result<Settled, SimError> {
+        self.settle_watched(&mut |_, _| ControlFlow::Continue(()))
+    }
+
+    /// The same; `observer` is told the steps that are done and the residual, and may break off.
+    ///
+    /// # Errors
+    ///
+    /// As [`Reference::settle`], and [`SimError::Stopped`].
+    pub fn settle_watched(
+        &mut self,
+        observer: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+    ) -> Result<Settled, SimError> {
         let mut seconds = self.options.first_step;
-        let mut iterations = 0;
+        let (mut iterations, mut creased) = (0, 0);
         for steps in 0..=self.options.max_steps {
             self.potential.contact.advance(&self.x);
             if let Some(pairs) = &mut self.potential.self_contact {
@@ -58,9 +72,20 @@ impl Reference<'_> {
                     is_settled,
                 });
             }
+            if observer(steps, residual).is_break() {
+                return Err(SimError::Stopped {
+                    seconds: self.time as f32,
+                });
+            }
             let step = self.descend(seconds)?;
             iterations += step.iterations;
             if !step.is_solved {
+                let is_stalled = step.iterations < self.options.max_iterations;
+                if is_stalled && creased < self.options.max_creased {
+                    self.hold_worst();
+                    creased += 1;
+                    continue;
+                }
                 seconds = (0.25 * seconds).max(MIN_STEP);
             } else if step.iterations <= EASY {
                 seconds = (2.0 * seconds).min(MAX_STEP);

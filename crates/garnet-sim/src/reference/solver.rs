@@ -36,7 +36,7 @@ pub struct Reference<'a> {
     pub(super) x: Vec<Vector3<f64>>,
     velocities: Vec<Vector3<f64>>,
     /// Simulated time, in seconds.
-    time: f64,
+    pub(super) time: f64,
 }
 
 impl fmt::Debug for Reference<'_> {
@@ -151,6 +151,41 @@ impl<'a> Reference<'a> {
     /// If there is no such vertex.
     pub fn place(&mut self, vertex: usize, place: Vector3<f64>) {
         self.x[vertex] = place;
+    }
+
+    /// As [`SelfContact::keep_layers`].
+    pub(super) fn keep_layers(&mut self, cloth: &Cloth, start: &[Point3], least: f64) {
+        if let Some(pairs) = &mut self.potential.self_contact {
+            pairs.keep_layers(cloth, start, least);
+        }
+    }
+
+    /// Multiplies the friction of each vertex.
+    pub(super) fn scale_friction(&mut self, factor: impl Fn(usize) -> f64) {
+        self.potential.contact.scale_friction(factor);
+    }
+
+    /// Holds vertices where they are, beside those that are held.
+    pub(super) fn hold(&mut self, is_held: impl Fn(usize) -> bool) {
+        for (vertex, held) in self.potential.is_held.iter_mut().enumerate() {
+            *held |= is_held(vertex);
+        }
+    }
+
+    /// Holds the vertex with the largest force left over.
+    pub(super) fn hold_worst(&mut self) {
+        let gradient = self.gradient();
+        let free = (0..gradient.len()).filter(|&vertex| !self.potential.is_held[vertex]);
+        let force = |vertex: &usize| gradient[*vertex].norm();
+        if let Some(worst) = free.max_by(|a, b| force(a).total_cmp(&force(b))) {
+            self.potential.is_held[worst] = true;
+        }
+    }
+
+    /// How many vertices are held.
+    pub(super) fn num_held(&self) -> usize {
+        let held = self.potential.is_held.iter();
+        held.filter(|&&is_held| is_held).count()
     }
 
     /// Sets the velocity of all vertices, m/s.

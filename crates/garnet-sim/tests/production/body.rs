@@ -12,7 +12,7 @@ use garnet_sim::{
 use crate::stage::{cloth_of, run, undamped};
 
 /// A sheet in the plane y = `height`.
-fn lying_sheet(cells: usize, size: f32, height: f32) -> TriMesh {
+pub(crate) fn lying_sheet(cells: usize, size: f32, height: f32) -> TriMesh {
     let sheet = grid(cells, cells, [size, size]);
     let lying = |p: &Point3| Point3::new(p.x, height, -p.y);
     let positions = sheet.positions().iter().map(lying).collect();
@@ -21,11 +21,11 @@ fn lying_sheet(cells: usize, size: f32, height: f32) -> TriMesh {
         .expect("as many positions as before")
 }
 
-fn collider_of(mesh: &TriMesh) -> Collider {
+pub(crate) fn collider_of(mesh: &TriMesh) -> Collider {
     Collider::new(mesh.faces(), mesh.num_vertices()).expect("faces of a mesh")
 }
 
-fn scene<'a>(
+pub(crate) fn scene<'a>(
     cloth: &'a Cloth,
     start: &'a [Point3],
     collider: &'a Collider,

@@ -20,6 +20,7 @@ pub(crate) fn undamped(frames: u32, rate: f32) -> Schedule {
         motion_frames: 0,
         motion_rate: rate,
         motion_friction: 1.0,
+        balance_steps: 0,
         stages: vec![Stage {
             frames,
             rate,
