@@ -1,7 +1,8 @@
 //! Drapes of the teacher on poses of the built-in body, in numbers and pictures:
-//! `cargo run --release -p garnet-tests --example sim_scene -- GARMENT VERTICES FOLDER POSE…`.
+//! `cargo run --release -p garnet-tests --example sim_scene -- GARMENT VERTICES FOLDER [QUALITY] POSE…`.
 //!
-//! Each pose is one line: time, strain, speeds and penetration.
+//! Each pose is one line: time, strain, speeds and penetration; and of the quality `reference` how far the
+//! teacher's drape is from balance.
 
 use std::{
     env,
@@ -13,7 +14,7 @@ use std::{
 };
 
 use garnet::{
-    data::{BodyPath, Quality, Tailor, default_rest_body, usual_fabric, wearer_of},
+    data::{BodyPath, Quality, Tailor, default_rest_body, quality_of, usual_fabric, wearer_of},
     pattern::GarmentKind,
     poses::{Poser, SelfContact, SeparationOptions, key_pose},
     shape::ParametricBody,
@@ -27,8 +28,13 @@ use garnet_view::{Camera, palette};
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = env::args().skip(1).collect();
     let [garment, vertices, folder, poses @ ..] = arguments.as_slice() else {
-        return Err("usage: sim_scene tshirt|sweater|dress|jeans VERTICES FOLDER POSE…".into());
+        return Err(
+            "usage: sim_scene tshirt|sweater|dress|jeans VERTICES FOLDER [QUALITY] POSE…".into(),
+        );
     };
+    let asked = poses.first().and_then(|word| quality_of(word));
+    let poses = &poses[usize::from(asked.is_some())..];
+    let quality = asked.unwrap_or(Quality::Teacher);
     let kind: GarmentKind = garment.parse()?;
     let stop = AtomicBool::new(false);
     let body = ParametricBody::build(&default_rest_body())?.into_body();
@@ -48,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let path = BodyPath::to_shape(&body, &body, &pose)?;
         let began = Instant::now();
-        let drape = teacher.drape(&path, Quality::Teacher, &stop, &mut |_| {})?;
+        let drape = teacher.drape(&path, quality, &stop, &mut |_| {})?;
         let seconds = began.elapsed().as_secs_f64();
         writeln!(log, "{name}: {seconds:.2} s | {}", line(&drape))?;
         let mesh = TriMesh::new(drape.positions, worn.sewn.faces.clone())?;
@@ -65,19 +71,28 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn line(drape: &Drape) -> String {
     let report = &drape.report;
     let (strain, speeds, inside) = (report.strain, report.speeds, report.penetration);
-    format!(
-        "strain p50 {:.2} p99 {:.2} max {:.0} % | {:.2} % moving, at most {:.1} mm/s | {} inside, {} trapped, {} freed | {} crossings and {} trapped",
-        1e2 * strain.p50,
-        1e2 * strain.p99,
-        1e2 * strain.max,
-        1e2 * speeds.share_moving,
-        1e3 * speeds.max,
-        inside.num_inside,
-        inside.num_trapped,
-        report.num_freed,
-        report.self_intersections.num_free,
-        report.self_intersections.num_trapped,
-    )
+    let balance = report.balance.map_or_else(String::new, |found| {
+        format!(
+            "moved {:.2} mm to balance, {:.4} weights of a vertex left, {} held | ",
+            1e3 * found.moved,
+            found.settled.residual,
+            found.held
+        )
+    });
+    balance
+        + &format!(
+            "strain p50 {:.2} p99 {:.2} max {:.0} % | {:.2} % moving, at most {:.1} mm/s | {} inside, {} trapped, {} freed | {} crossings and {} trapped",
+            1e2 * strain.p50,
+            1e2 * strain.p99,
+            1e2 * strain.max,
+            1e2 * speeds.share_moving,
+            1e3 * speeds.max,
+            inside.num_inside,
+            inside.num_trapped,
+            report.num_freed,
+            report.self_intersections.num_free,
+            report.self_intersections.num_trapped,
+        )
 }
 
 fn picture(body: &Body, pose: &Pose, garment: TriMesh, path: &Path) -> Result<(), Box<dyn Error>> {

@@ -1,8 +1,10 @@
 //! The built-in parametric human body, its tape measures, poses and motion files.
 
+mod draws;
 pub mod motion;
 pub mod poses;
 mod registration;
 pub mod shape;
 
+pub use draws::uniform;
 pub use registration::Registration;

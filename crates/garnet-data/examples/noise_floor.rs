@@ -1,7 +1,7 @@
 //! The noise floor of the teacher for each garment and fabric:
 //! `cargo run --release -p garnet-data --example noise_floor -- VERTICES POSES [GARMENT…] [FABRIC…] [RADIANS]`.
 //!
-//! How far a drape moves in the mean if one shoulder turns by 0.001 rad more, or by what is told, in
+//! How far a drape moves in the mean if one shoulder (of jeans: one hip) turns by 0.001 rad more, or by what is told, in
 //! millimetres: median and mean over sampled poses of the built-in body.
 
 use std::{

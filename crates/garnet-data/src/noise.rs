@@ -11,11 +11,11 @@ use crate::{BodyPath, DataError, Quality, Teacher};
 /// By how much a joint turns more in the second drape, in radians.
 pub const NOISE_TURN: f32 = 0.001;
 
-/// The joint that turns, if the body has it; its last joint otherwise.
-const NOISE_JOINT: &str = "left_shoulder";
+/// The joint that turns: the first that the body has and that moves the garment; else the last of the body.
+const NOISE_JOINTS: [&str; 2] = ["left_shoulder", "left_hip"];
 
-/// How far a drape of `teacher` moves if one shoulder of `body` turns by [`NOISE_TURN`] more, in
-/// metres, in the mean over all vertices.
+/// How far a drape of `teacher` moves if one shoulder of `body` turns by [`NOISE_TURN`] more, or a hip
+/// if shoulders do not move the garment: in metres, in the mean over all vertices.
 ///
 /// The hand moves by 0.7 mm. What cloth moves more is not decided by the body: no network can
 /// predict it.
@@ -33,8 +33,8 @@ pub fn noise_floor(
     moved_by_turn(teacher, body, pose, quality, NOISE_TURN, stop)
 }
 
-/// How far a drape of `teacher` moves if one shoulder of `body` turns by `turn` more, in radians: in
-/// metres, in the mean over all vertices.
+/// How far a drape of `teacher` moves if a joint of `body` turns by `turn` more, in radians, as in
+/// [`noise_floor`]: in metres, in the mean over all vertices.
 ///
 /// # Errors
 ///
@@ -51,7 +51,9 @@ pub fn moved_by_turn(
         let path = BodyPath::to_shape(body, body, pose)?;
         teacher.drape(&path, quality, stop, &mut |_| {})
     };
-    let joint = body.skeleton().find(NOISE_JOINT);
+    let joints = NOISE_JOINTS.iter();
+    let mut joints = joints.filter_map(|name| body.skeleton().find(name));
+    let joint = joints.find(|&joint| teacher.is_moved_by(joint));
     let joint = joint.unwrap_or(body.skeleton().num_joints() - 1);
     let mut turned = pose.clone();
     let first = drape(pose)?;

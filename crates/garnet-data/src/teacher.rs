@@ -27,6 +27,9 @@ pub const SETTLE_FRAMES: u32 = 6;
 /// More of the vertices inside the body at rest than this, and the garment does not lie on it.
 const MAX_SHARE_INSIDE: f64 = 0.3;
 
+/// Cloth with more than this weight of a joint goes along with it.
+const GOES_ALONG: f32 = 0.1;
+
 /// The name of a quality in files and messages.
 pub const fn quality_name(quality: Quality) -> &'static str {
     match quality {
@@ -139,6 +142,13 @@ impl Teacher {
     /// How many vertices are simulated.
     pub fn num_simulated(&self) -> usize {
         self.nodes.len()
+    }
+
+    /// Whether some of the garment goes along with a joint of its body.
+    pub(crate) fn is_moved_by(&self, joint: usize) -> bool {
+        let weights = self.garment.weights();
+        let mut nodes = (0..self.garment.rest().len()).flat_map(|node| weights.vertex(node));
+        nodes.any(|(of, weight)| of == joint && weight > GOES_ALONG)
     }
 
     /// Simulates the garment while the body goes along its path, and until it rests.

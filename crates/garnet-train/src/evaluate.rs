@@ -64,6 +64,8 @@ pub struct Evaluation {
     pub scenes: usize,
     /// One a candidate, in their order.
     pub rows: Vec<Row>,
+    /// The teacher's drapes of the same scenes, beside themselves: their strain, folds and curvature.
+    pub teacher: Scores,
 }
 
 /// What was measured of a candidate.
@@ -130,11 +132,14 @@ pub fn evaluate(
         .map(|candidate| Ok(Entrant::new(Contender::new(stage, candidate)?)))
         .collect::<Result<_, TrainError>>()?;
     let measure = Measure::new(stage)?;
+    let mut teacher = Tally::default();
     let mut done = 0;
     let mut first_error = None;
     stage.for_each(split, Ok, &mut |staged: StagedScene| {
         if first_error.is_none() {
-            first_error = scene(&mut entrants, &measure, finish, &staged).err();
+            let measured = scene(&mut entrants, &measure, finish, &staged);
+            let own = measured.and_then(|()| measure.add(&mut teacher, &staged, &staged.draped));
+            first_error = own.err();
         }
         done += 1;
         observer(EvalEvent::Scene { done, total });
@@ -145,6 +150,7 @@ pub fn evaluate(
             split,
             scenes: total,
             rows: entrants.into_iter().map(Entrant::into_row).collect(),
+            teacher: teacher.scores(),
         }),
     }
 }

@@ -1,7 +1,7 @@
 //! Drawing poses.
 
 use garnet_skin::Pose;
-use rand::{Rng, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::{
@@ -9,6 +9,7 @@ use super::{
     sequences::Group,
 };
 use crate::motion::{Ground, RetargetError, put_on_ground};
+use crate::uniform;
 
 /// How often a pose is drawn anew before the sampler gives up.
 const MAX_TRIES: u32 = 8;
@@ -248,11 +249,6 @@ fn draw_of(sequence: &'static Sequence, source: &mut ChaCha8Rng, noise: f64) -> 
         is_mirrored,
         angles: angles.moved_within_ranges(&shifts),
     }
-}
-
-/// A number from 0 to 1, without 1.
-fn uniform(source: &mut ChaCha8Rng) -> f64 {
-    (source.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// A whole number below `end`.

@@ -22,6 +22,8 @@ pub(crate) struct EvalReport {
     threads: usize,
     /// Skinning, warp and networks.
     pub(crate) methods: Vec<MethodReport>,
+    /// The teacher's own drapes of the same scenes.
+    teacher: Scores,
     seconds: f64,
 }
 
@@ -56,6 +58,7 @@ impl EvalReport {
             scenes: found.scenes,
             threads: rayon::current_num_threads(),
             methods: found.rows.iter().map(MethodReport::from).collect(),
+            teacher: found.teacher,
             seconds: time.as_secs_f64(),
         }
     }
@@ -113,7 +116,7 @@ impl fmt::Display for EvalReport {
         for method in &self.methods {
             let seconds = &method.seconds;
             let first = seconds.warp.median + seconds.network.median + seconds.settle.median;
-            line(formatter, width, &method.name, &method.scores, first)?;
+            line(formatter, width, &method.name, &method.scores, Some(first))?;
             if let Some(untangled) = &method.untangled {
                 let name = format!("{} untangled", method.name);
                 line(
@@ -121,11 +124,11 @@ impl fmt::Display for EvalReport {
                     width,
                     &name,
                     &untangled.scores,
-                    first + seconds.untangle.median,
+                    Some(first + seconds.untangle.median),
                 )?;
             }
         }
-        Ok(())
+        line(formatter, width, "teacher", &self.teacher, None)
     }
 }
 
@@ -134,7 +137,7 @@ fn line(
     width: usize,
     name: &str,
     scores: &Scores,
-    seconds: f64,
+    seconds: Option<f64>,
 ) -> fmt::Result {
     let fields = [
         format!("{:.2}", 1e3 * scores.distance),
@@ -145,7 +148,7 @@ fn line(
         format!("{:.2}", 1e2 * scores.inside),
         format!("{:.1}", 1e2 * (scores.stretch_p99 - 1.0)),
         format!("{:.1}", scores.self_intersections),
-        format!("{:.1}", 1e3 * seconds),
+        seconds.map_or_else(|| "-".to_owned(), |seconds| format!("{:.1}", 1e3 * seconds)),
     ];
     write!(formatter, "\n{name:width$}")?;
     for (field, head) in fields.iter().zip(COLUMNS) {

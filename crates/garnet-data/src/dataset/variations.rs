@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use garnet_body::uniform;
 use garnet_pattern::{Parameters, PatternError};
-use rand::{Rng, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
@@ -70,22 +71,21 @@ impl Variations {
     ) -> Result<Parameters, PatternError> {
         let mut drawn = parameters.clone();
         for (name, [low, high]) in &self.ranges {
-            drawn.set(name, low + (high - low) * uniform(seed, body, name))?;
+            drawn.set(name, low + (high - low) * share(seed, body, name))?;
         }
         Ok(drawn)
     }
 }
 
 /// A number from 0 to 1, without 1.
-fn uniform(seed: u64, body: u64, name: &str) -> f64 {
+fn share(seed: u64, body: u64, name: &str) -> f64 {
     let mut bytes = [0_u8; 32];
     bytes[..8].copy_from_slice(&seed.to_le_bytes());
     bytes[8..16].copy_from_slice(&body.to_le_bytes());
     for (index, byte) in name.bytes().enumerate() {
         bytes[16 + index % 16] ^= byte.rotate_left(index as u32 / 16);
     }
-    let mut source = ChaCha8Rng::from_seed(bytes);
-    (source.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    uniform(&mut ChaCha8Rng::from_seed(bytes))
 }
 
 #[cfg(test)]
