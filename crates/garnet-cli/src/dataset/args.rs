@@ -69,7 +69,7 @@ pub(crate) enum QualityName {
     Fast,
     /// What networks learn from.
     Teacher,
-    /// The most accurate, and slow.
+    /// The way of the teacher, and balance by Newton's method in the end: half a minute a scene.
     Reference,
 }
 
