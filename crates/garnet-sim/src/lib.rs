@@ -10,6 +10,7 @@ mod contact;
 mod drape;
 mod error;
 mod fabric;
+mod layers;
 pub mod reference;
 mod report;
 mod rest_shape;

@@ -1,6 +1,7 @@
 //! The production solver: XPBD in small steps on a moving skin.
 
 use crate::contact::{self, Contacts, Interval, Skin};
+use crate::layers::Layers;
 use crate::xpbd::bending::Bending;
 use crate::xpbd::pairs::Pairs;
 use crate::xpbd::particles::{Particles, Push};
@@ -69,7 +70,7 @@ impl<'a> Solver<'a> {
             pairs: match schedule.self_contact {
                 SelfContact::Off => None,
                 SelfContact::Repulsion { distance, least } => {
-                    Some(Pairs::new(cloth, scene.start, distance, least))
+                    Some(Pairs::new(Layers::new(cloth, scene.start, distance, least)))
                 }
             },
             start_lengths,

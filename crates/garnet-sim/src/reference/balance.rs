@@ -10,6 +10,7 @@ use super::options::ReferenceOptions;
 use super::settle::Settled;
 use super::solver::Reference;
 use crate::contact::{Contacts, Grounds, Skin};
+use crate::layers::Layers;
 use crate::{Point3, Scene, Schedule, SelfContact, SimError};
 
 /// Largest force left over on a vertex, over the mean weight of a vertex.
@@ -102,8 +103,8 @@ pub(crate) fn balance(
         .map_or(&Nothing as &dyn Obstacle, |under| under);
     let mut reference = Reference::new(cloth, positions, obstacle, options)?;
     let num_pinned = reference.num_held();
-    if let SelfContact::Repulsion { least, .. } = schedule.self_contact {
-        reference.keep_layers(cloth, scene.start, least.into());
+    if let SelfContact::Repulsion { distance, least } = schedule.self_contact {
+        reference.keep_layers(Layers::new(cloth, scene.start, distance, least));
     }
     if let Some(under) = &under {
         let grounds = under.grounds();

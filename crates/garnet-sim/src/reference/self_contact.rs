@@ -4,6 +4,7 @@ use garnet_knn::VertexTree;
 use nalgebra::{Matrix3, Vector3};
 
 use super::blocks::{Blocks, Curvature};
+use crate::layers::Layers;
 use crate::{Cloth, Point3};
 
 /// Pairs are looked for within this many radii, so that they need not be looked for in every step.
@@ -20,9 +21,8 @@ pub(super) struct SelfContact {
     stiffness: f64,
     /// Vertices `[vertex]` that are near along the cloth, sorted.
     neighbors: Vec<Vec<u32>>,
-    /// Where the vertices were at first, and the least share of r: pairs that were nearer than r keep what
-    /// they had, but no less than that.
-    layers: Option<(Vec<Point3>, f64)>,
+    /// What the production solver keeps apart, in place of all that.
+    layers: Option<Layers>,
     /// Candidates, sorted.
     pairs: Vec<[u32; 2]>,
     /// Where the candidates were looked for.
@@ -41,27 +41,20 @@ impl SelfContact {
         }
     }
 
-    /// As in the production solver: all vertices repel each other but the ends of edges, so that folds
-    /// do not close, and layers of cloth that were nearer to each other at `start` `[vertex]` keep that
-    /// distance, or `least` of the full one.
-    pub(super) fn keep_layers(&mut self, cloth: &Cloth, start: &[Point3], least: f64) {
-        let topology = cloth.topology();
-        let sorted = |vertex: usize| {
-            let mut neighbors = topology.neighbors(vertex).to_vec();
-            neighbors.sort_unstable();
-            neighbors
-        };
-        self.neighbors = (0..cloth.num_vertices()).map(sorted).collect();
-        self.layers = Some((start.to_vec(), least));
+    /// Keeps apart what the production solver does: all vertices but the ends of edges, so that folds do not
+    /// close.
+    pub(super) fn keep_layers(&mut self, layers: Layers) {
+        self.radius = layers.widest().into();
+        self.neighbors.iter_mut().for_each(Vec::clear);
+        self.layers = Some(layers);
     }
 
     /// The distance that two vertices keep.
     fn reach(&self, [a, b]: [u32; 2]) -> f64 {
-        let Some((start, least)) = &self.layers else {
-            return self.radius;
-        };
-        let at_start = f64::from((start[b as usize] - start[a as usize]).norm());
-        self.radius.min(at_start.max(least * self.radius))
+        match &self.layers {
+            None => self.radius,
+            Some(layers) => (layers.distance(a as usize, b as usize)).map_or(0.0, f64::from),
+        }
     }
 
     /// The longest way that a vertex may go before the next [`SelfContact::look`], in metres.

@@ -13,6 +13,7 @@ use super::obstacle::Obstacle;
 use super::options::ReferenceOptions;
 use super::potential::{Bending, Energies, Inertia, Membrane, Potential};
 use super::self_contact::SelfContact;
+use crate::layers::Layers;
 use crate::rest_shape::check_count;
 use crate::{Cloth, Point3, RestShape, SimError};
 
@@ -154,9 +155,9 @@ impl<'a> Reference<'a> {
     }
 
     /// As [`SelfContact::keep_layers`].
-    pub(super) fn keep_layers(&mut self, cloth: &Cloth, start: &[Point3], least: f64) {
+    pub(super) fn keep_layers(&mut self, layers: Layers) {
         if let Some(pairs) = &mut self.potential.self_contact {
-            pairs.keep_layers(cloth, start, least);
+            pairs.keep_layers(layers);
         }
     }
 

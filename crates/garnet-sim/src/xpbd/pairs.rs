@@ -1,25 +1,15 @@
 //! Cloth on cloth: vertices that repel each other.
 
+use crate::layers::Layers;
 use crate::xpbd::particles::Particles;
 use crate::xpbd::quad::Quad;
-use crate::{Cloth, Point3};
 
 /// Finds vertices that come near each other, and keeps them apart.
-///
-/// The ends of an edge do not repel: the spring holds them apart. A pair that was nearer at the start
-/// than its reach keeps the distance of the start, so that pockets and collars are not blown up.
 #[derive(Debug)]
 pub(crate) struct Pairs {
-    /// Vertices within two edges of each and with a larger number, and how many edges away:
-    /// `[ring_starts[v]..]`.
-    rings: Vec<(u32, u8)>,
-    ring_starts: Vec<u32>,
-    /// Half the distance that each vertex keeps from another like it, m.
-    radii: Vec<f32>,
+    layers: Layers,
     /// The largest distance at which two vertices become a pair, m.
     search: f32,
-    start: Vec<Point3>,
-    least: f32,
     grid: Grid,
     near: Vec<Pair>,
 }
@@ -36,49 +26,11 @@ struct Pair {
 /// the next refresh.
 const MARGIN: f32 = 1.5;
 
-/// Radii are cut at this many times the mean, so that one long edge does not widen the grid.
-const MAX_RADIUS: f32 = 2.0;
-
 impl Pairs {
-    /// `factor` times the mean rest length of the edges around is what vertices keep from another,
-    /// `least` the share of it that pairs keep that were nearer at the start.
-    pub(crate) fn new(cloth: &Cloth, start: &[Point3], factor: f32, least: f32) -> Self {
-        let topology = cloth.topology();
-        let num_vertices = cloth.num_vertices();
-        let one_edge = topology.edges().iter().map(|&pair| (pair, 1));
-        let two_edges = topology.two_ring_pairs().into_iter().map(|pair| (pair, 2));
-        let mut rings: Vec<([u32; 2], u8)> = one_edge.chain(two_edges).collect();
-        rings.sort_unstable();
-        let mut ring_starts = vec![0; num_vertices + 1];
-        for &([vertex, _], _) in &rings {
-            ring_starts[vertex as usize + 1] += 1;
-        }
-        for vertex in 0..num_vertices {
-            ring_starts[vertex + 1] += ring_starts[vertex];
-        }
-        let mut sums = vec![(0.0_f32, 0.0_f32); num_vertices];
-        for spring in cloth.springs() {
-            for vertex in spring.vertices {
-                let (length, count) = &mut sums[vertex as usize];
-                *length += spring.rest_length;
-                *count += 1.0;
-            }
-        }
-        let largest = MAX_RADIUS * 0.5 * factor * cloth.mean_edge_length();
-        let radius =
-            |(length, count): &(f32, f32)| (0.5 * factor * length / count.max(1.0)).min(largest);
-        let radii: Vec<f32> = sums.iter().map(radius).collect();
-        let widest = radii.iter().copied().fold(0.0, f32::max);
+    pub(crate) fn new(layers: Layers) -> Self {
         Self {
-            rings: rings
-                .into_iter()
-                .map(|([_, other], edges)| (other, edges))
-                .collect(),
-            ring_starts,
-            search: MARGIN * 2.0 * widest,
-            radii,
-            start: start.to_vec(),
-            least,
+            search: MARGIN * layers.widest(),
+            layers,
             grid: Grid::default(),
             near: Vec::new(),
         }
@@ -98,26 +50,18 @@ impl Pairs {
         let points = &particles.bases[..particles.num_vertices()];
         self.near.clear();
         self.grid.fill(points, self.search);
-        let (rings, starts, radii, start) =
-            (&self.rings, &self.ring_starts, &self.radii, &self.start);
-        let share = self.least;
+        let layers = &self.layers;
         let pairs = &mut self.near;
         self.grid
             .for_near_pairs(points, self.search, |a, b, squared| {
-                let reach = radii[a] + radii[b];
-                if squared > MARGIN * MARGIN * reach * reach {
+                let reach = layers.reach(a, b);
+                if squared > MARGIN * MARGIN * reach * reach || (is_out[a] && is_out[b]) {
                     return;
                 }
                 let (a, b) = (a.min(b), a.max(b));
-                let ring = &rings[starts[a] as usize..starts[a + 1] as usize];
-                let edges = ring.iter().find(|&&(other, _)| other == b as u32);
-                let edges = edges.map_or(u8::MAX, |&(_, edges)| edges);
-                if (is_out[a] && is_out[b]) || edges == 1 {
+                let Some(full) = layers.distance(a, b) else {
                     return;
-                }
-                let at_start = (start[a] - start[b]).norm();
-                let least = if edges == 2 { 0.0 } else { share * reach };
-                let full = reach.min(at_start.max(least));
+                };
                 let missing = (full - squared.sqrt()).max(0.0);
                 pairs.push(Pair {
                     vertices: [a as u32, b as u32],
