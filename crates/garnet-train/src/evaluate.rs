@@ -64,7 +64,7 @@ pub struct Evaluation {
     pub scenes: usize,
     /// One a candidate, in their order.
     pub rows: Vec<Row>,
-    /// The teacher's drapes of the same scenes, beside themselves: their strain, folds and curvature.
+    /// The teacher's drapes of the same scenes, beside themselves: their strain and folds.
     pub teacher: Scores,
 }
 
