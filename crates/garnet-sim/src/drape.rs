@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::contact::Skin;
+use crate::contact::{Contacts, Skin};
 use crate::reference::{Balance, balance};
 use crate::report::{Penetration, SelfIntersections, Speeds, Strain, free};
 use crate::rest_shape::check_count;
@@ -169,21 +169,15 @@ pub fn drape(
         balance: None,
     };
     if schedule.balance_steps > 0 {
-        let max_steps = u64::from(schedule.balance_steps);
-        let mut watch = |num_done: usize, residual: f64| {
-            observer(Event::Balance {
-                num_done: num_done as u64,
-                max_steps,
-                residual,
-            })
-        };
         let ground = (skin.as_ref()).map(|skin| (&skin.skin, solver.contacts().clone()));
-        let (positions, found) = balance(scene, schedule, ground, &ending.positions, &mut watch)?;
-        if found.settled.is_settled {
-            ending.speeds = Speeds::STILL;
-        }
-        ending.positions = positions;
-        ending.balance = Some(found);
+        bring_into_balance(scene, schedule, ground, &mut ending, observer).map_err(|error| {
+            match error {
+                SimError::Stopped { .. } => SimError::Stopped {
+                    seconds: clock.seconds(),
+                },
+                other => other,
+            }
+        })?;
     }
     finish(scene, schedule, skin.as_ref(), &solver, &clock, ending)
 }
@@ -193,6 +187,31 @@ struct Ending {
     positions: Vec<Point3>,
     speeds: Speeds,
     balance: Option<Balance>,
+}
+
+/// Lets the reference solver go on from where the steps have come to.
+fn bring_into_balance(
+    scene: &Scene<'_>,
+    schedule: &Schedule,
+    ground: Option<(&Skin, Contacts)>,
+    ending: &mut Ending,
+    observer: &mut dyn FnMut(Event<'_>) -> ControlFlow<()>,
+) -> Result<(), SimError> {
+    let max_steps = u64::from(schedule.balance_steps);
+    let mut watch = |num_done: usize, residual: f64| {
+        observer(Event::Balance {
+            num_done: num_done as u64,
+            max_steps,
+            residual,
+        })
+    };
+    let (positions, found) = balance(scene, schedule, ground, &ending.positions, &mut watch)?;
+    if found.settled.is_settled {
+        ending.speeds = Speeds::STILL;
+    }
+    ending.positions = positions;
+    ending.balance = Some(found);
+    Ok(())
 }
 
 fn finish(

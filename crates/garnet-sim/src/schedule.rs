@@ -134,6 +134,13 @@ const REPULSION: f32 = 0.85;
 /// Edges are taken to be at least this long when rates are chosen, in metres.
 const MIN_EDGE: f32 = 0.003;
 
+/// In the last stage edges are taken to be at most this long, in metres: those of sewn templates are 14 to 16 mm.
+///
+/// Cloth that is tight gives way while its rate is below the speed of sound in it over its edges, however
+/// short the length that hangs. Trousers with edges of 45 mm (a leg raised) have a strain p99 of 41 % with it, 63 %
+/// without it, 24 % in balance.
+const MAX_LAST_EDGE: f32 = 0.017;
+
 impl Schedule {
     /// The schedule for a garment with edges of `edge_length` metres in the mean.
     ///
@@ -162,6 +169,7 @@ impl Schedule {
         };
         let last = |speed: f32| Stage {
             extra_drag: LAST_DRAG,
+            rate: speed / edge_length.clamp(MIN_EDGE, MAX_LAST_EDGE),
             ..settle(LAST_FRAMES, speed)
         };
         let (motion_frames, motion_speed) = match quality {
@@ -327,6 +335,17 @@ mod tests {
                 assert_eq!(schedule.check(), Ok(()), "{quality:?} {edge_length}");
             }
         }
+    }
+
+    #[test]
+    fn coarse_garments_end_as_finely_as_templates() {
+        let last_rate = |edge_length| {
+            let schedule = Schedule::for_quality(Quality::Teacher, edge_length);
+            schedule.stages.last().unwrap().rate
+        };
+        assert!(last_rate(0.014) > last_rate(0.016));
+        assert!(last_rate(0.016) > last_rate(0.05));
+        assert_eq!(last_rate(0.05).to_bits(), last_rate(0.02).to_bits());
     }
 
     #[test]

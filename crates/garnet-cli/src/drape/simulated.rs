@@ -87,24 +87,13 @@ impl Teaching {
         let stop = AtomicBool::new(false);
         let mut written: anyhow::Result<()> = Ok(());
         let bar = console.progress(1000);
-        let mut watch = |event: Event<'_>| {
-            if let Event::Balance {
-                num_done,
-                max_steps,
-                residual,
-            } = event
-            {
-                let message =
-                    format!("balance: step {num_done} of at most {max_steps}, {residual:.2}");
-                bar.set_message(message);
-            }
-            if let Event::Frame {
+        let mut watch = |event: Event<'_>| match event {
+            Event::Frame {
                 num_done,
                 progress,
                 positions,
                 ..
-            } = event
-            {
+            } => {
                 bar.set_position((1000.0 * progress) as u64);
                 if let Some(folder) = self.frames.as_ref().filter(|_| written.is_ok()) {
                     let name = folder.join(format!("frame_{num_done:04}.obj"));
@@ -115,6 +104,16 @@ impl Teaching {
                     written = frame.map_err(anyhow::Error::from);
                 }
             }
+            Event::Balance {
+                num_done,
+                max_steps,
+                residual,
+            } => {
+                let message =
+                    format!("balance: step {num_done} of at most {max_steps}, {residual:.2}");
+                bar.set_message(message);
+            }
+            _ => {}
         };
         let drape = self.teacher.drape(&path, self.quality, &stop, &mut watch);
         bar.finish_and_clear();

@@ -128,6 +128,7 @@ impl fmt::Display for EvalReport {
                 )?;
             }
         }
+        // Without a time: it is not simulated here.
         line(formatter, width, "teacher", &self.teacher, None)
     }
 }
@@ -139,12 +140,20 @@ fn line(
     scores: &Scores,
     seconds: Option<f64>,
 ) -> fmt::Result {
+    // The teacher differs from itself by nothing: there is nothing to tell.
+    let difference = |text: String| {
+        if seconds.is_some() {
+            text
+        } else {
+            "-".to_owned()
+        }
+    };
     let fields = [
-        format!("{:.2}", 1e3 * scores.distance),
-        format!("{:.2}", 1e3 * scores.distance_std),
-        format!("{:.2}", scores.normal.to_degrees()),
-        format!("{:.3}", scores.mean_curvature),
-        format!("{:.3}", scores.rayleigh),
+        difference(format!("{:.2}", 1e3 * scores.distance)),
+        difference(format!("{:.2}", 1e3 * scores.distance_std)),
+        difference(format!("{:.2}", scores.normal.to_degrees())),
+        difference(format!("{:.3}", scores.mean_curvature)),
+        difference(format!("{:.2e}", scores.rayleigh)),
         format!("{:.2}", 1e2 * scores.inside),
         format!("{:.1}", 1e2 * (scores.stretch_p99 - 1.0)),
         format!("{:.1}", scores.self_intersections),

@@ -39,5 +39,5 @@ pub use contact::ContactForce;
 pub use obstacle::{Cylinder, Disc, Nearest, Nothing, Obstacle, Plane, Sphere};
 pub use options::ReferenceOptions;
 pub use potential::Energies;
-pub use settle::{Settled, settle};
+pub use settle::Settled;
 pub use solver::{Reference, Step};

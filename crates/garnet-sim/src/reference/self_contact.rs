@@ -19,41 +19,61 @@ const NEIGHBOR_RADII: f64 = 2.0;
 pub(super) struct SelfContact {
     radius: f64,
     stiffness: f64,
-    /// Vertices `[vertex]` that are near along the cloth, sorted.
-    neighbors: Vec<Vec<u32>>,
-    /// What the production solver keeps apart, in place of all that.
-    layers: Option<Layers>,
+    keeping: Keeping,
     /// Candidates, sorted.
     pairs: Vec<[u32; 2]>,
     /// Where the candidates were looked for.
     places: Vec<Vector3<f64>>,
 }
 
+/// Who keeps from whom.
+#[derive(Debug, Clone)]
+enum Keeping {
+    /// All from all but their neighbors `[vertex]` along the cloth, sorted.
+    Distance { neighbors: Vec<Vec<u32>> },
+    /// As the layers say.
+    Layers(Layers),
+}
+
+impl Keeping {
+    fn is_neighbor(&self, vertex: usize, other: u32) -> bool {
+        match self {
+            Self::Distance { neighbors } => neighbors[vertex].binary_search(&other).is_ok(),
+            Self::Layers(_) => false,
+        }
+    }
+}
+
 impl SelfContact {
+    /// All vertices keep `radius` metres, but from those that are near along the cloth.
     pub(super) fn new(cloth: &Cloth, radius: f64, stiffness: f64) -> Self {
+        let neighbors = neighbors_along(cloth, NEIGHBOR_RADII * radius);
+        Self::kept_by(Keeping::Distance { neighbors }, radius, stiffness)
+    }
+
+    /// What the production solver keeps apart: all vertices but the ends of edges, so that folds do not close.
+    pub(super) fn of_layers(layers: Layers, stiffness: f64) -> Self {
+        let radius = layers.widest().into();
+        Self::kept_by(Keeping::Layers(layers), radius, stiffness)
+    }
+
+    fn kept_by(keeping: Keeping, radius: f64, stiffness: f64) -> Self {
         Self {
-            layers: None,
             radius,
             stiffness,
-            neighbors: neighbors_along(cloth, NEIGHBOR_RADII * radius),
+            keeping,
             pairs: Vec::new(),
             places: Vec::new(),
         }
     }
 
-    /// Keeps apart what the production solver does: all vertices but the ends of edges, so that folds do not
-    /// close.
-    pub(super) fn keep_layers(&mut self, layers: Layers) {
-        self.radius = layers.widest().into();
-        self.neighbors.iter_mut().for_each(Vec::clear);
-        self.layers = Some(layers);
-    }
-
     /// The distance that two vertices keep.
     fn reach(&self, [a, b]: [u32; 2]) -> f64 {
-        match &self.layers {
-            None => self.radius,
-            Some(layers) => (layers.distance(a as usize, b as usize)).map_or(0.0, f64::from),
+        match &self.keeping {
+            Keeping::Distance { .. } => self.radius,
+            Keeping::Layers(layers) => {
+                (layers.distance(a as usize, b as usize)).map_or(0.0, f64::from)
+            }
         }
     }
 
@@ -82,7 +102,7 @@ impl SelfContact {
             let first = self.pairs.len();
             for neighbor in tree.within(point, (SEARCH_RADII * self.radius) as f32) {
                 let (a, b) = (vertex as u32, neighbor.index);
-                if b > a && self.neighbors[vertex].binary_search(&b).is_err() {
+                if b > a && !self.keeping.is_neighbor(vertex, b) {
                     self.pairs.push([a, b]);
                 }
             }

@@ -2,11 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use garnet_knn::Surface;
-
-use super::options::ReferenceOptions;
 use super::solver::Reference;
-use crate::{Cloth, Point3, SimError};
+use crate::SimError;
 
 /// Longer steps than this, in seconds, have no inertia to speak of.
 const MAX_STEP: f64 = 100.0;
@@ -35,7 +32,7 @@ pub struct Settled {
 impl Reference<'_> {
     /// Lets the cloth come to rest: steps without speed that get longer while they are easy.
     ///
-    /// Cloth that is not in balance after [`ReferenceOptions::max_steps`] is no error: the answer
+    /// Cloth that is not in balance after [`ReferenceOptions::max_steps`](super::ReferenceOptions::max_steps) is no error: the answer
     /// says so.
     ///
     /// # Errors
@@ -93,24 +90,4 @@ impl Reference<'_> {
         }
         unreachable!("the last round returns")
     }
-}
-
-/// Drapes `cloth` from `start` `[vertex]` on `collider`, which stands still.
-///
-/// # Errors
-///
-/// As [`Reference::new`] and [`Reference::settle`].
-pub fn settle(
-    cloth: &Cloth,
-    start: &[Point3],
-    collider: &Surface,
-    options: ReferenceOptions,
-) -> Result<(Vec<Point3>, Settled), SimError> {
-    let mut reference = Reference::new(cloth, start, collider, options)?;
-    let settled = reference.settle()?;
-    let positions = reference
-        .positions()
-        .iter()
-        .map(|x| Point3::from(x.cast::<f32>()));
-    Ok((positions.collect(), settled))
 }

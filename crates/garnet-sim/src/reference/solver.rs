@@ -154,11 +154,10 @@ impl<'a> Reference<'a> {
         self.x[vertex] = place;
     }
 
-    /// As [`SelfContact::keep_layers`].
+    /// As [`SelfContact::of_layers`].
     pub(super) fn keep_layers(&mut self, layers: Layers) {
-        if let Some(pairs) = &mut self.potential.self_contact {
-            pairs.keep_layers(layers);
-        }
+        let pairs = SelfContact::of_layers(layers, self.options.contact_stiffness);
+        self.potential.self_contact = Some(pairs);
     }
 
     /// Multiplies the friction of each vertex.
