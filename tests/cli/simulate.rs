@@ -35,6 +35,9 @@ fn a_simulation_writes_its_way_and_reports() {
         "{drape}"
     );
     assert_eq!(drape["simulated"]["inside"], 0, "{drape}");
+    // Cloth caught between parts of the body is told apart.
+    assert_eq!(drape["penetration"]["inside"], 0, "{drape}");
+    assert_eq!(drape["penetration"]["trapped"], 0, "{drape}");
     let frames = fs::read_dir(fixture.path("way")).unwrap().count();
     assert!(frames > 30, "{frames}");
     let (start, end) = (

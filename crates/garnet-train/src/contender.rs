@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use garnet_data::DataError;
 use garnet_mesh::Point3;
 use garnet_net::{Cost, GarNetConfig, Model, Start};
 
@@ -30,7 +31,7 @@ pub(crate) struct Draped {
     pub(crate) warp: f64,
     /// Time of the network with all that it needs of a scene, in seconds.
     pub(crate) network: Option<f64>,
-    /// Time of settling, in seconds.
+    /// Time of settling, in seconds; none if the cloth was left where the network had put it.
     pub(crate) settle: Option<f64>,
 }
 
@@ -125,8 +126,15 @@ impl<'a> Contender<'a> {
             let teacher = teachers.of(staged)?;
             let start = Instant::now();
             let skin = staged.posed.skin().positions();
-            positions = teacher.settled(skin, &positions, *frames, &AtomicBool::new(false))?;
-            settle = Some(start.elapsed().as_secs_f64());
+            match teacher.settled(skin, &positions, *frames, &AtomicBool::new(false)) {
+                Ok(settled) => {
+                    positions = settled;
+                    settle = Some(start.elapsed().as_secs_f64());
+                }
+                // As in `garnet drape`: cloth that flies apart stays where it was put.
+                Err(DataError::Sim(_)) => {}
+                Err(error) => return Err(error.into()),
+            }
         }
         Ok(Draped {
             positions,

@@ -77,6 +77,8 @@ pub struct Row {
     pub config: Option<GarNetConfig>,
     /// For how many frames the cloth settles where the network has put it.
     pub settle: u32,
+    /// Scenes whose cloth flew apart when it was to settle, and was left where the network had put it.
+    pub unsettled: usize,
     /// Weights of the network.
     pub parameters: u64,
     /// Multiplications and additions of a forward pass.
@@ -163,6 +165,7 @@ struct Entrant<'a> {
     angles: Counts,
     untangled: Option<Tally>,
     left: Left,
+    unsettled: usize,
     times: [Vec<f64>; 4],
 }
 
@@ -175,6 +178,7 @@ impl<'a> Entrant<'a> {
             angles: Counts::of_angles(),
             untangled: None,
             left: Left::NOTHING,
+            unsettled: 0,
             times: Default::default(),
         }
     }
@@ -186,6 +190,7 @@ impl<'a> Entrant<'a> {
             name: self.contender.name().to_owned(),
             config: self.contender.config().cloned(),
             settle: self.contender.settle_frames(),
+            unsettled: self.unsettled,
             parameters: cost.map_or(0, |cost| cost.parameters),
             flops: cost.map_or(0, |cost| cost.flops),
             scores: self.tally.scores(),
@@ -223,6 +228,8 @@ fn scene(
         entrant.times[0].push(draped.warp);
         entrant.times[1].extend(draped.network);
         entrant.times[2].extend(draped.settle);
+        let settles = entrant.contender.settle_frames() > 0;
+        entrant.unsettled += usize::from(settles && draped.settle.is_none());
         let Errors { distances, angles } =
             measure.add(&mut entrant.tally, staged, &draped.positions)?;
         entrant.distances.add(&distances);

@@ -146,7 +146,7 @@ pub(crate) fn publish(
 }
 
 /// Mean distance to the teacher on the test split once the cloth has settled, in metres; none of garments
-/// that cannot be simulated.
+/// that cannot be simulated, and none if it cannot be measured: the weights are worth publishing without it.
 pub(crate) fn settled_error(stage: &Stage, weights: &Path) -> Option<f64> {
     let candidate = Candidate::Model {
         name: String::new(),
@@ -155,7 +155,11 @@ pub(crate) fn settled_error(stage: &Stage, weights: &Path) -> Option<f64> {
     };
     let found = evaluate(stage, Split::Test, &[candidate], Finish::None, &mut |_| {});
     let found = found.ok()?;
-    found.rows.first().map(|row| row.scores.distance)
+    let row = found
+        .rows
+        .first()
+        .filter(|row| row.unsettled < found.scenes);
+    row.map(|row| row.scores.distance)
 }
 
 /// Scores under the names that weight files keep them by.

@@ -63,7 +63,10 @@ pub(super) fn measure(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
     } else {
         job.args.most_simulated
     };
-    let is_whole = |cost: &CostAt| cost.simulation.is_some() || cost.vertices > most_simulated;
+    let is_whole = |cost: &CostAt| {
+        let is_simulated = cost.simulation.is_some() || cost.vertices > most_simulated;
+        is_simulated && cost.settle.is_some()
+    };
     keeper.record.growth.retain(is_whole);
     let known = |record: &Record, asked| record.growth.iter().any(|cost| cost.asked == asked);
     let missing: Vec<usize> = (sizes.into_iter())
@@ -144,6 +147,7 @@ impl GrowthReport {
                 cost.networks.get(number).map(|(_, seconds)| *seconds)
             }));
         }
+        series.push(Series::new("settle", &costs, |cost| cost.settle));
         series.push(Series::new("simulation", &costs, |cost| cost.simulation));
         series.retain(|series| !series.points.is_empty());
         Some(Self {

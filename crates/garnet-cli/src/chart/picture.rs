@@ -144,7 +144,7 @@ pub(super) fn growth(report: &ChartReport, growth: &GrowthReport) -> LogLog {
     let mut chart = LogLog {
         title: format!("{}: what a drape costs with more vertices", report.garment),
         subtitle: format!(
-            "medians of {} test bodies; {} threads, simulation 1; {}; networks with random weights",
+            "medians of {} test bodies; {} threads, settling and simulation 1; {}; networks with random weights",
             growth.scenes,
             report.threads,
             processor(&report.machine)
@@ -157,10 +157,10 @@ pub(super) fn growth(report: &ChartReport, growth: &GrowthReport) -> LogLog {
         legend: Vec::new(),
     };
     for (number, series) in growth.series.iter().enumerate() {
-        let (shape, color) = if series.name == "simulation" {
-            LOOKS[4]
-        } else {
-            LOOKS[number % LOOKS.len()]
+        let (shape, color) = match series.name.as_str() {
+            "simulation" => LOOKS[4],
+            "settle" => LOOKS[5],
+            _ => LOOKS[number % LOOKS.len()],
         };
         let symbol = Symbol {
             shape,

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use garnet::{
     Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, Point3, PosedBody, Refit, TriMesh,
-    Warp, data::SceneReport, edge_stretch, io, penetration,
+    Warp, data::SceneReport, edge_stretch, io,
 };
 
 pub(crate) use args::DrapeArgs;
@@ -301,13 +301,12 @@ fn drape_one(
         problems.extend(warning::of_result(report));
         None
     } else {
-        let found = penetration(&drape.positions, posed.skin());
+        let found = PenetrationReport::of(&drape.positions, posed.skin(), simulated.is_some());
         let is_inside = found.inside > 0;
-        problems.extend(is_inside.then_some(Problem::Inside(found.inside, found.deepest)));
-        Some(PenetrationReport {
-            inside: found.inside,
-            deepest_m: found.deepest,
-        })
+        problems.extend(is_inside.then_some(Problem::Inside(found.inside, found.deepest_m)));
+        let trapped = found.trapped.filter(|&count| count > 0);
+        problems.extend(trapped.map(Problem::Trapped));
+        Some(found)
     };
     let positions = bound.garment_frame.to_file(drape.positions);
     let write = || bound.garment_file.write_with_positions(output, &positions);

@@ -1,8 +1,9 @@
 //! The report of `drape`: `garnet.drape/1`. Lengths are metres, times seconds.
 
 use garnet::{
-    UntangleReport,
+    Point3, Surface, UntangleReport,
     data::{SceneReport, StoredFabric},
+    penetration, sim,
 };
 use serde::Serialize;
 
@@ -136,6 +137,29 @@ pub(crate) struct SimulationReport {
 pub(crate) struct PenetrationReport {
     pub(crate) inside: usize,
     pub(crate) deepest_m: f32,
+    /// Those of simulated cloth that the body leaves no room for, because it runs through itself there,
+    /// apart; none of warped cloth, where all count as inside.
+    pub(crate) trapped: Option<usize>,
+}
+
+impl PenetrationReport {
+    /// Of positions `[vertex]` against the skin.
+    pub(crate) fn of(positions: &[Point3], skin: &Surface, is_simulated: bool) -> Self {
+        if is_simulated {
+            let found = sim::Penetration::of(positions, skin);
+            return Self {
+                inside: found.num_inside,
+                deepest_m: found.deepest,
+                trapped: Some(found.num_trapped),
+            };
+        }
+        let found = penetration(positions, skin);
+        Self {
+            inside: found.inside,
+            deepest_m: found.deepest,
+            trapped: None,
+        }
+    }
 }
 
 /// What untangling found and left. Vertices at one place count once.

@@ -33,6 +33,8 @@ pub(crate) struct MethodReport {
     pub(crate) name: String,
     /// For how many frames of a sixtieth of a second the cloth settles where the network has put it.
     pub(crate) settle_frames: u32,
+    /// Scenes that were left where the network had put them because their cloth flew apart.
+    unsettled: usize,
     /// Weights of the network; none of skinning and warp.
     pub(crate) weights: Option<u64>,
     /// Multiplications and additions of a forward pass; none of skinning and warp.
@@ -70,6 +72,7 @@ impl From<&Row> for MethodReport {
         Self {
             name: row.name.clone(),
             settle_frames: row.settle,
+            unsettled: row.unsettled,
             weights: is_network.then_some(row.parameters),
             flop: is_network.then_some(row.flops),
             network: row.config.clone(),
@@ -129,7 +132,15 @@ impl fmt::Display for EvalReport {
             }
         }
         // Without a time: it is not simulated here.
-        line(formatter, width, "teacher", &self.teacher, None)
+        line(formatter, width, "teacher", &self.teacher, None)?;
+        for method in self.methods.iter().filter(|method| method.unsettled > 0) {
+            let (name, count) = (&method.name, method.unsettled);
+            write!(
+                formatter,
+                "\n{name}: {count} scenes flew apart and were left unsettled"
+            )?;
+        }
+        Ok(())
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::{BodyPath, Quality, Rung, Split};
+use garnet_data::{BodyPath, Quality, Rung, SETTLE_FRAMES, Split};
 use garnet_mesh::Point3;
 use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Model, ModelHeader};
 use garnet_skin::{PosedBody, Warp, WarpedGarment};
@@ -41,6 +41,9 @@ pub struct CostAt {
     pub networks: Vec<(String, f64)>,
     /// Untangling of the warp.
     pub untangle: f64,
+    /// Settling of the warp for [`SETTLE_FRAMES`]; none of garments that cannot be simulated.
+    #[serde(default)]
+    pub settle: Option<f64>,
     /// The simulation in the quality of a teacher; none where it would take too long or fails.
     pub simulation: Option<f64>,
 }
@@ -130,6 +133,7 @@ pub fn cost_at(
         warp,
         untangle,
         networks: names.map(|name| (name, next())).collect(),
+        settle: settled(&rung, bodies, options.repeats)?,
         simulation: (mesh.num_vertices() <= options.most_simulated)
             .then(|| simulated(stage, &rung, bodies.first()?))
             .flatten(),
@@ -161,6 +165,26 @@ fn drape(
         times.push(start.elapsed().as_secs_f64());
     }
     Ok(times)
+}
+
+/// Median time of settling the warp; none if the cloth flies apart on a body.
+fn settled(rung: &Rung, bodies: &[PosedBody], repeats: usize) -> Result<Option<f64>, TrainError> {
+    let stop = AtomicBool::new(false);
+    let mut times = Vec::new();
+    for body in bodies {
+        let warped = rung.garment.warped(body, Warp::Shape)?;
+        let from = rung.garment.weld().scatter(&warped);
+        for _ in 0..repeats.max(1) {
+            let start = Instant::now();
+            let skin = body.skin().positions();
+            let settled = rung.teacher.settled(skin, &from, SETTLE_FRAMES, &stop);
+            if settled.is_err() {
+                return Ok(None);
+            }
+            times.push(start.elapsed().as_secs_f64());
+        }
+    }
+    Ok(Some(Percentiles::of(times).median))
 }
 
 fn simulated(stage: &Stage, rung: &Rung, body: &PosedBody) -> Option<f64> {
