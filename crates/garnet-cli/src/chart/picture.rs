@@ -73,11 +73,20 @@ fn processor(machine: &str) -> String {
     name.replace("(R)", "").replace("(TM)", "")
 }
 
+/// Networks end up next to each other once their cloth settles: names of all would hide the rest.
+fn is_nameless(method: &MethodReport) -> bool {
+    method.kind == Kind::Network && !method.is_on_front && method.name.ends_with(" settled")
+}
+
 fn mark(method: &MethodReport, at: [f64; 2]) -> Mark {
     Mark {
         at,
         reach: Some(1e3 * method.figures.seconds.total.p95),
-        name: method.name.clone(),
+        name: if is_nameless(method) {
+            String::new()
+        } else {
+            method.name.clone()
+        },
         is_strong: method.is_on_front,
         symbol: symbol(method.kind, method.is_on_front),
     }
@@ -116,6 +125,10 @@ fn legend(report: &ChartReport) -> Vec<Entry> {
         Key::Line(FRONT),
         "Pareto front (filled): no other is faster and nearer",
     ));
+    if report.methods.iter().any(is_nameless) {
+        let hollow = Key::Mark(symbol(Kind::Network, false));
+        entries.push(entry(hollow, "without a name: other networks, settled"));
+    }
     entries.push(entry(Key::Reach, "to the 95th percentile"));
     if let Some(target) = report.methods.iter().find(|method| method.is_target)
         && report.noise_floor_m.is_some()
