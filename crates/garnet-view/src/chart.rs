@@ -145,9 +145,14 @@ impl Chart {
                 .label(&series.name)
                 .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], style));
         }
+        let legend = if end_high(shown, y_range) {
+            SeriesLabelPosition::LowerRight
+        } else {
+            SeriesLabelPosition::UpperRight
+        };
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(legend)
             .label_font(("sans-serif", 16, &ink))
             .background_style(color(palette::BACKGROUND))
             .border_style(color(palette::SKIN))
@@ -155,6 +160,14 @@ impl Chart {
             .map_err(told)?;
         area.present().map_err(told)
     }
+}
+
+/// Whether lines end in the upper half: the legend, on the right, then belongs below them.
+fn end_high(shown: &[Vec<(f64, f64)>], [low, high]: [f64; 2]) -> bool {
+    let ends: Vec<f64> = (shown.iter())
+        .filter_map(|points| points.last().map(|point| point.1))
+        .collect();
+    ends.iter().sum::<f64>() > ends.len() as f64 * f64::midpoint(low, high)
 }
 
 impl Axis {
@@ -205,6 +218,14 @@ mod tests {
                 points,
             }],
         }
+    }
+
+    #[test]
+    fn legends_keep_clear_of_where_lines_end() {
+        let rising = vec![vec![(0.0, 0.0), (1.0, 0.9)], vec![(0.0, 0.0), (1.0, 1.0)]];
+        let falling = vec![vec![(0.0, 1.0), (1.0, 0.1)], Vec::new()];
+        assert!(end_high(&rising, [0.0, 1.0]));
+        assert!(!end_high(&falling, [0.0, 1.0]));
     }
 
     #[test]
