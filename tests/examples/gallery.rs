@@ -6,7 +6,7 @@
 //! variants and teacher (figure 7 of the paper); `errors.png` has the mean distance of each vertex over
 //! the split on the template, one column a variant, from the front and from the back.
 
-use std::{env, error::Error, path::Path};
+use std::{env, error::Error, fs, path::Path};
 
 use garnet::{
     UntangleOptions,
@@ -54,6 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("usage: gallery PACKAGE DATASET FOLDER [VARIANT...] [--split NAME]".into());
     };
     let (path, folder) = (Path::new(package), Path::new(folder));
+    fs::create_dir_all(folder)?;
     let package = GarmentPackage::read(path)?;
     let mut candidates = vec![Candidate::Skinning, Candidate::Warp];
     let mut names = vec!["skinning (DQS)".to_owned(), "warp".to_owned()];
