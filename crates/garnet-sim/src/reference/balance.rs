@@ -83,12 +83,6 @@ pub(crate) fn balance(
     let cloth = scene.cloth;
     let options = ReferenceOptions {
         gravity: Vector3::new(0.0, -f64::from(schedule.gravity), 0.0),
-        self_contact: match schedule.self_contact {
-            SelfContact::Off => None,
-            SelfContact::Repulsion { distance, .. } => {
-                Some(f64::from(distance * cloth.mean_edge_length()))
-            }
-        },
         tolerance: TOLERANCE,
         max_iterations: MAX_ITERATIONS,
         contact_stiffness: CONTACT_STIFFNESS,
