@@ -10,7 +10,7 @@ use std::{env, error::Error, fs, path::Path};
 
 use garnet::{
     UntangleOptions,
-    data::{Dataset, GarmentPackage, SETTLE_FRAMES, Split},
+    data::{Dataset, GarmentPackage, Split},
     train::{Candidate, Exhibit, SceneName, Stage, chart::spread, exhibit, weights_of},
 };
 use garnet_mesh::{Point3, Topology, TriMesh, mean_curvatures};
@@ -60,12 +60,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut names = vec!["skinning (DQS)".to_owned(), "warp".to_owned()];
     for name in variants {
         let weights = weights_of(path, &package.manifest, name)?;
-        candidates.extend([0, SETTLE_FRAMES].map(|settle| Candidate::Model {
-            name: name.clone(),
-            weights: weights.clone(),
-            settle,
-        }));
-        names.extend([0, SETTLE_FRAMES].map(|settle| Candidate::settled_name(name, settle)));
+        for candidate in Candidate::of_weights(name, &weights, None)? {
+            if let Candidate::Model { settle, .. } = candidate {
+                names.push(Candidate::settled_name(name, settle));
+            }
+            candidates.push(candidate);
+        }
     }
     let stage = Stage::new(package, Dataset::open(Path::new(dataset))?)?;
     let all = stage.scene_names(split)?;

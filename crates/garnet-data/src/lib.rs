@@ -33,5 +33,5 @@ pub use package::{
     StoredPattern, StoredRestBody, Variant,
 };
 pub use tailor::{Tailor, Worn, usual_fabric};
-pub use teacher::{Quality, SETTLE_FRAMES, Teacher, quality_name, quality_of};
+pub use teacher::{Put, Quality, Teacher, quality_name, quality_of};
 pub use wearer::{default_rest_body, wearer_of};

@@ -18,11 +18,35 @@ use crate::{BodyPath, DataError, GarmentPackage};
 /// metres. With air between skin and the tightest cloth, too, more dresses do not come to rest.
 const LOOSE: [f32; 2] = [0.002, 0.006];
 
-/// Frames for which garments settle that a network has put on a body.
-///
-/// 3, 6, 8 and 12 of them bring the T-shirt of a pose-space deformation from 9.3 mm to 8.3, 7.6, 7.7 and 7.7
-/// mm (155 validation scenes).
-pub const SETTLE_FRAMES: u32 = 6;
+/// Where something else has put cloth that is to settle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Put {
+    /// Where it would rest, but for its strain and finer folds.
+    #[default]
+    AtRest,
+    /// Where it is when the body comes to its last place ([`Drape::arrived`]): its folds are still to be found.
+    AtArrival,
+}
+
+impl Put {
+    /// For how many frames of a sixtieth of a second such cloth settles by default.
+    ///
+    /// Put where they rest, 3, 6, 8 and 12 frames bring T-shirts of a pose-space deformation from 9.3 mm to 8.3,
+    /// 7.6, 7.7 and 7.7 mm (155 validation scenes). For arrivals see [`Schedule::after_arrival`].
+    pub const fn frames(self) -> u32 {
+        match self {
+            Self::AtRest => 6,
+            Self::AtArrival => 30,
+        }
+    }
+
+    fn schedule(self, edge_length: f32, frames: u32) -> Schedule {
+        match self {
+            Self::AtRest => Schedule::settling(edge_length, frames),
+            Self::AtArrival => Schedule::after_arrival(edge_length, frames),
+        }
+    }
+}
 
 /// More of the vertices inside the body at rest than this, and the garment does not lie on it.
 const MAX_SHARE_INSIDE: f64 = 0.3;
@@ -189,6 +213,7 @@ impl Teacher {
         check_stop(stop)?;
         let mut result = result?;
         result.positions = self.vertices(&result.positions);
+        result.arrived = self.vertices(&result.arrived);
         Ok(result)
     }
 
@@ -196,20 +221,21 @@ impl Teacher {
     /// sixtieth of a second: it gives way where it is strained, leaves the skin, and finds its finer folds.
     ///
     /// `skin` are the positions `[vertex]` of the body, which stands still; `from` and the result those of the
-    /// garment's mesh `[vertex]`, in metres. Without frames the result is `from`.
+    /// garment's mesh `[vertex]`, in metres; `put` tells how far `from` is on its way. Without frames the result is `from`.
     ///
     /// # Examples
     ///
     /// ```no_run
     /// # use std::{path::Path, sync::atomic::AtomicBool};
-    /// use garnet_data::{GarmentPackage, SETTLE_FRAMES, Teacher};
+    /// use garnet_data::{GarmentPackage, Put, Teacher};
     ///
-    /// # fn put(package: &GarmentPackage) -> Vec<garnet_mesh::Point3> { package.mesh.positions().to_vec() }
+    /// # fn places(package: &GarmentPackage) -> Vec<garnet_mesh::Point3> { package.mesh.positions().to_vec() }
     /// let package = GarmentPackage::read(Path::new("models/tshirt"))?;
     /// let teacher = Teacher::new(&package)?;
     /// let skin = package.body.rest().positions();
     /// let stop = AtomicBool::new(false);
-    /// let settled = teacher.settled(skin, &put(&package), SETTLE_FRAMES, &stop)?;
+    /// let put = Put::AtRest;
+    /// let settled = teacher.settled(skin, &places(&package), put, put.frames(), &stop)?;
     /// # Ok::<(), garnet_data::DataError>(())
     /// ```
     ///
@@ -224,13 +250,14 @@ impl Teacher {
         &self,
         skin: &[Point3],
         from: &[Point3],
+        put: Put,
         frames: u32,
         stop: &AtomicBool,
     ) -> Result<Vec<Point3>, DataError> {
         if frames == 0 {
             return Ok(from.to_vec());
         }
-        let schedule = Schedule::settling(self.cloth.mean_edge_length(), frames);
+        let schedule = put.schedule(self.cloth.mean_edge_length(), frames);
         let at_nodes = self.garment.weld().gather(from);
         let scene = Scene {
             cloth: &self.cloth,

@@ -7,10 +7,12 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use garnet_body::poses::{Poser, key_pose};
-use garnet_data::{BodyPath, DataError, GarmentPackage, Quality, SETTLE_FRAMES, Teacher};
+use garnet_data::{BodyPath, DataError, GarmentPackage, Put, Quality, Teacher};
 use garnet_mesh::{Point3, Topology, edge_stretch};
-use garnet_sim::Drape;
+use garnet_sim::{Drape, Event};
 use garnet_skin::{Garment, PosedBody, Warp};
+
+const FRAMES: u32 = Put::AtRest.frames();
 
 /// A package, its simulation, and a body that it is warped to.
 struct Scene {
@@ -39,9 +41,15 @@ impl Scene {
     }
 
     fn settled(&self, from: &[Point3], frames: u32) -> Vec<Point3> {
+        self.settled_from(from, Put::AtRest, frames)
+    }
+
+    fn settled_from(&self, from: &[Point3], put: Put, frames: u32) -> Vec<Point3> {
         let stop = AtomicBool::new(false);
         let skin = self.posed.skin().positions();
-        self.teacher.settled(skin, from, frames, &stop).unwrap()
+        self.teacher
+            .settled(skin, from, put, frames, &stop)
+            .unwrap()
     }
 
     fn simulated(&self, quality: Quality) -> Drape {
@@ -69,7 +77,7 @@ fn mean_distance(a: &[Point3], b: &[Point3]) -> f32 {
 fn a_warp_that_settles_is_less_strained_and_nearer_to_the_simulation() {
     let scene = Scene::new("reach_high");
     let simulated = scene.simulated(Quality::Teacher).positions;
-    let settled = scene.settled(&scene.warped, 4 * SETTLE_FRAMES);
+    let settled = scene.settled(&scene.warped, 4 * FRAMES);
     let [before, after] = [&scene.warped, &settled].map(|places| scene.stretch(places));
     assert!(after - 1.0 < 0.5 * (before - 1.0), "{before} {after}");
     let [before, after] = [&scene.warped, &settled].map(|drape| mean_distance(drape, &simulated));
@@ -95,9 +103,41 @@ fn the_teacher_ends_near_the_balance_that_the_reference_solver_finds() {
 fn no_frames_leave_cloth_where_it_is_and_the_same_frames_give_the_same_bits() {
     let scene = Scene::new("wave");
     assert_eq!(scene.settled(&scene.warped, 0), scene.warped);
-    let settled = scene.settled(&scene.warped, SETTLE_FRAMES);
+    let settled = scene.settled(&scene.warped, FRAMES);
     assert_ne!(settled, scene.warped);
-    assert_eq!(settled, scene.settled(&scene.warped, SETTLE_FRAMES));
+    assert_eq!(settled, scene.settled(&scene.warped, FRAMES));
+}
+
+#[test]
+fn cloth_put_where_it_arrives_finds_the_folds_of_the_teacher() {
+    let scene = Scene::new("reach_high");
+    let path = BodyPath::to_posed(&scene.package.body, &scene.posed);
+    let stop = AtomicBool::new(false);
+    let mut frames: Vec<Vec<Point3>> = Vec::new();
+    let mut watch = |event: Event<'_>| {
+        if let Event::Frame { positions, .. } = event {
+            frames.push(scene.teacher.vertices(positions));
+        }
+    };
+    let simulated = (scene.teacher)
+        .drape(&path, Quality::Teacher, &stop, &mut watch)
+        .unwrap();
+    // The end of the motion, but for vertices that were inside.
+    let same = |frame: &Vec<Point3>| {
+        let pairs = frame.iter().zip(&simulated.arrived);
+        pairs.filter(|(a, b)| a == b).count() as f64 / frame.len() as f64
+    };
+    assert!(same(&frames[59]) > 0.95, "{}", same(&frames[59]));
+    assert!(same(&frames[61]) < 0.5, "{}", same(&frames[61]));
+
+    let put = Put::AtArrival;
+    let settled = scene.settled_from(&simulated.arrived, put, put.frames());
+    let before = mean_distance(&simulated.arrived, &simulated.positions);
+    let after = mean_distance(&settled, &simulated.positions);
+    assert!(after < 0.5 * before, "{before} {after}");
+    let briefly = scene.settled(&simulated.arrived, FRAMES);
+    let briefly = mean_distance(&briefly, &simulated.positions);
+    assert!(after < 0.7 * briefly, "{briefly} {after}");
 }
 
 #[test]
@@ -106,7 +146,9 @@ fn settling_can_be_stopped_and_refuses_places_that_are_none() {
     let skin = scene.posed.skin().positions();
     let settled = |from: &[Point3], is_stopped: bool| {
         let stop = AtomicBool::new(is_stopped);
-        let settled = scene.teacher.settled(skin, from, SETTLE_FRAMES, &stop);
+        let settled = scene
+            .teacher
+            .settled(skin, from, Put::AtRest, FRAMES, &stop);
         settled.unwrap_err()
     };
     assert!(matches!(settled(&scene.warped, true), DataError::Stopped));

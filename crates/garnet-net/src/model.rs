@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use burn::tensor::Device;
 use garnet_mesh::Point3;
 
-use crate::pose_space::{POSE_SPACE, PoseSpaceHeader, SCHEMA};
+use crate::pose_space::{Aim, POSE_SPACE, PoseSpaceHeader, SCHEMA};
 use crate::{
     BodySampling, Checkpoint, CheckpointError, CheckpointHeader, Cost, GarNetConfig, GarmentGraph,
     NetError, PoseSpace, Predictor, SceneInput, Start, TrainedRange, weight_file,
@@ -27,6 +27,8 @@ pub struct ModelHeader {
     pub checksum: String,
     /// What the network is made of, if there is one.
     pub config: Option<GarNetConfig>,
+    /// What the model tells.
+    pub aim: Aim,
     /// The file, and that of the pose-space deformation that a network starts from.
     pub files: Vec<PathBuf>,
 }
@@ -46,6 +48,7 @@ impl ModelHeader {
             return Ok(Self {
                 checksum: header.checksum,
                 config: None,
+                aim: header.aim,
                 files,
             });
         }
@@ -56,6 +59,7 @@ impl ModelHeader {
         Ok(Self {
             checksum: header.checksum,
             config: Some(header.config),
+            aim: Aim::Rest,
             files,
         })
     }
@@ -131,6 +135,12 @@ impl Model {
     pub fn start(&self) -> Start {
         self.config()
             .map_or(Start::PoseSpace, |config| config.start)
+    }
+
+    /// What it tells: networks where the cloth rests.
+    pub fn aim(&self) -> Aim {
+        let alone = (self.pose_space.as_ref()).filter(|_| self.network.is_none());
+        alone.map_or(Aim::Rest, |space| space.aim)
     }
 
     /// What the network is made of, if there is one.

@@ -14,6 +14,9 @@ use crate::{DrapeReport, Energy, MovingBody, Point3, Scene, Schedule, SimError, 
 pub struct Drape {
     /// Where the vertices are `[vertex]`, in metres.
     pub positions: Vec<Point3>,
+    /// Where they were when the body had come to its last place, before they settled, in metres; outside of
+    /// the body as the vertices in the end are.
+    pub arrived: Vec<Point3>,
     /// How well they lie.
     pub report: DrapeReport,
 }
@@ -117,6 +120,7 @@ pub fn drape(
         .transpose()?;
     let mut solver = Solver::new(scene, schedule);
     let mut clock = Clock::new(schedule);
+    let mut arrived = Vec::new();
     let motion = Stage {
         frames: schedule.motion_frames,
         rate: schedule.motion_rate,
@@ -157,15 +161,22 @@ pub fn drape(
             }
             clock.remember(positions);
         }
-        if let (0, Some(skin)) = (index, &mut skin) {
-            solver.set_wind(&[]);
-            skin.arrive()?;
+        if index == 0 {
+            arrived = solver.positions();
+            if let Some(skin) = &mut skin {
+                solver.set_wind(&[]);
+                skin.arrive()?;
+                if stage.frames > 0 {
+                    free(&mut arrived, skin.skin.surface());
+                }
+            }
         }
     }
     let positions = solver.positions();
     let mut ending = Ending {
         speeds: clock.speeds(&positions),
         positions,
+        arrived,
         balance: None,
     };
     if schedule.balance_steps > 0 {
@@ -185,6 +196,7 @@ pub fn drape(
 /// What the steps have come to.
 struct Ending {
     positions: Vec<Point3>,
+    arrived: Vec<Point3>,
     speeds: Speeds,
     balance: Option<Balance>,
 }
@@ -224,6 +236,7 @@ fn finish(
 ) -> Result<Drape, SimError> {
     let Ending {
         mut positions,
+        arrived,
         speeds,
         balance,
     } = ending;
@@ -250,7 +263,11 @@ fn finish(
         num_substeps: clock.substeps_done,
         seconds: clock.seconds(),
     };
-    Ok(Drape { positions, report })
+    Ok(Drape {
+        positions,
+        arrived,
+        report,
+    })
 }
 
 /// The body between two frames of its motion.

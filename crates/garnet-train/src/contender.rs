@@ -3,9 +3,9 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::DataError;
+use garnet_data::{DataError, Put};
 use garnet_mesh::Point3;
-use garnet_net::{Cost, GarNetConfig, Model, Start};
+use garnet_net::{Aim, Cost, GarNetConfig, Model, Start};
 
 use crate::network_input::predicted;
 use crate::teachers::Teachers;
@@ -33,6 +33,14 @@ pub(crate) struct Draped {
     pub(crate) network: Option<f64>,
     /// Time of settling, in seconds; none if the cloth was left where the network had put it.
     pub(crate) settle: Option<f64>,
+}
+
+/// Where a model puts cloth.
+pub const fn put_of(aim: Aim) -> Put {
+    match aim {
+        Aim::Rest => Put::AtRest,
+        Aim::Arrival => Put::AtArrival,
+    }
 }
 
 impl<'a> Contender<'a> {
@@ -115,6 +123,7 @@ impl<'a> Contender<'a> {
             });
         };
         model.rebind(worn.graph.clone())?;
+        let put = put_of(model.aim());
         let start = Instant::now();
         let warped = staged.warped(self.start)?;
         let warp = start.elapsed().as_secs_f64();
@@ -126,7 +135,7 @@ impl<'a> Contender<'a> {
             let teacher = teachers.of(staged)?;
             let start = Instant::now();
             let skin = staged.posed.skin().positions();
-            match teacher.settled(skin, &positions, *frames, &AtomicBool::new(false)) {
+            match teacher.settled(skin, &positions, put, *frames, &AtomicBool::new(false)) {
                 Ok(settled) => {
                     positions = settled;
                     settle = Some(start.elapsed().as_secs_f64());

@@ -126,6 +126,12 @@ pub enum TrainError {
         /// The split.
         split: Split,
     },
+    /// A scene does not tell where the cloth was when the body came to its last place.
+    #[error("{scene} does not say where the garment was when its body arrived")]
+    NoArrival {
+        /// The scene.
+        scene: SceneName,
+    },
     /// A scene holds another number of vertices than garment or body have.
     #[error("{scene}: {found} {what}, expected {expected}")]
     Count {

@@ -1,13 +1,13 @@
 //! Networks beside the skinning and the warp that they start from, on one split.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use garnet_data::Split;
-use garnet_net::GarNetConfig;
+use garnet_data::{Put, Split};
+use garnet_net::{GarNetConfig, ModelHeader};
 use garnet_untangle::Binding;
 use serde::Serialize;
 
-use crate::contender::Contender;
+use crate::contender::{Contender, put_of};
 use crate::curves::Counts;
 use crate::finish::Finished;
 use crate::measure::Measure;
@@ -33,6 +33,32 @@ pub enum Candidate {
 }
 
 impl Candidate {
+    /// The model of a file of weights as it is, and with its cloth settled for so many frames, or for as long as
+    /// it does by default. What a model puts where it arrives is no drape before it has settled.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Checkpoint`] for files that are none of a model.
+    pub fn of_weights(
+        name: &str,
+        weights: &Path,
+        settle: Option<u32>,
+    ) -> Result<Vec<Self>, TrainError> {
+        let put = put_of(ModelHeader::read(weights)?.aim);
+        let settled = settle.unwrap_or(put.frames());
+        let mut frames = match put {
+            Put::AtRest => vec![0, settled],
+            Put::AtArrival => vec![settled],
+        };
+        frames.dedup();
+        let of = |settle| Self::Model {
+            name: name.to_owned(),
+            weights: weights.to_path_buf(),
+            settle,
+        };
+        Ok(frames.into_iter().map(of).collect())
+    }
+
     /// What a model is called in tables, if it settles for so many frames.
     pub fn settled_name(name: &str, settle: u32) -> String {
         match settle {

@@ -63,6 +63,7 @@ mod trainer;
 mod validate;
 
 pub use config::{Choice, TrainConfig};
+pub use contender::put_of;
 pub use curves::{Curve, Curves};
 pub use error::{SceneName, TrainError, Trouble, TroubleKind};
 pub use evaluate::{Candidate, EvalEvent, Evaluation, Row, StageSeconds, Untangled, evaluate};
@@ -71,7 +72,7 @@ pub use exercise::Exercise;
 pub use finish::{Finish, Left};
 pub use gallery::{Exhibit, exhibit};
 pub use garnet_net::losses::{LossConfig, LossValue, Term};
-pub use garnet_net::{GarNetConfig, PRESET_NAMES, Precision, Variant};
+pub use garnet_net::{Aim, GarNetConfig, PRESET_NAMES, Precision, Variant};
 pub use percentiles::Percentiles;
 pub use pose_space::PoseSpaceConfig;
 pub use publish::{Trained, weights_of};

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use burn::tensor::Device;
-use garnet_data::{GarmentPackage, Manifest, SETTLE_FRAMES, Split, Variant};
-use garnet_net::{Checkpoint, PoseSpace, Precision, TrainedRange};
+use garnet_data::{GarmentPackage, Manifest, Split, Variant};
+use garnet_net::{Checkpoint, ModelHeader, PoseSpace, Precision, TrainedRange};
 
+use crate::contender::put_of;
 use crate::examples::examples;
 use crate::state::State;
 use crate::subject::{Example, Subject};
@@ -28,6 +29,8 @@ pub struct Trained {
     pub epochs_asked: u32,
     /// The scores on the test split, without untangling; none if the split is empty.
     pub test: Option<Scores>,
+    /// Mean distance to the teacher on the test split once the cloth has settled, in metres, if that is known.
+    pub settled_error: Option<f64>,
 }
 
 /// Where the weights of a variant are.
@@ -126,12 +129,14 @@ pub(crate) fn publish(
         stage.package.mesh.num_vertices(),
         subject.sampling.used().len(),
     )?;
+    let settled = test.and_then(|_| settled_error(stage, &weights));
     manifest.add(Variant {
         name: progress.name.clone(),
         weights: file,
         default: false,
         distance_error: test.map(|test| test.distance),
-        settled_error: test.and_then(|_| settled_error(stage, &weights)),
+        settled_error: settled.map(|settled| settled.error),
+        settle_frames: settled.map(|settled| settled.frames),
         flop: Some(cost.flops as f64),
     });
     GarmentPackage::write_manifest(folder, &manifest)?;
@@ -142,16 +147,28 @@ pub(crate) fn publish(
         epochs_asked: progress.config.epochs,
         best,
         test,
+        settled_error: settled.map(|settled| settled.error),
     })
 }
 
-/// Mean distance to the teacher on the test split once the cloth has settled, in metres; none of garments
-/// that cannot be simulated, and none if it cannot be measured: the weights are worth publishing without it.
-pub(crate) fn settled_error(stage: &Stage, weights: &Path) -> Option<f64> {
+/// What settling comes to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Settled {
+    /// Mean distance to the teacher on the test split, in metres.
+    pub(crate) error: f64,
+    /// For how many frames the cloth settles.
+    pub(crate) frames: u32,
+}
+
+/// How far from the teacher cloth is once it has settled where weights put it; none of garments that cannot be
+/// simulated, and none if it cannot be measured: the weights are worth publishing without it.
+pub(crate) fn settled_error(stage: &Stage, weights: &Path) -> Option<Settled> {
+    let aim = ModelHeader::read(weights).ok()?.aim;
+    let frames = put_of(aim).frames();
     let candidate = Candidate::Model {
         name: String::new(),
         weights: weights.to_path_buf(),
-        settle: SETTLE_FRAMES,
+        settle: frames,
     };
     let found = evaluate(stage, Split::Test, &[candidate], Finish::None, &mut |_| {});
     let found = found.ok()?;
@@ -159,7 +176,10 @@ pub(crate) fn settled_error(stage: &Stage, weights: &Path) -> Option<f64> {
         .rows
         .first()
         .filter(|row| row.unsettled < found.scenes);
-    row.map(|row| row.scores.distance)
+    row.map(|row| Settled {
+        error: row.scores.distance,
+        frames,
+    })
 }
 
 /// Scores under the names that weight files keep them by.

@@ -1,7 +1,7 @@
 //! What the names of the paper's variants stand for.
 
 use garnet_net::losses::LossConfig;
-use garnet_net::{POSE_SPACE, Variant};
+use garnet_net::{ARRIVAL, Aim, POSE_SPACE, Variant};
 
 use crate::{Choice, TrainConfig, TrainError};
 
@@ -37,7 +37,7 @@ pub struct Recipe {
 impl Recipe {
     /// Reads a name: `naive`, `global`, `local` or `global-params` start anew; `<variant>-rq`,
     /// `-mc`, `-mcrq` and `-umc` fine-tune `<variant>` with curvature losses (*Gundogdu et al.
-    /// 2020, section 3.4*); `pose-space` is a pose-space deformation; any other name stands for itself.
+    /// 2020, section 3.4*); `pose-space` and `arrival` are pose-space deformations; any other name stands for itself.
     ///
     /// # Errors
     ///
@@ -61,9 +61,13 @@ impl Recipe {
         })
     }
 
-    /// Whether it is no network but the pose-space deformation, which has one name alone.
-    pub fn is_pose_space(&self) -> bool {
-        self.name == POSE_SPACE
+    /// What a pose-space deformation of this name tells; none if the name is that of a network.
+    pub fn pose_space(&self) -> Option<Aim> {
+        match self.name.as_str() {
+            POSE_SPACE => Some(Aim::Rest),
+            ARRIVAL => Some(Aim::Arrival),
+            _ => None,
+        }
     }
 
     /// Puts what the name asks for into a configuration.
@@ -92,6 +96,9 @@ mod tests {
         let tuned = Recipe::of_name("local-mcrq").unwrap();
         let expected = ("local".to_owned(), LossConfig::fine_tune_mcrq());
         assert_eq!((tuned.kind, tuned.fine_tuned), (None, Some(expected)));
+        let aim = |name| Recipe::of_name(name).unwrap().pose_space();
+        let aims = [POSE_SPACE, ARRIVAL, "local"].map(aim);
+        assert_eq!(aims, [Some(Aim::Rest), Some(Aim::Arrival), None]);
         let own = Recipe::of_name("my_shirt.2").unwrap();
         assert_eq!((own.kind, own.fine_tuned), (None, None));
         for name in ["", "../x", "a b", ".hidden"] {

@@ -62,6 +62,8 @@ pub struct StagedScene {
     pub posed: PosedBody,
     /// What the teacher made of it `[vertex]`, in metres.
     pub draped: Vec<Point3>,
+    /// Where the garment was when the body came to its last place `[vertex]`, in metres, if the data set has it.
+    pub arrived: Option<Vec<Point3>>,
     /// The body of the data set at rest and its pose; none of those made elsewhere.
     pub own: Option<(Arc<Body>, Pose)>,
 }
@@ -330,6 +332,9 @@ impl Dressed {
     fn staged(&self, scene: &SceneRecord, name: SceneName) -> Result<StagedScene, TrainError> {
         let expected = self.worn.garment.mesh().num_vertices();
         check("garment vertices", &scene.garment, expected, name)?;
+        if let Some(arrived) = &scene.arrived {
+            check("vertices of the arrived garment", arrived, expected, name)?;
+        }
         let posed = self.posed(scene, name).map_err(|source| match source {
             TrainError::Count { .. } | TrainError::NotFinite { .. } => source,
             source => TrainError::Scene {
@@ -343,6 +348,7 @@ impl Dressed {
             worn: Arc::clone(&self.worn),
             posed,
             draped: scene.garment.clone(),
+            arrived: scene.arrived.clone(),
             own: match (&self.own, &scene.posed) {
                 (Some(own), Posed::Pose(pose)) => Some((Arc::clone(own), pose.clone())),
                 _ => None,

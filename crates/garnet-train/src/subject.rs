@@ -4,7 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use garnet_mesh::{Point3, TriMesh};
 use garnet_net::losses::{LossBody, LossConfig, LossTarget, Losses};
-use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, SceneNeighbors};
+use garnet_net::{
+    Aim, BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, SceneNeighbors,
+};
 use garnet_skin::{Body, WarpedGarment};
 
 use crate::network_input::input_of;
@@ -17,6 +19,8 @@ pub(crate) struct Subject {
     pub(crate) config: GarNetConfig,
     pub(crate) sampling: BodySampling,
     pub(crate) losses: Losses,
+    /// What the examples show.
+    pub(crate) aim: Aim,
     body_faces: Vec<[u32; 3]>,
 }
 
@@ -33,6 +37,7 @@ pub(crate) struct Example {
     pub(crate) body: Vec<Point3>,
     /// Of shape and pose, whether the network asks for them or not.
     pub(crate) parameters: Vec<f32>,
+    /// What a model is to tell `[vertex]`, in metres.
     pub(crate) draped: Vec<Point3>,
     /// Found when the scene is first prepared: the search takes longer than all other preparation.
     pub(crate) neighbors: OnceLock<Option<SceneNeighbors>>,
@@ -74,6 +79,7 @@ impl Subject {
         Ok(Self {
             sampling: BodySampling::for_garment(rest, template, &config)?,
             losses: Losses::new(garment, loss)?,
+            aim: Aim::Rest,
             body_faces: body.faces().to_vec(),
             config,
         })
@@ -94,7 +100,13 @@ impl Subject {
             warped: staged.warped(self.config.start)?,
             body: staged.posed.skin().positions().to_vec(),
             parameters: worn.body.pose_and_shape(&staged.posed),
-            draped: staged.draped.clone(),
+            draped: match self.aim {
+                Aim::Rest => staged.draped.clone(),
+                Aim::Arrival => {
+                    let arrived = staged.arrived.clone();
+                    arrived.ok_or(TrainError::NoArrival { scene: staged.name })?
+                }
+            },
             neighbors: OnceLock::new(),
         })
     }

@@ -81,8 +81,8 @@ pub fn train(
     check_begin(job, &folder)?;
     let package = GarmentPackage::read(&job.package)?;
     let stage = Stage::new(package, Dataset::open(&job.dataset)?)?;
-    if job.recipe.is_pose_space() {
-        return pose_space::fit(job, &stage, observer, stop);
+    if let Some(aim) = job.recipe.pose_space() {
+        return pose_space::fit(job, aim, &stage, observer, stop);
     }
     let device = Device::flex().autodiff();
     let data = stage.dataset.manifest.fingerprint();

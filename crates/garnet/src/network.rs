@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Model, SceneInput, Start};
+use garnet_net::{Aim, BodySampling, GarNetConfig, GarmentGraph, Model, SceneInput, Start};
 use garnet_skin::{Body, PosedBody, Warp, WarpedGarment};
 
 use crate::unfamiliar::{moving_joints, torn, unfamiliar};
@@ -53,6 +53,12 @@ impl Network {
             body: body.clone(),
             moves: moving_joints(&garment.cloth, body.skeleton().num_joints()),
         })
+    }
+
+    /// What it tells: where the cloth rests, or, as [`Aim::Arrival`], where it is when the body comes to its last
+    /// place. The latter has to settle yet, by [`Teacher::settled`](crate::data::Teacher::settled).
+    pub fn aim(&self) -> Aim {
+        self.model.aim()
     }
 
     /// A network of a named size with random weights: it leaves the warp as it is, but takes as long

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use garnet::{
     Draper,
-    data::{GarmentPackage, Variant},
+    data::{GarmentPackage, Put, Variant},
 };
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ use super::{
     args::{Job, Limit, NetworkChoice, Source},
     drape_timed,
     learned::{Found, Learned},
-    settled::Settler,
+    settled::{Settler, Settling},
 };
 use crate::{console::Console, failure::refused};
 
@@ -46,6 +46,9 @@ struct CandidateReport {
     variant: String,
     /// Whether the cloth settles by simulation where the network has put it.
     settles: bool,
+    /// For how many frames of a sixtieth of a second, if it does.
+    #[serde(skip)]
+    settle_frames: u32,
     /// Mean distance to the teacher on the test scenes of its training.
     error_m: Option<f64>,
     flop: Option<f64>,
@@ -58,6 +61,11 @@ impl CandidateReport {
         Self {
             variant: variant.name.clone(),
             settles,
+            settle_frames: match variant.settle_frames {
+                _ if !settles => 0,
+                Some(frames) => frames,
+                None => Put::AtRest.frames(),
+            },
             error_m: if settles {
                 variant.settled_error
             } else {
@@ -101,8 +109,10 @@ pub(super) fn choose(
         Some(frames) => vec![frames > 0],
     };
     let both = variants.iter().flat_map(|variant| {
-        let of = |&settles: &bool| CandidateReport::of(variant, settles);
-        ways.iter().map(of)
+        // What is known settled alone is no drape before.
+        let has_to = variant.distance_error.is_none() && variant.settled_error.is_some();
+        let ways = ways.iter().filter(move |&&settles| settles || !has_to);
+        ways.map(|&settles| CandidateReport::of(variant, settles))
     });
     let mut candidates: Vec<CandidateReport> = both.collect();
     match limit {
@@ -127,7 +137,8 @@ fn by_tolerance(
     tolerance: f64,
 ) -> anyhow::Result<(Found, ChoiceReport)> {
     // Settling costs more than any network.
-    candidates.sort_by(|a, b| a.settles.cmp(&b.settles).then(ascending(a.flop, b.flop)));
+    let frames = |candidate: &CandidateReport| candidate.settle_frames;
+    candidates.sort_by(|a, b| (frames(a).cmp(&frames(b))).then(ascending(a.flop, b.flop)));
     let error = |candidate: &&CandidateReport| candidate.error_m.unwrap_or(f64::INFINITY);
     let within = candidates.iter().find(|found| error(found) <= tolerance);
     let measured = candidates.iter().filter(|found| found.error_m.is_some());
@@ -182,8 +193,9 @@ fn by_budget(
         learned: None,
         settler: None,
     };
+    let of_warp = Settling::of(Put::AtRest);
     // What cannot settle is told of when it is draped.
-    let mut settler = Settler::find(bound, job, true).ok().flatten();
+    let mut settler = Settler::find(bound, job, of_warp).ok().flatten();
     let mut found = Found::NotAsked;
     let mut is_met = false;
     for candidate in &mut candidates {
@@ -191,7 +203,9 @@ fn by_budget(
         if let Found::Network(learned) = Learned::find(bound, &named, &job.source)? {
             way.learned = Some(*learned);
         }
-        way.settler = settler.take_if(|_| candidate.settles);
+        let settling = (way.learned.as_ref()).map_or(of_warp, Learned::settling);
+        let taken = settler.take_if(|_| candidate.settles);
+        way.settler = taken.map(|settler| settler.of(settling, job));
         let seconds = seconds_of(bound, &mut way, console)?;
         settler = settler.or(way.settler.take());
         candidate.seconds = Some(seconds);

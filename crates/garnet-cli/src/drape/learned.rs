@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use garnet::{
     BoundGarment, Draper, Moved, Network, PosedBody, Warped,
-    data::{GarmentPackage, Manifest, Variant},
-    train::weights_of,
+    data::{GarmentPackage, Manifest, Put, Variant},
+    train::{put_of, weights_of},
 };
 
 use super::{
     Bound,
     args::{NetworkChoice, Source},
     report::NetworkReport,
+    settled::Settling,
     timing::timed,
 };
 use crate::failure::{Hint, refused};
@@ -25,7 +26,8 @@ pub(super) struct Learned {
     network: Network,
     name: String,
     weights: PathBuf,
-    gains_by_settling: bool,
+    settling: Settling,
+    settles: bool,
 }
 
 /// Whether a network drapes.
@@ -74,10 +76,17 @@ impl Learned {
         })?;
         let network = Self::load(bound, &manifest, &weights);
         let network = network.with_context(|| format!("cannot use the network `{name}`"))?;
+        let put = put_of(network.aim());
         let variant = manifest.variant(&name);
+        let frames = variant.and_then(|variant| variant.settle_frames);
+        let gains = variant.is_some_and(Variant::gains_by_settling);
         Ok(Found::Network(Box::new(Self {
             network,
-            gains_by_settling: variant.is_some_and(Variant::gains_by_settling),
+            settles: gains || put == Put::AtArrival,
+            settling: Settling {
+                put,
+                frames: frames.unwrap_or(put.frames()),
+            },
             name,
             weights,
         })))
@@ -101,9 +110,14 @@ impl Learned {
         &self.name
     }
 
-    /// Whether its drapes come nearer to the teacher when they settle.
-    pub(super) fn gains_by_settling(&self) -> bool {
-        self.gains_by_settling
+    /// How its drapes settle, if they do.
+    pub(super) fn settling(&self) -> Settling {
+        self.settling
+    }
+
+    /// Whether its drapes come nearer to the teacher when they settle, or are none before.
+    pub(super) fn settles(&self) -> bool {
+        self.settles
     }
 
     pub(super) fn report(&self) -> NetworkReport {

@@ -21,7 +21,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use garnet::{
     Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, Point3, PosedBody, Refit, TriMesh,
-    Warp, data::SceneReport, edge_stretch, io,
+    Warp,
+    data::{Put, SceneReport},
+    edge_stretch, io,
 };
 
 pub(crate) use args::DrapeArgs;
@@ -36,7 +38,7 @@ use report::{
 };
 pub(crate) use rest_body::rest_body_of;
 pub(crate) use rest_mesh::{Frames, RestMesh};
-use settled::Settler;
+use settled::{Settler, Settling};
 use simulated::Teaching;
 use timing::timed;
 use warning::{Problem, Warning};
@@ -87,11 +89,16 @@ pub(crate) fn do_job(
                 &"note: the package has no trained network: the garment is warped and untangled",
             ),
         }
-        let gains = match (&bound.choice, &bound.learned) {
+        let settles = match (&bound.choice, &bound.learned) {
             (Some(choice), _) => choice.settles(),
-            (None, learned) => learned.as_ref().is_some_and(Learned::gains_by_settling),
+            (None, learned) => learned.as_ref().is_some_and(Learned::settles),
         };
-        match Settler::find(&bound, &job, gains) {
+        let of_warp = Settling::of(Put::AtRest);
+        let mut settling = (bound.learned.as_ref()).map_or(of_warp, Learned::settling);
+        if !settles {
+            settling.frames = 0;
+        }
+        match Settler::find(&bound, &job, settling) {
             Ok(settler) => bound.settler = settler,
             Err(error) if job.settle.is_some() => return Err(error),
             Err(error) => bound.warnings.push(Warning {

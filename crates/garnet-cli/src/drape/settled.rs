@@ -5,41 +5,62 @@ use std::sync::atomic::AtomicBool;
 use anyhow::Context;
 use garnet::{
     PosedBody, Warped,
-    data::{SETTLE_FRAMES, Teacher},
+    data::{Put, Teacher},
 };
 
-use super::{
-    Bound,
-    args::{Job, Source},
-    simulated::teacher_of,
-    timing::timed,
-};
+use super::{Bound, args::Job, simulated::teacher_of, timing::timed};
+
+/// How cloth settles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Settling {
+    /// Where it was put.
+    pub(super) put: Put,
+    /// For how many frames of a sixtieth of a second.
+    pub(super) frames: u32,
+}
+
+impl Settling {
+    /// For as long as cloth does by default that was put so.
+    pub(super) const fn of(put: Put) -> Self {
+        Self {
+            put,
+            frames: put.frames(),
+        }
+    }
+}
 
 /// A garment that settles.
 pub(super) struct Settler {
     teacher: Teacher,
-    frames: u32,
+    settling: Settling,
 }
 
 impl Settler {
-    /// For as long as was asked for, or else for as long as garments do that gain by it; none if for no
-    /// time.
-    pub(super) fn find(bound: &Bound, job: &Job, gains: bool) -> anyhow::Result<Option<Self>> {
-        let frames = job.settle.unwrap_or(if gains { SETTLE_FRAMES } else { 0 });
-        if frames == 0 {
+    /// Cloth that settles as is said, or for as long as was asked for; none if for no time.
+    pub(super) fn find(
+        bound: &Bound,
+        job: &Job,
+        settling: Settling,
+    ) -> anyhow::Result<Option<Self>> {
+        if job.settle.unwrap_or(settling.frames) == 0 {
             return Ok(None);
         }
-        Self::new(bound, &job.source, frames).map(Some)
+        let (teacher, _) = teacher_of(bound, None, &job.source)?;
+        Ok(Some(Self { teacher, settling }.of(settling, job)))
     }
 
-    fn new(bound: &Bound, source: &Source, frames: u32) -> anyhow::Result<Self> {
-        let (teacher, _) = teacher_of(bound, None, source)?;
-        Ok(Self { teacher, frames })
+    /// The same cloth where it settles as is said, or for as long as was asked for.
+    pub(super) fn of(self, settling: Settling, job: &Job) -> Self {
+        let frames = job.settle.unwrap_or(settling.frames);
+        Self {
+            settling: Settling { frames, ..settling },
+            ..self
+        }
     }
 
     /// For how many frames of a sixtieth of a second.
     pub(super) fn frames(&self) -> u32 {
-        self.frames
+        self.settling.frames
     }
 
     /// The garment settled, and how long that took, in seconds.
@@ -52,8 +73,9 @@ impl Settler {
         let from = put.positions(&bound.garment);
         let skin = posed.skin().positions();
         let stop = AtomicBool::new(false);
+        let Settling { put, frames } = self.settling;
         let (settled, seconds) = timed(|| {
-            let settled = self.teacher.settled(skin, &from, self.frames, &stop);
+            let settled = self.teacher.settled(skin, &from, put, frames, &stop);
             settled.context("the cloth does not settle")
         });
         Ok((Warped::at(&bound.garment, &settled?), seconds))

@@ -79,6 +79,11 @@ fn advice(error: &TrainError) -> Option<String> {
         TrainError::OtherStart { .. } => {
             "train that network anew before it is fine-tuned".to_owned()
         }
+        TrainError::NoArrival { .. } => {
+            "make the data set anew: those of earlier versions and imported ones have drapes alone; or fit \
+             `--variant pose-space`"
+                .to_owned()
+        }
         TrainError::NoStart { .. } => {
             "fit it first: `garnet train PACKAGE DATASET --variant pose-space`".to_owned()
         }

@@ -21,6 +21,8 @@ pub(crate) struct TrainReport {
     valid_at_start: Option<Scores>,
     valid: Scores,
     test: Option<Scores>,
+    /// Mean distance to the teacher on the test split once the cloth has settled.
+    settled_error_m: Option<f64>,
     seconds: f64,
 }
 
@@ -42,6 +44,7 @@ impl TrainReport {
             valid_at_start: start.map(|start| start.valid),
             valid: trained.best.valid,
             test: trained.test,
+            settled_error_m: trained.settled_error,
             seconds: time.as_secs_f64(),
         }
     }
@@ -73,6 +76,9 @@ impl fmt::Display for TrainReport {
         }
         if let Some(test) = &self.test {
             write!(formatter, "\n  test {}", figures(test))?;
+        }
+        if let Some(error) = self.settled_error_m {
+            write!(formatter, "; settled {:.2} mm", 1e3 * error)?;
         }
         write!(formatter, "\nwrote {}", self.weights)?;
         if self.epochs == 0 {

@@ -192,6 +192,7 @@ impl Dressed {
             sequence: sound.sequence.to_owned(),
             posed: Posed::Pose(sound.pose),
             garment: drape.positions,
+            arrived: Some(drape.arrived),
             report: Some(report),
         }))
     }

@@ -261,6 +261,7 @@ impl Reader<'_> {
             sequence: scene.sequence.clone(),
             posed: Posed::Mesh(self.points(&scene.body_mesh, num_body, "rest body")?),
             garment: self.points(&scene.garment_mesh, num_garment, "template")?,
+            arrived: None,
             report: None,
         })
     }

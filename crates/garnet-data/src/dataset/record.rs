@@ -111,6 +111,9 @@ pub struct SceneRecord {
     pub posed: Posed,
     /// Positions of the draped garment `[vertex]`, in metres.
     pub garment: Vec<Point3>,
+    /// Positions of the garment when the body came to its last place, before it settled `[vertex]`, in metres;
+    /// none for drapes made elsewhere or by earlier versions.
+    pub arrived: Option<Vec<Point3>>,
     /// What the simulation measured; none for drapes made elsewhere.
     pub report: Option<SceneReport>,
 }

@@ -20,6 +20,7 @@ const SCHEMA: &str = "garnet.shard/1";
 /// | name | shape | what |
 /// |---|---|---|
 /// | `garment` | `[n, V, 3]` | draped garment, metres |
+/// | `arrived` | `[n, V, 3]` | the garment when the body came to its last place, metres |
 /// | `rotations` | `[n, J, 4]` | local rotation of each joint, x y z w |
 /// | `root_translation` | `[n, 3]` | shift of the root, metres |
 /// | `worn` | `[b, V, 3]` | the garment cut for each body, on the body at rest, metres |
@@ -120,6 +121,12 @@ impl Shard {
         if let Some(first) = self.scenes.first() {
             let garments = self.scenes.iter().map(|scene| scene.garment.as_slice());
             arrays.push(("garment", Array::of_points(garments, first.garment.len())));
+            // Of all scenes or of none: an earlier version may have made some of a set.
+            let arrived = self.scenes.iter().map(|scene| scene.arrived.as_deref());
+            if let Some(arrived) = arrived.collect::<Option<Vec<_>>>() {
+                let arrived = Array::of_points(arrived.into_iter(), first.garment.len());
+                arrays.push(("arrived", arrived));
+            }
         }
         let poses: Vec<&Pose> = self.scenes.iter().filter_map(SceneRecord::pose).collect();
         if let Some(first) = poses.first() {
@@ -196,6 +203,7 @@ impl Reading<'_> {
     fn shard(&self, text: Text) -> Result<Shard, DataError> {
         let num_scenes = text.scenes.len();
         let garments = self.array("garment", num_scenes, 3)?;
+        let arrived = self.array("arrived", num_scenes, 3)?;
         let rotations = self.array("rotations", num_scenes, 4)?;
         let shifts = self.array("root_translation", num_scenes, 3)?;
         let meshes = self.array("body", num_scenes, 3)?;
@@ -218,6 +226,7 @@ impl Reading<'_> {
                 sequence: scene.sequence,
                 posed,
                 garment: garment.points(row),
+                arrived: arrived.as_ref().map(|arrived| arrived.points(row)),
                 report: scene.report,
             });
         }

@@ -144,9 +144,12 @@ pub struct Variant {
     /// Mean distance to the teacher on the test split, in metres (paper, Eq. 17).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance_error: Option<f64>,
-    /// The same after the cloth has settled for [`crate::SETTLE_FRAMES`] where the variant has put it.
+    /// The same after the cloth has settled where the variant has put it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settled_error: Option<f64>,
+    /// For how many frames of a sixtieth of a second that was; by default [`Put::frames`](crate::Put::frames).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settle_frames: Option<u32>,
     /// Floating-point operations of one forward pass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flop: Option<f64>,
@@ -155,7 +158,7 @@ pub struct Variant {
 impl Variant {
     /// Whether its drapes are known to come nearer to the teacher when they settle.
     pub fn gains_by_settling(&self) -> bool {
-        let errors = self.settled_error.zip(self.distance_error);
-        errors.is_some_and(|(settled, left)| settled < left)
+        let left = self.distance_error.unwrap_or(f64::INFINITY);
+        self.settled_error.is_some_and(|settled| settled < left)
     }
 }

@@ -8,7 +8,7 @@ use safetensors::SafeTensors;
 use safetensors::tensor::TensorView;
 use serde::{Deserialize, Serialize};
 
-use super::{Mirror, PoseSpace, PoseSpaceParts};
+use super::{Aim, Mirror, PoseSpace, PoseSpaceParts};
 use crate::weight_file::{self, Header, not_safetensors};
 use crate::{CheckpointError, Precision, TrainedRange, UNIT};
 
@@ -28,6 +28,9 @@ pub struct PoseSpaceHeader {
     pub checksum: String,
     /// The poses and shapes that it was fitted to.
     pub range: TrainedRange,
+    /// What it tells.
+    #[serde(default, skip_serializing_if = "Aim::is_rest")]
+    pub aim: Aim,
     /// See [`PoseSpace::ridge`].
     pub ridge: f64,
     /// How it was fitted.
@@ -116,6 +119,7 @@ impl PoseSpace {
             unit: UNIT,
             checksum: String::new(),
             range: self.range.clone(),
+            aim: self.aim,
             ridge: self.ridge,
             record: self.record.clone(),
             scores: self.scores.clone(),
@@ -177,6 +181,7 @@ impl PoseSpace {
             source,
         })?;
         Ok(Self {
+            aim: header.aim,
             record: header.record,
             scores: header.scores,
             checksum: header.checksum,
@@ -209,6 +214,7 @@ mod tests {
         space.scores.insert("test.distance_m".to_owned(), 0.01);
         space.save(&path, Precision::F16).unwrap();
         assert_eq!(PoseSpace::load(&path).unwrap(), space);
+        space.aim = Aim::Arrival;
         space.parts.mirror = Some(Mirror {
             numbers: vec![(0, -1.0), (1, 1.0)],
             parity: vec![-1.0],

@@ -23,11 +23,34 @@ use std::collections::BTreeMap;
 use garnet_mesh::{Fingerprint, Point3, Vector3};
 use nalgebra::UnitQuaternion;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::{Cost, NetError, TrainedRange};
 
 /// The name of the variant and of its file that networks start from.
 pub const POSE_SPACE: &str = "pose-space";
+
+/// The name of the pose-space deformation that tells where cloth is when its body arrives.
+pub const ARRIVAL: &str = "arrival";
+
+/// What a model tells of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Aim {
+    /// Where the cloth is once it rests.
+    #[default]
+    Rest,
+    /// Where it is when the body comes to its last place; it has to settle yet. Until then the cloth
+    /// follows the body, which is easier to tell than the folds that it falls into.
+    Arrival,
+}
+
+impl Aim {
+    /// Whether it is the default.
+    pub fn is_rest(&self) -> bool {
+        *self == Self::Rest
+    }
+}
 
 /// Vertices that are moved together.
 const CHUNK: usize = 512;
@@ -39,6 +62,8 @@ pub struct PoseSpace {
     pub garment: Fingerprint,
     /// The poses and shapes that it was fitted to.
     pub range: TrainedRange,
+    /// What it tells.
+    pub aim: Aim,
     /// Added to the diagonal of the covariances in the fit: the variance of what poses and shapes do not
     /// tell, over that of what they tell.
     pub ridge: f64,
@@ -141,6 +166,7 @@ impl PoseSpace {
         Ok(Self {
             garment,
             range,
+            aim: Aim::default(),
             ridge,
             record: serde_json::Value::Null,
             scores: BTreeMap::new(),

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::{BodyPath, Quality, Rung, SETTLE_FRAMES, Split};
+use garnet_data::{BodyPath, Put, Quality, Rung, Split};
 use garnet_mesh::Point3;
 use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Model, ModelHeader};
 use garnet_skin::{PosedBody, Warp, WarpedGarment};
@@ -41,7 +41,7 @@ pub struct CostAt {
     pub networks: Vec<(String, f64)>,
     /// Untangling of the warp.
     pub untangle: f64,
-    /// Settling of the warp for [`SETTLE_FRAMES`]; none of garments that come apart on all bodies.
+    /// Settling of the warp for [`Put::frames`]; none of garments that come apart on all bodies.
     #[serde(default)]
     pub settle: Option<f64>,
     /// The simulation in the quality of a teacher; none where it would take too long or fails.
@@ -170,6 +170,7 @@ fn drape(
 /// Median time of settling the warp on the bodies where it can; a warp may tear fine cloth beyond that.
 fn settled(rung: &Rung, bodies: &[PosedBody], repeats: usize) -> Result<Option<f64>, TrainError> {
     let stop = AtomicBool::new(false);
+    let put = Put::AtRest;
     let mut times = Vec::new();
     for body in bodies {
         let warped = rung.garment.warped(body, Warp::Shape)?;
@@ -177,7 +178,7 @@ fn settled(rung: &Rung, bodies: &[PosedBody], repeats: usize) -> Result<Option<f
         for _ in 0..repeats.max(1) {
             let start = Instant::now();
             let skin = body.skin().positions();
-            let settled = rung.teacher.settled(skin, &from, SETTLE_FRAMES, &stop);
+            let settled = rung.teacher.settled(skin, &from, put, put.frames(), &stop);
             if settled.is_err() {
                 break;
             }

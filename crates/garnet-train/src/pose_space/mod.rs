@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_data::{GarmentPackage, Split, Variant};
 use garnet_net::pose_space::PoseSpaceParts;
-use garnet_net::{POSE_SPACE, PoseSpace, Precision, Start, TrainedRange};
+use garnet_net::{Aim, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
 
 use crate::examples::examples;
@@ -62,20 +62,25 @@ impl Default for PoseSpaceConfig {
     }
 }
 
-/// Fits the pose-space deformation of a package and adds it to the package.
+/// Fits a pose-space deformation and adds it to its package. Its scores are those of what it tells.
 pub(crate) fn fit(
     job: &TrainJob,
+    aim: Aim,
     stage: &Stage,
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
 ) -> Result<Trained, TrainError> {
+    let name = &job.recipe.name;
     let mut network = job.config.network_config()?;
     network.start = Start::Shape;
-    let subject = Subject::new(stage, network, &job.config.loss)?;
+    let mut subject = Subject::new(stage, network, &job.config.loss)?;
+    subject.aim = aim;
     let train = examples(stage, &subject, Split::Train, None, observer)?;
     let mut space = fitted(&job.config, stage, &train, observer, stop)?;
+    space.aim = aim;
     space.record = record(job, stage, &space, train.len());
-    let path = job.package.join(format!("{POSE_SPACE}.safetensors"));
+    let file = format!("{name}.safetensors");
+    let path = job.package.join(&file);
     // What is measured are the numbers that the file will have.
     let bytes = space.to_bytes(&path, job.config.precision)?;
     let rounded = PoseSpace::from_bytes(&path, &bytes)?;
@@ -98,23 +103,27 @@ pub(crate) fn fit(
     space.save(&path, job.config.precision)?;
 
     let mut manifest = GarmentPackage::read_manifest(&job.package)?;
+    let settled = scores(&test).and_then(|_| settled_error(stage, &path));
     manifest.add(Variant {
-        name: POSE_SPACE.to_owned(),
-        weights: format!("{POSE_SPACE}.safetensors"),
+        name: name.clone(),
+        weights: file,
         default: false,
-        distance_error: scores(&test).map(|test| test.distance),
-        settled_error: scores(&test).and_then(|_| settled_error(stage, &path)),
+        // Where cloth arrives is no drape.
+        distance_error: (aim.is_rest().then(|| scores(&test)).flatten()).map(|test| test.distance),
+        settled_error: settled.map(|settled| settled.error),
+        settle_frames: settled.map(|settled| settled.frames),
         flop: Some(space.cost().flops as f64),
     });
     GarmentPackage::write_manifest(&job.package, &manifest)?;
     let test = scores(&test);
     Ok(Trained {
-        name: POSE_SPACE.to_owned(),
+        name: name.clone(),
         weights: path,
         best: best(valid),
         epochs: 0,
         epochs_asked: 0,
         test,
+        settled_error: settled.map(|settled| settled.error),
     })
 }
 
@@ -134,7 +143,7 @@ fn best(valid: Option<Validation>) -> EpochRecord {
 
 fn record(job: &TrainJob, stage: &Stage, space: &PoseSpace, num_train: usize) -> serde_json::Value {
     serde_json::json!({
-        "variant": POSE_SPACE,
+        "variant": job.recipe.name,
         "dataset": stage.dataset.manifest.fingerprint().to_string(),
         "scenes": num_train,
         "config": job.config.pose_space,

@@ -199,6 +199,7 @@ fn scene(package: &GarmentPackage, number: u32) -> SceneRecord {
         sequence: "bend".to_owned(),
         posed: Posed::Pose(pose),
         garment: rippled.collect(),
+        arrived: None,
         report: None,
     }
 }

@@ -1,12 +1,81 @@
 //! Pose-space deformations, and networks that start from them.
 
-use garnet_data::{Dataset, GarmentPackage, Split};
-use garnet_net::{POSE_SPACE, PoseSpace};
+use garnet_data::{Dataset, GarmentPackage, Put, Split};
+use garnet_mesh::Vector3;
+use garnet_net::{ARRIVAL, Aim, POSE_SPACE, PoseSpace};
 use garnet_train::{
     Candidate, Finish, Precision, Stage, TrainConfig, TrainError, TrainEvent, evaluate, train,
 };
 
 use crate::invented::{Invented, run, tiny};
+
+/// Tells where the garment arrives: 5 mm below where it rests.
+fn with_arrivals(invented: &Invented) {
+    for split in Split::ALL {
+        let mut shard = invented.read(split);
+        for scene in &mut shard.scenes {
+            let places = scene.garment.iter();
+            scene.arrived = Some(places.map(|place| place - 0.005 * Vector3::y()).collect());
+        }
+        invented.write(&shard);
+    }
+}
+
+#[test]
+fn arrivals_are_learned_where_the_data_set_has_them() {
+    let invented = Invented::new();
+    let job = invented.job(ARRIVAL, TrainConfig::default());
+    let error = run(&job).unwrap_err();
+    assert!(
+        matches!(error, TrainError::NoArrival { scene } if scene.split == Split::Train),
+        "{error}"
+    );
+    assert!(!invented.package().join("arrival.safetensors").exists());
+
+    with_arrivals(&invented);
+    let fitted = run(&job).unwrap();
+    let valid = fitted.best.valid.distance;
+    assert!(valid < 2e-4, "{valid}");
+    assert_eq!(PoseSpace::load(&fitted.weights).unwrap().aim, Aim::Arrival);
+    let manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
+    let variant = manifest.variant(ARRIVAL).unwrap();
+    assert_eq!(variant.distance_error, None);
+    // The sleeve is no garment of the teacher: it is known whether it settles, not where.
+    assert_eq!(variant.settled_error, fitted.settled_error);
+
+    // The same data tell the rest.
+    let rest = run(&invented.job(POSE_SPACE, TrainConfig::default())).unwrap();
+    let [arrives, rests] = [&fitted.weights, &rest.weights].map(|weights| {
+        let candidates = Candidate::of_weights("it", weights, Some(0)).unwrap();
+        let stage = stage(&invented);
+        let found = evaluate(&stage, Split::Test, &candidates, Finish::None, &mut |_| {});
+        found.unwrap().rows[0].scores.distance
+    });
+    assert!((arrives - 0.005).abs() < 3e-4, "{arrives}");
+    assert!(rests < 3e-4, "{rests}");
+}
+
+#[test]
+fn what_arrives_is_measured_settled_alone() {
+    let invented = Invented::new();
+    with_arrivals(&invented);
+    let settles = |name: &str, asked: Option<u32>| -> Vec<u32> {
+        let weights = run(&invented.job(name, TrainConfig::default()))
+            .unwrap()
+            .weights;
+        let candidates = Candidate::of_weights(name, &weights, asked).unwrap();
+        let settle = |candidate: &Candidate| match candidate {
+            Candidate::Model { settle, .. } => *settle,
+            Candidate::Skinning | Candidate::Warp => 0,
+        };
+        candidates.iter().map(settle).collect()
+    };
+    let [at_rest, at_arrival] = [Put::AtRest, Put::AtArrival].map(Put::frames);
+    assert_eq!(settles(POSE_SPACE, None), [0, at_rest]);
+    assert_eq!(settles(POSE_SPACE, Some(0)), [0]);
+    assert_eq!(settles(ARRIVAL, None), [at_arrival]);
+    assert_eq!(settles(ARRIVAL, Some(12)), [12]);
+}
 
 /// A tiny network that starts from the deformation.
 fn started(epochs: u32) -> TrainConfig {
