@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::NetError;
+use crate::{ARRIVAL, Aim, NetError, POSE_SPACE};
 
 /// The length unit of the network and its losses, in metres.
 ///
@@ -52,6 +52,27 @@ pub enum Start {
     Shape,
     /// As [`Start::Shape`], moved by the pose-space deformation of the garment; not in the paper.
     PoseSpace,
+    /// As [`Start::Shape`], moved by the deformation that tells where the garment arrives; not in the paper.
+    Arrival,
+}
+
+impl Start {
+    /// The pose-space deformation that moves the garment, if one does.
+    pub const fn deformation(self) -> Option<&'static str> {
+        match self {
+            Self::DualQuaternion | Self::Shape => None,
+            Self::PoseSpace => Some(POSE_SPACE),
+            Self::Arrival => Some(ARRIVAL),
+        }
+    }
+
+    /// What a network tells that starts so.
+    pub const fn aim(self) -> Aim {
+        match self {
+            Self::DualQuaternion | Self::Shape | Self::PoseSpace => Aim::Rest,
+            Self::Arrival => Aim::Arrival,
+        }
+    }
 }
 
 /// What a garment vertex brings along, besides its place, into the first layer.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use burn::tensor::Device;
 use garnet_mesh::Point3;
 
-use crate::pose_space::{Aim, POSE_SPACE, PoseSpaceHeader, SCHEMA};
+use crate::pose_space::{Aim, PoseSpaceHeader, SCHEMA};
 use crate::{
     BodySampling, Checkpoint, CheckpointError, CheckpointHeader, Cost, GarNetConfig, GarmentGraph,
     NetError, PoseSpace, Predictor, SceneInput, Start, TrainedRange, weight_file,
@@ -53,21 +53,20 @@ impl ModelHeader {
             });
         }
         let header = weight_file::parse::<CheckpointHeader>(path, &bytes)?.header;
-        if header.config.start == Start::PoseSpace {
-            files.push(start_beside(path));
-        }
+        let start = header.config.start;
+        files.extend(start.deformation().map(|name| beside(path, name)));
         Ok(Self {
             checksum: header.checksum,
             config: Some(header.config),
-            aim: Aim::Rest,
+            aim: start.aim(),
             files,
         })
     }
 }
 
 /// Where the pose-space deformation is that a network starts from.
-fn start_beside(path: &Path) -> PathBuf {
-    path.with_file_name(format!("{POSE_SPACE}.safetensors"))
+fn beside(path: &Path, name: &str) -> PathBuf {
+    path.with_file_name(format!("{name}.safetensors"))
 }
 
 impl From<Predictor> for Model {
@@ -106,10 +105,9 @@ impl Model {
             });
         }
         let checkpoint = Checkpoint::from_bytes(path, bytes, &Device::flex())?;
-        let pose_space = match checkpoint.model.config().start {
-            Start::PoseSpace => Some(start_of(path, &checkpoint, &garment)?),
-            Start::DualQuaternion | Start::Shape => None,
-        };
+        let start = checkpoint.model.config().start.deformation();
+        let start = start.map(|name| start_of(path, name, &checkpoint, &garment));
+        let pose_space = start.transpose()?;
         let network = Predictor::of_checkpoint(path, checkpoint, garment, template, rest_body)?;
         Ok(Self {
             pose_space,
@@ -133,14 +131,17 @@ impl Model {
 
     /// How the garment has to be brought to the body.
     pub fn start(&self) -> Start {
-        self.config()
-            .map_or(Start::PoseSpace, |config| config.start)
+        let of_space = (self.pose_space.as_ref()).map_or(Aim::Rest, |space| space.aim);
+        match (self.config(), of_space) {
+            (Some(config), _) => config.start,
+            (None, Aim::Rest) => Start::PoseSpace,
+            (None, Aim::Arrival) => Start::Arrival,
+        }
     }
 
-    /// What it tells: networks where the cloth rests.
+    /// What it tells.
     pub fn aim(&self) -> Aim {
-        let alone = (self.pose_space.as_ref()).filter(|_| self.network.is_none());
-        alone.map_or(Aim::Rest, |space| space.aim)
+        self.start().aim()
     }
 
     /// What the network is made of, if there is one.
@@ -226,10 +227,11 @@ impl Model {
 /// The pose-space deformation that a network starts from.
 fn start_of(
     path: &Path,
+    name: &str,
     checkpoint: &Checkpoint,
     garment: &GarmentGraph,
 ) -> Result<PoseSpace, CheckpointError> {
-    let start = start_beside(path);
+    let start = beside(path, name);
     let space = fitting(&start, PoseSpace::load(&start)?, garment)?;
     let expected = checkpoint.pose_space.as_deref().unwrap_or("none");
     if space.checksum() == expected {

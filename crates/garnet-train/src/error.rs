@@ -97,6 +97,8 @@ pub enum TrainError {
     NoStart {
         /// Where it would be.
         path: PathBuf,
+        /// The variant that it is.
+        name: &'static str,
     },
     /// A network that is fine-tuned was trained on another pose-space deformation.
     #[error("`{base}` was trained on another pose-space deformation than the package has")]

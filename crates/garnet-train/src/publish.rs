@@ -134,7 +134,10 @@ pub(crate) fn publish(
         name: progress.name.clone(),
         weights: file,
         default: false,
-        distance_error: test.map(|test| test.distance),
+        // Where cloth arrives is no drape.
+        distance_error: test
+            .filter(|_| subject.aim.is_rest())
+            .map(|test| test.distance),
         settled_error: settled.map(|settled| settled.error),
         settle_frames: settled.map(|settled| settled.frames),
         flop: Some(cost.flops as f64),

@@ -72,7 +72,7 @@ pub struct StagedScene {
 pub const fn warp_of(start: Start) -> Warp {
     match start {
         Start::DualQuaternion => Warp::DualQuaternion,
-        Start::Shape | Start::PoseSpace => Warp::Shape,
+        Start::Shape | Start::PoseSpace | Start::Arrival => Warp::Shape,
     }
 }
 

@@ -79,7 +79,7 @@ impl Subject {
         Ok(Self {
             sampling: BodySampling::for_garment(rest, template, &config)?,
             losses: Losses::new(garment, loss)?,
-            aim: Aim::Rest,
+            aim: config.start.aim(),
             body_faces: body.faces().to_vec(),
             config,
         })

@@ -84,7 +84,7 @@ impl Network {
     pub fn warp(&self) -> Warp {
         match self.model.start() {
             Start::DualQuaternion => Warp::DualQuaternion,
-            Start::Shape | Start::PoseSpace => Warp::Shape,
+            Start::Shape | Start::PoseSpace | Start::Arrival => Warp::Shape,
         }
     }
 

@@ -84,8 +84,8 @@ fn advice(error: &TrainError) -> Option<String> {
              `--variant pose-space`"
                 .to_owned()
         }
-        TrainError::NoStart { .. } => {
-            "fit it first: `garnet train PACKAGE DATASET --variant pose-space`".to_owned()
+        TrainError::NoStart { name, .. } => {
+            format!("fit it first: `garnet train PACKAGE DATASET --variant {name}`")
         }
         TrainError::Diverged { .. } => {
             "train with a smaller `learning_rate`, or bound the steps with `max_gradient`"

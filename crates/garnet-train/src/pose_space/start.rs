@@ -4,7 +4,7 @@ use std::path::Path;
 
 use faer::Mat;
 use garnet_data::Split;
-use garnet_net::{GarNetConfig, POSE_SPACE, PoseSpace, Start};
+use garnet_net::{GarNetConfig, PoseSpace};
 use rayon::prelude::*;
 
 use super::mirror::GarmentMirror;
@@ -24,12 +24,12 @@ pub(crate) fn start_of(
     stage: &Stage,
     network: &GarNetConfig,
 ) -> Result<Option<PoseSpace>, TrainError> {
-    if network.start != Start::PoseSpace {
+    let Some(name) = network.start.deformation() else {
         return Ok(None);
-    }
-    let path = package.join(format!("{POSE_SPACE}.safetensors"));
+    };
+    let path = package.join(format!("{name}.safetensors"));
     if !path.is_file() {
-        return Err(TrainError::NoStart { path });
+        return Err(TrainError::NoStart { path, name });
     }
     let space = PoseSpace::load(&path)?;
     let (expected, found) = (space.garment, stage.template().graph.fingerprint());

@@ -77,6 +77,32 @@ fn what_arrives_is_measured_settled_alone() {
     assert_eq!(settles(ARRIVAL, Some(12)), [12]);
 }
 
+#[test]
+fn a_network_that_starts_where_cloth_arrives_learns_arrivals() {
+    let invented = Invented::new();
+    with_arrivals(&invented);
+    let from_arrival = TrainConfig {
+        network: toml::from_str("start = \"arrival\"").unwrap(),
+        ..tiny(2)
+    };
+    let job = invented.job("mine", from_arrival);
+    let error = run(&job).unwrap_err();
+    assert!(
+        matches!(error, TrainError::NoStart { name: ARRIVAL, .. }),
+        "{error}"
+    );
+    let fitted = run(&invented.job(ARRIVAL, TrainConfig::default())).unwrap();
+    let trained = run(&job).unwrap();
+    let limit = 2.0 * fitted.best.valid.distance;
+    assert!(trained.best.valid.distance < limit, "{limit}");
+    let manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
+    assert_eq!(manifest.variant("mine").unwrap().distance_error, None);
+    let candidates = Candidate::of_weights("mine", &trained.weights, None).unwrap();
+    assert!(
+        matches!(candidates[..], [Candidate::Model { settle, .. }] if settle == Put::AtArrival.frames())
+    );
+}
+
 /// A tiny network that starts from the deformation.
 fn started(epochs: u32) -> TrainConfig {
     TrainConfig {
