@@ -81,6 +81,11 @@ impl<'a> Contender<'a> {
         &self.name
     }
 
+    /// What the network tells; where the cloth rests, of skinning and warp.
+    pub(crate) fn aim(&self) -> Aim {
+        self.model.as_ref().map_or(Aim::Rest, Model::aim)
+    }
+
     /// For how many frames cloth settles.
     pub(crate) fn settle_frames(&self) -> u32 {
         self.settle.as_ref().map_or(0, |(frames, _)| *frames)

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use garnet_data::{Put, Split};
-use garnet_net::{GarNetConfig, ModelHeader};
+use garnet_net::{Aim, GarNetConfig, ModelHeader};
 use garnet_untangle::Binding;
 use serde::Serialize;
 
@@ -101,6 +101,8 @@ pub struct Row {
     pub name: String,
     /// What the network is made of; none for skinning and warp.
     pub config: Option<GarNetConfig>,
+    /// What the network tells.
+    pub aim: Aim,
     /// For how many frames the cloth settles where the network has put it.
     pub settle: u32,
     /// Scenes whose cloth flew apart when it was to settle, and was left where the network had put it.
@@ -215,6 +217,7 @@ impl<'a> Entrant<'a> {
         Row {
             name: self.contender.name().to_owned(),
             config: self.contender.config().cloned(),
+            aim: self.contender.aim(),
             settle: self.contender.settle_frames(),
             unsettled: self.unsettled,
             parameters: cost.map_or(0, |cost| cost.parameters),

@@ -73,7 +73,8 @@ fn judge(report: &EvalReport, args: &EvalArgs, console: &Console) -> ExitStatus 
     let networks = report
         .methods
         .iter()
-        .filter(|method| method.weights.is_some() && method.settle_frames == 0);
+        .filter(|method| method.weights.is_some())
+        .filter(|method| method.settle_frames == 0 || method.has_to_settle);
     let beyond = networks.filter(|method| method.scores.distance > f64::from(limit));
     let Some(worst) = beyond.max_by(|a, b| a.scores.distance.total_cmp(&b.scores.distance)) else {
         return ExitStatus::Done;

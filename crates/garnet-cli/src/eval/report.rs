@@ -3,7 +3,7 @@
 use std::{fmt, time::Duration};
 
 use garnet::train::{
-    Curves, Evaluation, GarNetConfig, Row, Scores, Stage, StageSeconds, Untangled,
+    Aim, Curves, Evaluation, GarNetConfig, Row, Scores, Stage, StageSeconds, Untangled,
 };
 use serde::Serialize;
 
@@ -33,6 +33,8 @@ pub(crate) struct MethodReport {
     pub(crate) name: String,
     /// For how many frames of a sixtieth of a second the cloth settles where the network has put it.
     pub(crate) settle_frames: u32,
+    /// Whether it is a drape only once it has settled.
+    pub(crate) has_to_settle: bool,
     /// Scenes that were left where the network had put them because their cloth flew apart.
     unsettled: usize,
     /// Weights of the network; none of skinning and warp.
@@ -68,10 +70,11 @@ impl EvalReport {
 
 impl From<&Row> for MethodReport {
     fn from(row: &Row) -> Self {
-        let is_network = row.config.is_some();
+        let is_network = row.parameters > 0;
         Self {
             name: row.name.clone(),
             settle_frames: row.settle,
+            has_to_settle: row.aim == Aim::Arrival,
             unsettled: row.unsettled,
             weights: is_network.then_some(row.parameters),
             flop: is_network.then_some(row.flops),
