@@ -19,16 +19,16 @@ use crate::train::advised;
 /// Times skinning, warp and networks.
 pub(super) fn drapes(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
     let mut tasks = Vec::new();
-    let mut names = Vec::new();
+    let mut measured: Vec<&Method> = Vec::new();
     for method in job.methods {
         let Way::Drape(candidate) = &method.way else {
             continue;
         };
-        let known = keeper.record.method(&method.name, method.checksum());
+        let known = keeper.record.method(method.key());
         let missing = job.scenes.drapes.iter().copied();
         let missing: Vec<SceneName> = missing.filter(|&scene| !known.has(scene)).collect();
         if !missing.is_empty() {
-            names.push((method.name.clone(), method.checksum().map(str::to_owned)));
+            measured.push(method);
             tasks.push(Task {
                 candidate: candidate.clone(),
                 scenes: missing,
@@ -43,10 +43,10 @@ pub(super) fn drapes(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
         .progress(tasks.iter().map(|task| task.scenes.len()).sum());
     let mut written = Ok(());
     let mut take = |task: usize, sample: Sample| {
-        let (name, weights) = &names[task];
-        bar.set_message(name.clone());
+        let method = measured[task];
+        bar.set_message(method.name.clone());
         bar.inc(1);
-        let known = keeper.record.method(name, weights.as_deref());
+        let known = keeper.record.method(method.key());
         known.samples.push(sample);
         if written.is_ok() {
             written = keeper.write_now_and_then();
@@ -59,8 +59,8 @@ pub(super) fn drapes(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
     let costs = time_drapes(job.stage, SPLIT, &tasks, timing, &mut take);
     bar.finish_and_clear();
     written?;
-    for ((name, weights), cost) in names.iter().zip(costs.map_err(advised)?) {
-        let known = keeper.record.method(name, weights.as_deref());
+    for (method, cost) in measured.iter().zip(costs.map_err(advised)?) {
+        let known = keeper.record.method(method.key());
         known.cost = cost;
     }
     keeper.write()
@@ -75,7 +75,7 @@ pub(super) fn simulations(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> 
             let Way::Simulation(quality) = method.way else {
                 continue;
             };
-            if !keeper.record.method(&method.name, None).has(scene) {
+            if !keeper.record.method(method.key()).has(scene) {
                 asked.push(Question::Drape(quality));
             }
         }
@@ -94,14 +94,15 @@ pub(super) fn simulations(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> 
     let bar = job.console.progress(total);
     let mut written = Ok(());
     let mut take = |scene: SceneName, question: Question, answer: Answer| {
-        let name = name_of(job.methods, question);
-        bar.set_message(name.clone());
+        let method = method_of(job.methods, question);
+        let name = method.map_or("noise floor", |method| method.name.as_str());
+        bar.set_message(name.to_owned());
         bar.inc(1);
         if let Answer::Failed(reason) = &answer {
             job.console
                 .warning(&format_args!("{name} came to no end on {scene}: {reason}"));
         }
-        keep(keeper, scene, &name, question, answer);
+        keep(keeper, scene, method, answer);
         if written.is_ok() {
             written = keeper.write();
         }
@@ -119,19 +120,20 @@ pub(super) fn teacher_of(stage: &Stage) -> Quality {
     name.and_then(quality_of).unwrap_or(Quality::Teacher)
 }
 
-fn name_of(methods: &[Method], question: Question) -> String {
+/// The simulation that a question is about; none if it is about the noise floor.
+fn method_of(methods: &[Method], question: Question) -> Option<&Method> {
     let Question::Drape(asked) = question else {
-        return "noise floor".to_owned();
+        return None;
     };
-    let is_asked =
-        |method: &&Method| matches!(method.way, Way::Simulation(quality) if quality == asked);
-    let method = methods.iter().find(is_asked);
-    method.map_or_else(String::new, |method| method.name.clone())
+    methods
+        .iter()
+        .find(|method| matches!(method.way, Way::Simulation(quality) if quality == asked))
 }
 
-fn keep(keeper: &mut Keeper, scene: SceneName, name: &str, question: Question, answer: Answer) {
+/// Keeps what the teacher said of a simulation, or of the noise floor.
+fn keep(keeper: &mut Keeper, scene: SceneName, method: Option<&Method>, answer: Answer) {
     let SceneName { body, pose, .. } = scene;
-    if let Question::Noise(_) = question {
+    let Some(method) = method else {
         keeper.record.noise.push(NoiseRecord {
             body,
             pose,
@@ -141,11 +143,11 @@ fn keep(keeper: &mut Keeper, scene: SceneName, name: &str, question: Question, a
             },
         });
         return;
-    }
-    let method = keeper.record.method(name, None);
+    };
+    let known = keeper.record.method(method.key());
     match answer {
-        Answer::Drape(sample) => method.samples.push(*sample),
-        Answer::Failed(reason) => method.failed.push(FailedScene { body, pose, reason }),
+        Answer::Drape(sample) => known.samples.push(*sample),
+        Answer::Failed(reason) => known.failed.push(FailedScene { body, pose, reason }),
         Answer::Noise(_) => {}
     }
 }

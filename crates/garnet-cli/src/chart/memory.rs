@@ -52,7 +52,7 @@ pub(super) fn measure(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
             Way::Drape(_) => peak(),
             Way::Simulation(_) => *of_simulations.get_or_insert_with(peak),
         };
-        let known = keeper.record.method(&method.name, method.checksum());
+        let known = keeper.record.method(method.key());
         known.peak_bytes = found;
         bar.inc(1);
     }

@@ -9,6 +9,8 @@ use garnet::{
 };
 use serde::Serialize;
 
+use super::record::Key;
+
 /// What a way to drape is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -26,6 +28,8 @@ pub(super) enum Kind {
 pub(super) struct Method {
     pub(super) name: String,
     pub(super) way: Way,
+    /// For how many frames the cloth settles where a network has put it.
+    pub(super) settle_frames: u32,
     /// Of a network.
     pub(super) weights: Option<Weights>,
 }
@@ -52,9 +56,9 @@ impl Method {
         qualities: &[Quality],
     ) -> anyhow::Result<Vec<Self>> {
         let drapes = candidates.into_iter().map(|candidate| {
-            let (name, weights) = match &candidate {
-                Candidate::Skinning => ("dqs".to_owned(), None),
-                Candidate::Warp => ("warp".to_owned(), None),
+            let (name, weights, settle_frames) = match &candidate {
+                Candidate::Skinning => ("dqs".to_owned(), None, 0),
+                Candidate::Warp => ("warp".to_owned(), None, 0),
                 Candidate::Model {
                     name,
                     weights,
@@ -62,10 +66,12 @@ impl Method {
                 } => (
                     Candidate::settled_name(&shown(name), *settle),
                     Some(Weights::of(weights)?),
+                    *settle,
                 ),
             };
             Ok(Self {
                 name,
+                settle_frames,
                 way: Way::Drape(candidate),
                 weights,
             })
@@ -74,14 +80,20 @@ impl Method {
         methods.extend(qualities.iter().map(|&quality| Self {
             name: format!("simulation {}", quality_name(quality)),
             way: Way::Simulation(quality),
+            settle_frames: 0,
             weights: None,
         }));
         Ok(methods)
     }
 
-    pub(super) fn checksum(&self) -> Option<&str> {
+    /// What its samples belong together by.
+    pub(super) fn key(&self) -> Key<'_> {
         let weights = self.weights.as_ref();
-        weights.map(|weights| weights.checksum.as_str())
+        Key {
+            name: &self.name,
+            weights: weights.map(|weights| weights.checksum.as_str()),
+            settle_frames: self.settle_frames,
+        }
     }
 
     pub(super) fn kind(&self) -> Kind {

@@ -75,7 +75,7 @@ fn processor(machine: &str) -> String {
 
 /// Networks end up next to each other once their cloth settles: names of all would hide the rest.
 fn is_nameless(method: &MethodReport) -> bool {
-    method.kind == Kind::Network && !method.is_on_front && method.name.ends_with(" settled")
+    method.kind == Kind::Network && !method.is_on_front && method.settle_frames > 0
 }
 
 fn mark(method: &MethodReport, at: [f64; 2]) -> Mark {

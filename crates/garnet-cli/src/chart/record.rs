@@ -49,6 +49,16 @@ pub(super) struct Setting {
     pub(super) repeat: usize,
 }
 
+/// What samples of a way to drape belong together by.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Key<'a> {
+    pub(super) name: &'a str,
+    /// Checksum of the weights of a network.
+    pub(super) weights: Option<&'a str>,
+    /// For how many frames the cloth settles.
+    pub(super) settle_frames: u32,
+}
+
 /// The samples of a way to drape.
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -56,6 +66,9 @@ pub(super) struct MethodRecord {
     pub(super) name: String,
     /// Checksum of the weights of a network.
     pub(super) weights: Option<String>,
+    /// For how many frames the cloth settled; earlier versions did not say.
+    #[serde(default)]
+    pub(super) settle_frames: Option<u32>,
     pub(super) cost: Option<NetworkCost>,
     /// The most memory of a process that drapes once, in bytes.
     pub(super) peak_bytes: Option<u64>,
@@ -143,21 +156,28 @@ impl Record {
         }
     }
 
-    /// The record of a way to drape; a new one if there is none, or of other weights.
-    pub(super) fn method(&mut self, name: &str, weights: Option<&str>) -> &mut MethodRecord {
+    /// The record of a way to drape; a new one if there is none, or of other weights or frames.
+    pub(super) fn method(&mut self, key: Key<'_>) -> &mut MethodRecord {
+        let Key {
+            name,
+            weights,
+            settle_frames,
+        } = key;
         let place = self.methods.iter().position(|method| method.name == name);
         let place = place.unwrap_or_else(|| {
             self.methods.push(MethodRecord::default());
             self.methods.len() - 1
         });
         let method = &mut self.methods[place];
-        if method.name != name || method.weights.as_deref() != weights {
+        let settled = method.settle_frames.unwrap_or(settle_frames);
+        if method.name != name || method.weights.as_deref() != weights || settled != settle_frames {
             *method = MethodRecord {
                 name: name.to_owned(),
                 weights: weights.map(str::to_owned),
                 ..MethodRecord::default()
             };
         }
+        method.settle_frames = Some(settle_frames);
         method
     }
 
@@ -254,4 +274,47 @@ fn read(path: &Path) -> anyhow::Result<Found> {
     let record: Option<Record> = serde_json::from_slice(&text).ok();
     let record = record.filter(|record| record.schema == SCHEMA);
     Ok(record.map_or(Found::Damaged, |record| Found::Record(Box::new(record))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_of_other_weights_or_frames_are_not_gone_on_with() {
+        let setting = Setting {
+            version: String::new(),
+            machine: String::new(),
+            threads: 1,
+            garment: String::new(),
+            template: String::new(),
+            dataset: String::new(),
+            clearance: 0.0,
+            repeat: 1,
+        };
+        let mut record = Record::new(setting);
+        let key = Key {
+            name: "net settled",
+            weights: Some("a"),
+            settle_frames: 6,
+        };
+        let measured = |record: &mut Record, key| record.method(key).peak_bytes.is_some();
+        record.method(key).peak_bytes = Some(1);
+        assert!(measured(&mut record, key));
+        // Earlier versions did not say for how long cloth settled.
+        record.methods[0].settle_frames = None;
+        assert!(measured(&mut record, key));
+        let longer = Key {
+            settle_frames: 12,
+            ..key
+        };
+        assert!(!measured(&mut record, longer));
+        record.method(longer).peak_bytes = Some(1);
+        let other = Key {
+            weights: Some("b"),
+            ..longer
+        };
+        assert!(!measured(&mut record, other));
+        assert_eq!(record.methods.len(), 1);
+    }
 }

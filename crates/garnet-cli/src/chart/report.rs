@@ -49,6 +49,8 @@ pub(super) struct ChartReport {
 pub(super) struct MethodReport {
     pub(super) name: String,
     pub(super) kind: Kind,
+    /// For how many frames of a sixtieth of a second the cloth settles where a network has put it.
+    pub(super) settle_frames: u32,
     /// Whether this simulation made the targets: it has no distance from them.
     pub(super) is_target: bool,
     /// Whether no other is better in time and distance; a target has the noise floor as its distance.
@@ -136,6 +138,7 @@ impl MethodReport {
         (figures.scenes > 0).then(|| Self {
             name: method.name.clone(),
             kind: method.kind(),
+            settle_frames: method.settle_frames,
             is_target,
             is_on_front: false,
             threads,
