@@ -1,0 +1,58 @@
+//! The trained garment that comes with the repository, by the library, as the README says.
+
+use std::{path::Path, sync::atomic::AtomicBool};
+
+use garnet::{
+    Aim, Draper, Garment, Network, Warped,
+    data::{GarmentPackage, Put, Teacher},
+    edge_stretch, io,
+    train::{put_of, weights_of},
+};
+
+#[test]
+fn the_shirt_settles_from_where_it_arrives_and_is_free() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let folder = models.join("tshirt");
+    let package = GarmentPackage::read(&folder).unwrap();
+    let variant = package.manifest.default_variant().unwrap();
+    let weights = weights_of(&folder, &package.manifest, &variant.name).unwrap();
+    let garment = Garment::new(package.mesh.clone())
+        .bind(&package.body)
+        .unwrap();
+    let mut network = Network::load(weights, &garment, &package.body, &[]).unwrap();
+    assert_eq!(network.aim(), Aim::Arrival);
+    let put = put_of(network.aim());
+    assert_eq!(
+        (put, variant.settle_frames),
+        (Put::AtArrival, Some(put.frames()))
+    );
+
+    let reach = io::ObjFile::read(models.join("demo/reach.obj")).unwrap();
+    let target = package.body.fitted(reach.positions()).unwrap();
+    let warped = network.warped(&garment, &target).unwrap();
+    let moved = network.moved(&garment, &target, &warped).unwrap();
+    assert!(moved.fallback.is_none());
+    let from = moved.garment.positions(&garment);
+    let teacher = Teacher::new(&package).unwrap();
+    let (skin, stop) = (target.skin().positions(), AtomicBool::new(false));
+    let settled = teacher
+        .settled(skin, &from, put, put.frames(), &stop)
+        .unwrap();
+    let draper = Draper::new();
+    let drape = |places: &[garnet::Point3]| {
+        let put = Warped::at(&garment, places);
+        draper.finish(&garment, &target, &put).unwrap()
+    };
+    let [arrived, rested] = [drape(&from), drape(&settled)];
+    let report = rested.report.as_ref().unwrap();
+    assert_eq!(report.inside, 0);
+
+    let edges = garnet_mesh::Topology::new(package.mesh.num_vertices(), package.mesh.faces());
+    let stretch = |places: &[garnet::Point3]| {
+        let rest = package.mesh.positions();
+        edge_stretch(rest, places, edges.edges()).unwrap().p99
+    };
+    let [arrived, rested] = [arrived, rested].map(|drape| stretch(&drape.positions));
+    println!("stretch p99 {arrived:.3}, settled {rested:.3}");
+    assert!(rested < 1.08 && rested < arrived, "{arrived} {rested}");
+}
