@@ -109,10 +109,8 @@ pub(super) fn choose(
         Some(frames) => vec![frames > 0],
     };
     let both = variants.iter().flat_map(|variant| {
-        // What is known settled alone is no drape before.
-        let has_to = variant.distance_error.is_none() && variant.settled_error.is_some();
-        let ways = ways.iter().filter(move |&&settles| settles || !has_to);
-        ways.map(|&settles| CandidateReport::of(variant, settles))
+        let of = |&settles: &bool| CandidateReport::of(variant, settles);
+        ways.iter().map(of)
     });
     let mut candidates: Vec<CandidateReport> = both.collect();
     match limit {
@@ -204,6 +202,10 @@ fn by_budget(
             way.learned = Some(*learned);
         }
         let settling = (way.learned.as_ref()).map_or(of_warp, Learned::settling);
+        // What arrives is no drape before it has settled.
+        if settling.put == Put::AtArrival && !candidate.settles && job.settle.is_none() {
+            continue;
+        }
         let taken = settler.take_if(|_| candidate.settles);
         way.settler = taken.map(|settler| settler.of(settling, job));
         let seconds = seconds_of(bound, &mut way, console)?;
