@@ -121,6 +121,15 @@ impl Limits {
         trapped_intersections: u32::MAX,
     };
 
+    /// The same for cloth that has not settled: it moves, and folds that press on each other have not slid yet.
+    #[must_use]
+    pub const fn of_arrivals(self) -> Self {
+        Self {
+            strain_p99: self.strain_p99,
+            ..Self::NONE
+        }
+    }
+
     /// The first limit that a scene exceeds: a short name, and what was measured.
     pub fn violation(&self, report: &SceneReport) -> Option<(&'static str, String)> {
         if report.inside > self.inside {

@@ -23,7 +23,7 @@ pub use check::{BalanceReport, Limits, SceneReport};
 pub use dataset::{
     BodyRecord, Counts, DATASET_SCHEMA, Dataset, DatasetEvent, DatasetManifest, DatasetOptions,
     ImportManifest, ImportScene, Plan, Posed, Rejection, SceneRecord, Shard, Sizing, Split,
-    StoredParameters, Tally, Variations, generate, import, sampler, sequences,
+    StoredParameters, Tally, Until, Variations, generate, import, sampler, sequences,
 };
 pub use error::DataError;
 pub use ladder::Rung;

@@ -191,6 +191,32 @@ impl Teacher {
         observer: &mut dyn FnMut(Event<'_>),
     ) -> Result<Drape, DataError> {
         let schedule = Schedule::for_quality(quality, self.cloth.mean_edge_length());
+        self.follow(path, schedule, stop, observer)
+    }
+
+    /// Simulates the garment until the body comes to its last place: both positions of the result are
+    /// [`Drape::arrived`] of [`Teacher::drape`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Teacher::drape`].
+    pub fn arrived(
+        &self,
+        path: &BodyPath,
+        quality: Quality,
+        stop: &AtomicBool,
+    ) -> Result<Drape, DataError> {
+        let schedule = Schedule::for_quality(quality, self.cloth.mean_edge_length());
+        self.follow(path, schedule.until_arrival(), stop, &mut |_| {})
+    }
+
+    fn follow(
+        &self,
+        path: &BodyPath,
+        schedule: Schedule,
+        stop: &AtomicBool,
+        observer: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Drape, DataError> {
         let schedule = self.layered(schedule);
         let motion = |time: f32| path.positions(time);
         let shape_offsets = self.garment.shape_offsets(path.shape());

@@ -13,7 +13,7 @@ use std::{
 
 use garnet_data::{
     Counts, DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest,
-    Limits, Quality, Sizing, Split, Variations, generate, import,
+    Limits, Quality, Sizing, Split, Until, Variations, generate, import,
 };
 use garnet_mesh::write_obj;
 
@@ -27,6 +27,7 @@ fn options(threads: usize) -> DatasetOptions {
         },
         poses: 2,
         quality: Quality::Fast,
+        until: Until::Rest,
         sizing: Sizing::OneSize,
         vary: Variations::default(),
         // Coarse cloth in few steps: here the files are tested, not the drapes.
@@ -111,6 +112,35 @@ fn threads_and_interruptions_do_not_show() {
         make(&package, parts.path(), &options);
     }
     assert!(files(parts.path()) == expected, "parts show");
+}
+
+#[test]
+fn a_data_set_may_end_where_bodies_arrive() {
+    let package = common::tshirt();
+    let [whole, until] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    make(&package, whole.path(), &options(2));
+    let arrivals = DatasetOptions {
+        until: Until::Arrival,
+        ..options(2)
+    };
+    make(&package, until.path(), &arrivals);
+    let scenes = |folder: &Path| -> Vec<_> {
+        let dataset = Dataset::open(folder).unwrap();
+        let shards: Vec<_> = dataset.shards().map(Result::unwrap).collect();
+        shards.into_iter().flat_map(|shard| shard.scenes).collect()
+    };
+    let (whole, until_arrival) = (scenes(whole.path()), scenes(until.path()));
+    assert!(!whole.is_empty());
+    for (whole, until) in whole.iter().zip(&until_arrival) {
+        assert_eq!((whole.body, whole.pose), (until.body, until.pose));
+        assert_eq!(whole.arrived.as_ref(), Some(&until.garment));
+        assert_eq!(until.arrived, None);
+    }
+    let other = generate(&package, until.path(), &options(2), &|_| {}, &false.into());
+    assert!(
+        matches!(other, Err(DataError::OtherDataset { field: "end", .. })),
+        "{other:?}"
+    );
 }
 
 #[test]

@@ -252,6 +252,16 @@ impl Schedule {
         }
     }
 
+    /// The same up to where the body comes to its last place: the cloth has not settled.
+    #[must_use]
+    pub fn until_arrival(self) -> Self {
+        Self {
+            stages: Vec::new(),
+            balance_steps: 0,
+            ..self
+        }
+    }
+
     /// The same for a garment of one layer: no two of its vertices start near each other but by the
     /// way it was put on.
     #[must_use]
@@ -375,6 +385,20 @@ mod tests {
         assert!(last_rate(0.014) > last_rate(0.016));
         assert!(last_rate(0.016) > last_rate(0.05));
         assert_eq!(last_rate(0.05).to_bits(), last_rate(0.02).to_bits());
+    }
+
+    #[test]
+    fn what_has_arrived_settles_for_as_many_frames_as_are_asked_for() {
+        for frames in [0, 1, 2, 12, 30] {
+            let schedule = Schedule::after_arrival(0.016, frames);
+            assert_eq!(schedule.check(), Ok(()));
+            assert_eq!(schedule.num_frames(), u64::from(frames));
+        }
+        let whole = Schedule::for_quality(Quality::Reference, 0.016);
+        let until = whole.clone().until_arrival();
+        assert_eq!(until.num_frames(), u64::from(whole.motion_frames));
+        assert_eq!(until.motion_rate.to_bits(), whole.motion_rate.to_bits());
+        assert_eq!(until.balance_steps, 0);
     }
 
     #[test]

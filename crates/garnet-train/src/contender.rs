@@ -46,6 +46,7 @@ pub const fn put_of(aim: Aim) -> Put {
 impl<'a> Contender<'a> {
     /// Reads the weights, if it has any.
     pub(crate) fn new(stage: &'a Stage, candidate: &Candidate) -> Result<Self, TrainError> {
+        stage.check_aim(Aim::Rest)?;
         let package = &stage.package;
         let (name, start, model, settle) = match candidate {
             Candidate::Skinning => ("dqs", Start::DualQuaternion, None, 0),

@@ -134,6 +134,26 @@ pub enum TrainError {
         /// The scene.
         scene: SceneName,
     },
+    /// The cloth of a data set has not settled.
+    #[error(
+        "the data set of `{garment}` was simulated until arrival only: its cloth has not settled"
+    )]
+    NotSettled {
+        /// The garment.
+        garment: String,
+    },
+    /// More scenes than those of the data set for what cannot take them.
+    #[error("`{}`: a pose-space deformation that scenes tell takes no further data sets", path.display())]
+    MoreScenes {
+        /// The first of them.
+        path: PathBuf,
+    },
+    /// A network is to start from what knows the scenes of its training by heart.
+    #[error("`{name}` is told by networks, which cannot tell a scene as if they had not seen it")]
+    CannotLeaveOut {
+        /// The deformation.
+        name: String,
+    },
     /// A scene holds another number of vertices than garment or body have.
     #[error("{scene}: {found} {what}, expected {expected}")]
     Count {

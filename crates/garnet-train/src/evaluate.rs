@@ -157,6 +157,7 @@ pub fn evaluate(
     finish: Finish,
     observer: &mut dyn FnMut(EvalEvent),
 ) -> Result<Evaluation, TrainError> {
+    stage.check_aim(Aim::Rest)?;
     let total = stage.num_scenes(split)?;
     let mut entrants: Vec<Entrant<'_>> = (candidates.iter())
         .map(|candidate| Ok(Entrant::new(Contender::new(stage, candidate)?)))

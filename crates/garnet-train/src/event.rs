@@ -31,6 +31,32 @@ pub enum TrainEvent {
         /// the vertices, in metres.
         left_out: f64,
     },
+    /// The same of a region of the garment.
+    RegionSearched {
+        /// The region, from 0.
+        region: u32,
+        /// How many there are.
+        regions: u32,
+        /// The round, from 0 before the first.
+        round: u32,
+        /// How many there will be.
+        rounds: u32,
+        /// As of [`TrainEvent::Searched`].
+        left_out: f64,
+    },
+    /// The network of a region has seen all scenes once more.
+    RegionLearned {
+        /// The region, from 0.
+        region: u32,
+        /// How many there are.
+        regions: u32,
+        /// The pass, from 1.
+        pass: u32,
+        /// How many there will be.
+        passes: u32,
+        /// Mean square error over the mean square of what is to be told.
+        loss: f64,
+    },
     /// All is ready.
     Began(Began),
     /// The derivatives of a scene were computed.

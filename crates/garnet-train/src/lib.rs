@@ -15,6 +15,7 @@
 //! let job = TrainJob {
 //!     package: "models/tee".into(),
 //!     dataset: "data/tee".into(),
+//!     more: Vec::new(),
 //!     recipe: Recipe::of_name("local")?,
 //!     config: TrainConfig::parse("preset = \"small\"\nepochs = 50")?,
 //!     base: None,
@@ -74,7 +75,7 @@ pub use gallery::{Exhibit, exhibit};
 pub use garnet_net::losses::{LossConfig, LossValue, Term};
 pub use garnet_net::{Aim, GarNetConfig, PRESET_NAMES, Precision, Variant};
 pub use percentiles::Percentiles;
-pub use pose_space::PoseSpaceConfig;
+pub use pose_space::{PoseSpaceConfig, ToldBy};
 pub use publish::{Trained, weights_of};
 pub use recipe::Recipe;
 pub use schedule::Schedule;

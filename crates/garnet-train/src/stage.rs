@@ -7,7 +7,7 @@ use garnet_data::{
     BodyPath, BodyRecord, Dataset, GarmentPackage, Posed, SceneRecord, Shard, Sizing, Split,
 };
 use garnet_mesh::{Point3, TriMesh};
-use garnet_net::{GarmentGraph, Start};
+use garnet_net::{Aim, GarmentGraph, Start};
 use garnet_skin::{Body, BoundGarment, Garment, Pose, PosedBody, Warp, WarpedGarment};
 use rayon::prelude::*;
 
@@ -60,7 +60,7 @@ pub struct StagedScene {
     pub worn: Arc<Worn>,
     /// The body in its pose.
     pub posed: PosedBody,
-    /// What the teacher made of it `[vertex]`, in metres.
+    /// What the teacher made of it `[vertex]`, in metres; see [`Stage::check_aim`].
     pub draped: Vec<Point3>,
     /// Where the garment was when the body came to its last place `[vertex]`, in metres, if the data set has it.
     pub arrived: Option<Vec<Point3>>,
@@ -107,6 +107,21 @@ impl StagedScene {
 }
 
 impl Stage {
+    /// Refuses a data set whose cloth has not settled for all but arrivals.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::NotSettled`].
+    pub fn check_aim(&self, aim: Aim) -> Result<(), TrainError> {
+        let manifest = &self.dataset.manifest;
+        if aim == Aim::Arrival || manifest.until.is_rest() {
+            return Ok(());
+        }
+        Err(TrainError::NotSettled {
+            garment: manifest.garment.name.clone(),
+        })
+    }
+
     /// Brings a package and a data set of its garment together.
     ///
     /// # Errors
@@ -315,6 +330,7 @@ impl Stage {
             is_cut_to_measure: own.is_some() && record.worn.is_some(),
             own: own.map(Arc::new),
             worn,
+            until_arrival: !self.dataset.manifest.until.is_rest(),
         })
     }
 }
@@ -326,6 +342,8 @@ struct Dressed {
     worn: Arc<Worn>,
     /// Whether the garment was cut for the body.
     is_cut_to_measure: bool,
+    /// Whether drapes end where the body arrives.
+    until_arrival: bool,
 }
 
 impl Dressed {
@@ -348,7 +366,11 @@ impl Dressed {
             worn: Arc::clone(&self.worn),
             posed,
             draped: scene.garment.clone(),
-            arrived: scene.arrived.clone(),
+            arrived: if self.until_arrival {
+                Some(scene.garment.clone())
+            } else {
+                scene.arrived.clone()
+            },
             own: match (&self.own, &scene.posed) {
                 (Some(own), Posed::Pose(pose)) => Some((Arc::clone(own), pose.clone())),
                 _ => None,

@@ -38,6 +38,8 @@ pub struct TrainJob {
     pub package: PathBuf,
     /// The folder of the data set.
     pub dataset: PathBuf,
+    /// Folders of further data sets to learn from, of other bodies; for deformations that networks tell.
+    pub more: Vec<PathBuf>,
     /// The variant.
     pub recipe: Recipe,
     /// How it is trained.
@@ -82,7 +84,11 @@ pub fn train(
     let package = GarmentPackage::read(&job.package)?;
     let stage = Stage::new(package, Dataset::open(&job.dataset)?)?;
     if let Some(aim) = job.recipe.pose_space() {
+        stage.check_aim(aim)?;
         return pose_space::fit(job, aim, &stage, observer, stop);
+    }
+    if let Some(more) = job.more.first() {
+        return Err(TrainError::MoreScenes { path: more.clone() });
     }
     let device = Device::flex().autodiff();
     let data = stage.dataset.manifest.fingerprint();
@@ -103,6 +109,7 @@ pub fn train(
         None => new_network(&job.config, &stage)?,
     };
     let subject = Subject::new(&stage, network, &job.config.loss)?;
+    stage.check_aim(subject.aim)?;
     let start = pose_space::start_of(&job.package, &stage, &subject.config)?;
     let start_name = start.as_ref().map(|start| start.checksum().to_owned());
     if let Some(state) = &state

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use garnet::{
     Unit, UnitError,
-    data::{Counts, GarmentPackage, Quality, Sizing, Variations},
+    data::{Counts, GarmentPackage, Quality, Sizing, Until, Variations},
 };
 
 /// Arguments of `dataset`.
@@ -30,6 +30,14 @@ pub(crate) struct DatasetArgs {
     /// Quality of the simulation.
     #[arg(long, value_name = "QUALITY", default_value = "teacher")]
     pub(crate) quality: QualityName,
+    /// How far the simulation goes.
+    #[arg(
+        long,
+        value_name = "END",
+        default_value = "rest",
+        conflicts_with = "import"
+    )]
+    pub(crate) until: UntilName,
     /// Who wears what [default: made-to-measure for jeans and with --vary, one-size for all else].
     #[arg(long, value_name = "SIZING")]
     pub(crate) sizing: Option<SizingName>,
@@ -73,6 +81,15 @@ pub(crate) enum QualityName {
     Reference,
 }
 
+/// How far a simulation goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum UntilName {
+    /// Until the cloth rests.
+    Rest,
+    /// Until the body comes to its last place, a third of the work: more scenes for `train --variant arrival --more`.
+    Arrival,
+}
+
 /// Who wears what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SizingName {
@@ -88,6 +105,15 @@ impl QualityName {
             Self::Fast => Quality::Fast,
             Self::Teacher => Quality::Teacher,
             Self::Reference => Quality::Reference,
+        }
+    }
+}
+
+impl UntilName {
+    pub(crate) fn until(self) -> Until {
+        match self {
+            Self::Rest => Until::Rest,
+            Self::Arrival => Until::Arrival,
         }
     }
 }

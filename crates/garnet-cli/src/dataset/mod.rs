@@ -63,6 +63,7 @@ fn make(args: &DatasetArgs, package: &GarmentPackage, console: &Console) -> anyh
         bodies: args.bodies,
         poses: args.poses,
         quality: args.quality.quality(),
+        until: args.until.until(),
         sizing: args.sizing(package),
         vary: args.variations(),
         limits: if args.keep_all {

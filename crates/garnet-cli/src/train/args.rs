@@ -39,6 +39,10 @@ pub(crate) struct TrainArgs {
     /// Start from these weights.
     #[arg(long, value_name = "WEIGHTS", conflicts_with = "resume")]
     from: Option<PathBuf>,
+    /// Learn from the training bodies of this data set, too: for `--variant arrival`, from `garnet dataset --until
+    /// arrival` with another seed. May be given several times.
+    #[arg(long, value_name = "DATASET")]
+    more: Vec<PathBuf>,
     /// Go on with a training that was interrupted.
     #[arg(long)]
     resume: bool,
@@ -101,6 +105,7 @@ impl TrainArgs {
         Ok(TrainJob {
             package: self.package.clone(),
             dataset: self.dataset.clone(),
+            more: self.more.clone(),
             recipe,
             config,
             base: self.from.clone(),

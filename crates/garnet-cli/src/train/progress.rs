@@ -68,6 +68,42 @@ impl<'a> Progress<'a> {
                     1e3 * left_out
                 ));
             }
+            TrainEvent::RegionSearched {
+                region,
+                regions,
+                round,
+                rounds,
+                left_out,
+            } => {
+                // Another region may be learning.
+                self.bar.suspend(|| {
+                    self.console.summary(&format_args!(
+                        "region {}/{regions}, round {round}/{rounds}: scenes of other bodies and sequences are missed \
+                         by {:.2} mm",
+                        region + 1,
+                        1e3 * left_out
+                    ));
+                });
+            }
+            TrainEvent::RegionLearned {
+                region,
+                regions,
+                pass,
+                passes,
+                loss,
+            } => {
+                let total = regions * passes;
+                if self.bar.length() != Some(u64::from(total)) {
+                    self.bar.finish_and_clear();
+                    self.bar = self.console.progress(total as usize);
+                }
+                self.bar.inc(1);
+                self.bar.set_message(format!(
+                    "pass {pass} of region {}/{regions}: {:.2} % left",
+                    region + 1,
+                    100.0 * loss
+                ));
+            }
             TrainEvent::Began(began) => self.begin(began),
             TrainEvent::Scene {
                 epoch,

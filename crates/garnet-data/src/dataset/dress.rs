@@ -10,7 +10,7 @@ use garnet_body::{
 use garnet_pattern::Wearer;
 
 use super::generate::DatasetOptions;
-use super::manifest::Sizing;
+use super::manifest::{Sizing, Until};
 use super::record::{BodyRecord, Posed, SceneRecord, StoredParameters};
 use crate::tailor::{Tailor, values};
 use crate::wearer::{self, Fitting};
@@ -177,13 +177,20 @@ impl Dressed {
         };
         let draped = BodyPath::to_shape(from, &ready.body, &sound.pose)
             .map_err(DataError::from)
-            .and_then(|path| teacher.drape(&path, options.quality, stop, &mut |_| {}));
+            .and_then(|path| match options.until {
+                Until::Rest => teacher.drape(&path, options.quality, stop, &mut |_| {}),
+                Until::Arrival => teacher.arrived(&path, options.quality, stop),
+            });
         let drape = match draped {
             Ok(drape) => drape,
             Err(error) => return rejected(sound.sequence, "simulation", error.to_string()),
         };
         let report = SceneReport::from(&drape.report);
-        if let Some((kind, reason)) = options.limits.violation(&report) {
+        let limits = match options.until {
+            Until::Rest => options.limits,
+            Until::Arrival => options.limits.of_arrivals(),
+        };
+        if let Some((kind, reason)) = limits.violation(&report) {
             return rejected(sound.sequence, kind, reason);
         }
         Outcome::Accepted(Box::new(SceneRecord {
@@ -192,7 +199,7 @@ impl Dressed {
             sequence: sound.sequence.to_owned(),
             posed: Posed::Pose(sound.pose),
             garment: drape.positions,
-            arrived: Some(drape.arrived),
+            arrived: options.until.is_rest().then_some(drape.arrived),
             report: Some(report),
         }))
     }

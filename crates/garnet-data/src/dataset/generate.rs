@@ -13,7 +13,7 @@ use std::{
 use garnet_mesh::Fingerprint;
 
 use super::dress::{Dresser, Outcome};
-use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
+use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing, Until};
 use super::plan::{Counts, Plan, sampler};
 use super::record::{Rejection, SceneRecord, Split};
 use super::shard::{Layout, Shard};
@@ -35,6 +35,8 @@ pub struct DatasetOptions {
     pub poses: u32,
     /// Quality of the simulation.
     pub quality: Quality,
+    /// How far the simulation goes.
+    pub until: Until,
     /// Who wears what.
     pub sizing: Sizing,
     /// Sewing parameters that are drawn for each body; garments that are cut to measure alone have any.
@@ -167,6 +169,7 @@ impl DatasetManifest {
             bodies: options.bodies,
             poses: options.poses,
             quality: Some(quality_name(options.quality).to_owned()),
+            until: options.until,
             sizing: options.sizing,
             vary: options.vary.clone(),
             limits: options.limits,

@@ -10,7 +10,7 @@ use garnet_mesh::{ObjFile, Point3, Unit};
 use garnet_skin::NpzFile;
 use serde::{Deserialize, Serialize};
 
-use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
+use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing, Until};
 use super::plan::Counts;
 use super::record::{BodyRecord, Posed, SceneRecord, Split};
 use super::shard::{Layout, Shard};
@@ -230,6 +230,7 @@ fn described(
         poses: most.unwrap_or(0) as u32,
         quality: None,
         vary: Variations::default(),
+        until: Until::Rest,
         sizing: if has_parameters {
             Sizing::MadeToMeasure
         } else {

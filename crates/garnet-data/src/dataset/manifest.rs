@@ -30,6 +30,9 @@ pub struct DatasetManifest {
     pub poses: u32,
     /// Quality of the simulation; none for drapes made elsewhere.
     pub quality: Option<String>,
+    /// How far the simulation went.
+    #[serde(default, skip_serializing_if = "Until::is_rest")]
+    pub until: Until,
     /// Whether all bodies wear the template, or each a garment cut for it.
     pub sizing: Sizing,
     /// Sewing parameters that are drawn for each body.
@@ -39,6 +42,25 @@ pub struct DatasetManifest {
     pub limits: Limits,
     /// Bodies in a shard.
     pub bodies_per_shard: u32,
+}
+
+/// How far scenes are simulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Until {
+    /// Until the cloth rests.
+    #[default]
+    Rest,
+    /// Until the body comes to its last place, a third of the work: the cloth has yet to settle. Such drapes are
+    /// for models of arrivals alone.
+    Arrival,
+}
+
+impl Until {
+    /// Whether it is the default.
+    pub fn is_rest(&self) -> bool {
+        *self == Self::Rest
+    }
 }
 
 /// Who wears what.
@@ -114,6 +136,7 @@ impl DatasetManifest {
                 ),
                 ("poses", manifest.poses.to_string()),
                 ("quality", manifest.quality.clone().unwrap_or_default()),
+                ("end", format!("{:?}", manifest.until)),
                 ("sizing", format!("{:?}", manifest.sizing)),
                 ("varied parameters", format!("{:?}", manifest.vary)),
                 ("version", manifest.generator.clone()),

@@ -15,7 +15,7 @@ use garnet_mesh::Fingerprint;
 
 pub use generate::{DatasetEvent, DatasetOptions, Tally, generate};
 pub use import::{ImportManifest, ImportScene, import};
-pub use manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
+pub use manifest::{DATASET_SCHEMA, DatasetManifest, Sizing, Until};
 pub use plan::{Counts, Plan, sampler, sequences};
 pub use record::{BodyRecord, Posed, Rejection, SceneRecord, Split, StoredParameters};
 pub use shard::Shard;

@@ -109,7 +109,8 @@ pub struct SceneRecord {
     pub sequence: String,
     /// The posed body.
     pub posed: Posed,
-    /// Positions of the draped garment `[vertex]`, in metres.
+    /// Positions of the draped garment `[vertex]`, in metres; in a data set [until](crate::DatasetManifest::until)
+    /// arrival those when the body came to its last place.
     pub garment: Vec<Point3>,
     /// Positions of the garment when the body came to its last place, before it settled `[vertex]`, in metres;
     /// none for drapes made elsewhere or by earlier versions.

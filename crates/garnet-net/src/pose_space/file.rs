@@ -1,5 +1,6 @@
 //! The file of a pose-space deformation.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -8,7 +9,9 @@ use safetensors::SafeTensors;
 use safetensors::tensor::TensorView;
 use serde::{Deserialize, Serialize};
 
-use super::{Aim, Mirror, PoseSpace, PoseSpaceParts};
+use super::{
+    Aim, Features, Layer, Mirror, PoseSpace, PoseSpaceParts, Region, RegionMirror, Regions, Told,
+};
 use crate::weight_file::{self, Header, not_safetensors};
 use crate::{CheckpointError, Precision, TrainedRange, UNIT};
 
@@ -33,15 +36,24 @@ pub struct PoseSpaceHeader {
     pub aim: Aim,
     /// See [`PoseSpace::ridge`].
     pub ridge: f64,
+    /// What networks of regions are told; none if scenes tell the shares of the shapes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub features: Option<Features>,
     /// How it was fitted.
     pub record: serde_json::Value,
     /// Scores by name.
     pub scores: BTreeMap<String, f64>,
 }
 
+/// A tensor to be stored: name, shape, numbers, precision.
+type Stored<'a> = (String, Vec<usize>, Cow<'a, [f32]>, Precision);
+
 /// Names of the tensors of a [`Mirror`].
 const MIRROR: &str = "mirror";
 const PARITY: &str = "parity";
+
+/// And of the mirror images of vertices: corners and weights.
+const IMAGES: &str = "images";
 
 impl Header for PoseSpaceHeader {
     const SCHEMA: &'static str = SCHEMA;
@@ -66,52 +78,22 @@ impl PoseSpace {
         path: &Path,
         precision: Precision,
     ) -> Result<Vec<u8>, CheckpointError> {
-        let parts = &self.parts;
-        let num_scenes = parts.centers.len() / self.kept.len().max(1);
-        let (num_shapes, num_vertices) = (self.num_shapes(), self.num_vertices());
-        // Large weights cancel each other: rounded to halves they would move a drape by centimetres.
-        let single = Precision::F32;
-        let mut tensors = vec![
-            ("scales", vec![parts.scales.len()], &parts.scales, single),
-            (
-                "centers",
-                vec![num_scenes, self.kept.len()],
-                &parts.centers,
-                precision,
-            ),
-            (
-                "weights",
-                vec![num_scenes, num_shapes],
-                &parts.weights,
-                single,
-            ),
-            ("mean", vec![num_vertices, 3], &parts.mean, single),
-            (
-                "shapes",
-                vec![num_shapes, num_vertices, 3],
-                &parts.shapes,
-                precision,
-            ),
-        ];
-        let (numbers, parity);
-        if let Some(mirror) = &parts.mirror {
-            let pairs = mirror.numbers.iter();
-            numbers = pairs
-                .flat_map(|&(number, sign)| [number as f32, sign])
-                .collect();
-            parity = mirror.parity.clone();
-            tensors.push((MIRROR, vec![mirror.numbers.len(), 2], &numbers, single));
-            tensors.push((PARITY, vec![num_shapes], &parity, single));
-        }
+        let tensors = match &self.told {
+            Told::ByScenes(parts) => of_scenes(parts, precision),
+            Told::ByRegions(regions) => of_regions(regions, precision),
+        };
         let stored: Vec<_> = (tensors.into_iter())
             .map(|(name, shape, numbers, precision)| {
-                (name, shape, precision.dtype(), precision.stored(numbers))
+                (name, shape, precision.dtype(), precision.stored(&numbers))
             })
             .collect();
         let mut views = Vec::with_capacity(stored.len());
         for (name, shape, dtype, bytes) in &stored {
             let view = TensorView::new(*dtype, shape.clone(), bytes);
-            views.push((*name, view.map_err(|source| not_safetensors(path, source))?));
+            views.push((
+                name.as_str(),
+                view.map_err(|source| not_safetensors(path, source))?,
+            ));
         }
         let mut header = PoseSpaceHeader {
             schema: SCHEMA.to_owned(),
@@ -121,6 +103,7 @@ impl PoseSpace {
             range: self.range.clone(),
             aim: self.aim,
             ridge: self.ridge,
+            features: self.regions().map(|regions| regions.features.clone()),
             record: self.record.clone(),
             scores: self.scores.clone(),
         };
@@ -156,26 +139,11 @@ impl PoseSpace {
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, CheckpointError> {
         let (header, tensors) = weight_file::checked::<PoseSpaceHeader>(path, bytes)?;
         let garment = weight_file::fingerprint(path, &header.garment)?;
-        let part = |name| part(path, &tensors, name);
-        let mirror = match tensors.tensor(MIRROR) {
-            Err(_) => None,
-            Ok(_) => Some(Mirror {
-                // The checksum holds these; one beyond the last is refused with the other counts.
-                numbers: (part(MIRROR)?.as_chunks::<2>().0.iter())
-                    .map(|&[number, sign]| (number as usize, sign))
-                    .collect(),
-                parity: part(PARITY)?,
-            }),
+        let reading = Reading { path, tensors };
+        let space = match header.features {
+            None => Self::new(reading.parts()?, garment, header.range, header.ridge),
+            Some(features) => Self::of_regions(reading.regions(features)?, garment, header.range),
         };
-        let parts = PoseSpaceParts {
-            scales: part("scales")?,
-            centers: part("centers")?,
-            weights: part("weights")?,
-            mean: part("mean")?,
-            shapes: part("shapes")?,
-            mirror,
-        };
-        let space = Self::new(parts, garment, header.range, header.ridge);
         let space = space.map_err(|source| CheckpointError::Config {
             path: path.to_path_buf(),
             source,
@@ -190,15 +158,208 @@ impl PoseSpace {
     }
 }
 
-fn part(path: &Path, tensors: &SafeTensors<'_>, name: &str) -> Result<Vec<f32>, CheckpointError> {
-    let view = tensors.tensor(name).ok();
-    let numbers = view.and_then(|view| weight_file::numbers(&view));
-    numbers.ok_or_else(|| CheckpointError::Tensor {
-        path: path.to_path_buf(),
-        name: name.to_owned(),
-        found: "missing".to_owned(),
-        expected: "one".to_owned(),
-    })
+fn of_scenes(parts: &PoseSpaceParts, precision: Precision) -> Vec<Stored<'_>> {
+    let num_numbers = parts.scales.iter().filter(|&&scale| scale > 0.0).count();
+    let num_scenes = parts.centers.len() / num_numbers.max(1);
+    let (num_shapes, num_vertices) = (parts.num_shapes(), parts.mean.len() / 3);
+    // Large weights cancel each other: rounded to halves they would move a drape by centimetres.
+    let single = Precision::F32;
+    let mut tensors = vec![
+        ("scales", vec![parts.scales.len()], &parts.scales, single),
+        (
+            "centers",
+            vec![num_scenes, num_numbers],
+            &parts.centers,
+            precision,
+        ),
+        (
+            "weights",
+            vec![num_scenes, num_shapes],
+            &parts.weights,
+            single,
+        ),
+        ("mean", vec![num_vertices, 3], &parts.mean, single),
+        (
+            "shapes",
+            vec![num_shapes, num_vertices, 3],
+            &parts.shapes,
+            precision,
+        ),
+    ];
+    if let Some(mirror) = &parts.mirror {
+        tensors.push((PARITY, vec![num_shapes], &mirror.parity, single));
+    }
+    let tensors = tensors
+        .into_iter()
+        .map(|(name, shape, numbers, precision)| {
+            (name.to_owned(), shape, Cow::from(numbers), precision)
+        });
+    let mirror = parts.mirror.as_ref();
+    tensors.chain(mirror.map(of_mirror)).collect()
+}
+
+fn of_mirror(mirror: &Mirror) -> Stored<'static> {
+    let pairs = mirror.numbers.iter();
+    let numbers: Vec<f32> = pairs
+        .flat_map(|&(number, sign)| [number as f32, sign])
+        .collect();
+    let shape = vec![mirror.numbers.len(), 2];
+    (MIRROR.to_owned(), shape, numbers.into(), Precision::F32)
+}
+
+fn of_regions(all: &Regions, precision: Precision) -> Vec<Stored<'_>> {
+    let single = Precision::F32;
+    let mut tensors: Vec<Stored<'_>> = vec![
+        (
+            "mean".to_owned(),
+            vec![all.num_vertices(), 3],
+            Cow::from(&all.mean),
+            single,
+        ),
+        (
+            "center".to_owned(),
+            vec![all.center.len()],
+            Cow::from(&all.center),
+            single,
+        ),
+    ];
+    if let Some(mirror) = &all.mirror {
+        tensors.push(of_mirror(&mirror.numbers));
+        let images = mirror.images.iter();
+        // Corners are whole numbers below 2²⁴.
+        let numbers = images.flat_map(|&([a, b, c], [u, v, w])| {
+            let corners = [a, b, c].map(|corner| corner as f32);
+            corners.into_iter().chain([u, v, w])
+        });
+        let shape = vec![mirror.images.len(), 6];
+        tensors.push((
+            IMAGES.to_owned(),
+            shape,
+            numbers.collect::<Vec<f32>>().into(),
+            single,
+        ));
+    }
+    for (number, region) in all.regions.iter().enumerate() {
+        let name = |what: &str| format!("region.{number}.{what}");
+        let vertices = region.vertices.iter().map(|&vertex| vertex as f32);
+        let vertices: Vec<f32> = vertices.collect();
+        let shape = vec![region.num_shapes(), vertices.len(), 3];
+        tensors.push((name("shapes"), shape, Cow::from(&region.shapes), precision));
+        let shape = vec![vertices.len()];
+        tensors.push((name("vertices"), shape, vertices.into(), single));
+        let shape = vec![region.scales.len()];
+        tensors.push((name("scales"), shape, Cow::from(&region.scales), single));
+        for (depth, layer) in region.layers.iter().enumerate() {
+            let shape = vec![layer.num_inputs(), layer.bias.len()];
+            let weight = Cow::from(&layer.weight);
+            tensors.push((name(&format!("{depth}.weight")), shape, weight, precision));
+            let bias = Cow::from(&layer.bias);
+            let shape = vec![layer.bias.len()];
+            tensors.push((name(&format!("{depth}.bias")), shape, bias, single));
+        }
+    }
+    tensors
+}
+
+/// A file that is being read.
+struct Reading<'a> {
+    path: &'a Path,
+    tensors: SafeTensors<'a>,
+}
+
+impl Reading<'_> {
+    fn has(&self, name: &str) -> bool {
+        self.tensors.tensor(name).is_ok()
+    }
+
+    fn part(&self, name: &str) -> Result<Vec<f32>, CheckpointError> {
+        let view = self.tensors.tensor(name).ok();
+        let numbers = view.and_then(|view| weight_file::numbers(&view));
+        numbers.ok_or_else(|| CheckpointError::Tensor {
+            path: self.path.to_path_buf(),
+            name: name.to_owned(),
+            found: "missing".to_owned(),
+            expected: "one".to_owned(),
+        })
+    }
+
+    /// The mirror without parities.
+    fn mirror(&self) -> Result<Mirror, CheckpointError> {
+        // The checksum holds these; one beyond the last is refused with the other counts.
+        let numbers = self.part(MIRROR)?;
+        let pairs = numbers.as_chunks::<2>().0.iter();
+        Ok(Mirror {
+            numbers: pairs
+                .map(|&[number, sign]| (number as usize, sign))
+                .collect(),
+            parity: Vec::new(),
+        })
+    }
+
+    fn parts(&self) -> Result<PoseSpaceParts, CheckpointError> {
+        let mirror = if self.has(MIRROR) {
+            let parity = self.part(PARITY)?;
+            Some(Mirror {
+                parity,
+                ..self.mirror()?
+            })
+        } else {
+            None
+        };
+        Ok(PoseSpaceParts {
+            scales: self.part("scales")?,
+            centers: self.part("centers")?,
+            weights: self.part("weights")?,
+            mean: self.part("mean")?,
+            shapes: self.part("shapes")?,
+            mirror,
+        })
+    }
+
+    fn regions(&self, features: Features) -> Result<Regions, CheckpointError> {
+        let mut regions = Vec::new();
+        while self.has(&format!("region.{}.vertices", regions.len())) {
+            regions.push(self.region(regions.len())?);
+        }
+        let mirror = if self.has(MIRROR) {
+            let images = self.part(IMAGES)?;
+            let images = images.as_chunks::<6>().0.iter();
+            let image =
+                |&[a, b, c, u, v, w]: &[f32; 6]| ([a, b, c].map(|corner| corner as u32), [u, v, w]);
+            Some(RegionMirror {
+                numbers: self.mirror()?,
+                images: images.map(image).collect(),
+            })
+        } else {
+            None
+        };
+        Ok(Regions {
+            features,
+            center: self.part("center")?,
+            mean: self.part("mean")?,
+            regions,
+            mirror,
+        })
+    }
+
+    fn region(&self, number: usize) -> Result<Region, CheckpointError> {
+        let part = |what: &str| self.part(&format!("region.{number}.{what}"));
+        let mut layers = Vec::new();
+        while self.has(&format!("region.{number}.{}.bias", layers.len())) {
+            let depth = layers.len();
+            layers.push(Layer {
+                weight: part(&format!("{depth}.weight"))?,
+                bias: part(&format!("{depth}.bias"))?,
+            });
+        }
+        let vertices = part("vertices")?;
+        Ok(Region {
+            vertices: vertices.iter().map(|&vertex| vertex as u32).collect(),
+            scales: part("scales")?,
+            shapes: part("shapes")?,
+            layers,
+        })
+    }
 }
 
 #[cfg(test)]
@@ -215,13 +376,24 @@ mod tests {
         space.save(&path, Precision::F16).unwrap();
         assert_eq!(PoseSpace::load(&path).unwrap(), space);
         space.aim = Aim::Arrival;
-        space.parts.mirror = Some(Mirror {
+        let Told::ByScenes(parts) = &mut space.told else {
+            unreachable!()
+        };
+        parts.mirror = Some(Mirror {
             numbers: vec![(0, -1.0), (1, 1.0)],
             parity: vec![-1.0],
         });
         space.save(&path, Precision::F16).unwrap();
         assert_eq!(PoseSpace::load(&path).unwrap(), space);
         assert!(!space.checksum().is_empty());
+
+        let regions = super::super::regions::tests::small();
+        let (garment, range) = (space.garment, space.range.clone());
+        let mut regions = PoseSpace::of_regions(regions, garment, range).unwrap();
+        regions.aim = Aim::Arrival;
+        let other = folder.path().join("arrival.safetensors");
+        regions.save(&other, Precision::F16).unwrap();
+        assert_eq!(PoseSpace::load(&other).unwrap(), regions);
 
         let mut bytes = std::fs::read(&path).unwrap();
         let last = bytes.len() - 1;

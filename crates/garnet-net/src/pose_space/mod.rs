@@ -10,13 +10,20 @@
 //! x̄ are the numbers of the mirrored body, and the parity p of a shape is 1 if it is the same in the
 //! mirror, −1 if it changes its sign; 0 without a mirror.
 //!
+//! Or the shares of the shapes are told by small networks, one for each region of the garment ([`Regions`]): with
+//! many scenes they are nearer, and their files do not grow with the scenes.
+//!
 //! Source: *Lewis, Cordner and Fong 2000* (pose-space deformation), *Kry, James and Pai 2002* (its
 //! principal shapes), *Rasmussen and Williams 2006, equation 4.17* (the covariance of Matérn, ν = 3/2).
 
+mod features;
 mod file;
+mod regions;
 
+pub use features::{Aspect, Feature, Features};
 pub use file::PoseSpaceHeader;
 pub(crate) use file::SCHEMA;
+pub use regions::{Image, Layer, Region, RegionMirror, Regions, silu};
 
 use std::collections::BTreeMap;
 
@@ -73,9 +80,16 @@ pub struct PoseSpace {
     pub scores: BTreeMap<String, f64>,
     /// Checksum of its file; empty until it was written or read.
     checksum: String,
-    parts: PoseSpaceParts,
-    /// Numbers whose scale is above zero.
-    kept: Vec<usize>,
+    told: Told,
+}
+
+/// What tells the shares of the shapes.
+#[derive(Debug, Clone, PartialEq)]
+enum Told {
+    /// Scenes, by how alike they are.
+    ByScenes(PoseSpaceParts),
+    /// Networks.
+    ByRegions(Regions),
 }
 
 /// The numbers of a [`PoseSpace`].
@@ -124,105 +138,19 @@ pub fn covariance(squared: f64) -> f64 {
     (1.0 + distance) * (-distance).exp()
 }
 
-impl PoseSpace {
-    /// Puts the numbers of a fit together.
-    ///
-    /// # Errors
-    ///
-    /// [`NetError::Count`] where their counts do not agree.
-    pub fn new(
-        parts: PoseSpaceParts,
-        garment: Fingerprint,
-        range: TrainedRange,
-        ridge: f64,
-    ) -> Result<Self, NetError> {
-        let kept = (0..parts.scales.len()).filter(|&number| parts.scales[number] > 0.0);
-        let kept: Vec<usize> = kept.collect();
-        let check = |what, found: usize, expected: usize| {
-            if found == expected {
-                return Ok(());
-            }
-            Err(NetError::Count {
-                what,
-                found,
-                expected,
-            })
-        };
-        let num_shapes = parts.shapes.len() / parts.mean.len().max(1);
-        let num_scenes = parts.centers.len() / kept.len().max(1);
-        let coordinates = 3 * (parts.mean.len() / 3);
-        check("coordinates of the mean", parts.mean.len(), coordinates)?;
-        let coordinates = num_shapes * parts.mean.len();
-        check("coordinates of shapes", parts.shapes.len(), coordinates)?;
-        let numbers = num_scenes * kept.len();
-        check("numbers of scenes", parts.centers.len(), numbers)?;
-        check("weights", parts.weights.len(), num_scenes * num_shapes)?;
-        if let Some(Mirror { numbers, parity }) = &parts.mirror {
-            check("mirrored numbers", numbers.len(), parts.scales.len())?;
-            let within = numbers.iter().filter(|(number, _)| *number < numbers.len());
-            check("mirrored numbers", within.count(), numbers.len())?;
-            check("parities", parity.len(), num_shapes)?;
-        }
-        Ok(Self {
-            garment,
-            range,
-            aim: Aim::default(),
-            ridge,
-            record: serde_json::Value::Null,
-            scores: BTreeMap::new(),
-            checksum: String::new(),
-            parts,
-            kept,
-        })
-    }
-
-    /// The numbers.
-    pub fn parts(&self) -> &PoseSpaceParts {
-        &self.parts
-    }
-
-    /// Checksum of its file; empty until it was written or read.
-    pub fn checksum(&self) -> &str {
-        &self.checksum
-    }
-
-    /// How many vertices the garment has.
-    pub fn num_vertices(&self) -> usize {
-        self.parts.mean.len() / 3
-    }
-
+impl PoseSpaceParts {
     /// How many principal shapes there are.
     pub fn num_shapes(&self) -> usize {
-        self.parts.shapes.len() / self.parts.mean.len().max(1)
-    }
-
-    /// Size and work.
-    pub fn cost(&self) -> Cost {
-        let PoseSpaceParts {
-            scales,
-            centers,
-            weights,
-            mean,
-            shapes,
-            mirror,
-        } = &self.parts;
-        let all = [scales, centers, weights, mean, shapes].map(|part| part.len() as u64);
-        Cost {
-            parameters: all.iter().sum(),
-            // A difference, its square and a sum; a product and a sum.
-            flops: (1 + u64::from(mirror.is_some())) * (3 * all[1] + 2 * all[2])
-                + 2 * all[4]
-                + all[3],
-        }
+        self.shapes.len() / self.mean.len().max(1)
     }
 
     /// The numbers that count, scaled.
     ///
     /// # Errors
     ///
-    /// [`NetError::Count`] for another count of numbers than those that it was fitted to.
+    /// [`NetError::Count`] for another count of numbers than that of the scales.
     pub fn scaled(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
-        let (found, expected) = (parameters.len(), self.parts.scales.len());
+        let (found, expected) = (parameters.len(), self.scales.len());
         if found != expected {
             return Err(NetError::Count {
                 what: "parameters",
@@ -230,19 +158,16 @@ impl PoseSpace {
                 expected,
             });
         }
-        let scales = &self.parts.scales;
-        let scaled = |&number: &usize| scales[number] * parameters[number];
-        Ok(self.kept.iter().map(scaled).collect())
+        let pairs = self.scales.iter().zip(parameters);
+        Ok(pairs
+            .filter(|&(&scale, _)| scale > 0.0)
+            .map(|(scale, number)| scale * number)
+            .collect())
     }
 
-    /// The share of each principal shape `[shape]`, in metres, by pose and shape of the body.
-    ///
-    /// # Errors
-    ///
-    /// As [`PoseSpace::scaled`].
-    pub fn coefficients(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
+    fn shares(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
         let mut sums = self.sums(&self.scaled(parameters)?);
-        if let Some(mirror) = &self.parts.mirror {
+        if let Some(mirror) = &self.mirror {
             let mirrored = self.sums(&self.scaled(&mirror.of_numbers(parameters))?);
             let mirrored = mirrored.iter().zip(&mirror.parity);
             for (sum, (mirrored, parity)) in sums.iter_mut().zip(mirrored) {
@@ -258,8 +183,8 @@ impl PoseSpace {
         if place.is_empty() || sums.is_empty() {
             return sums;
         }
-        let centers = self.parts.centers.chunks_exact(place.len());
-        for (center, weights) in centers.zip(self.parts.weights.chunks_exact(sums.len())) {
+        let centers = self.centers.chunks_exact(place.len());
+        for (center, weights) in centers.zip(self.weights.chunks_exact(sums.len())) {
             let squared: f32 = center
                 .iter()
                 .zip(place)
@@ -271,6 +196,171 @@ impl PoseSpace {
             }
         }
         sums
+    }
+
+    /// The offsets from the warp in the skinning frames `[vertex]`, in metres.
+    fn offsets(&self, shares: &[f32]) -> Vec<Vector3> {
+        let mut offsets = self.mean.clone();
+        offsets
+            .par_chunks_mut(3 * CHUNK)
+            .enumerate()
+            .for_each(|(number, offsets)| {
+                let first = 3 * CHUNK * number;
+                let shapes = self.shapes.chunks_exact(self.mean.len());
+                for (shape, share) in shapes.zip(shares) {
+                    let part = &shape[first..first + offsets.len()];
+                    for (offset, number) in offsets.iter_mut().zip(part) {
+                        *offset += share * number;
+                    }
+                }
+            });
+        let (offsets, _) = offsets.as_chunks::<3>();
+        offsets
+            .iter()
+            .map(|&offset| Vector3::from(offset))
+            .collect()
+    }
+}
+
+impl PoseSpace {
+    /// Puts the numbers of a fit together.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::Count`] where their counts do not agree.
+    pub fn new(
+        parts: PoseSpaceParts,
+        garment: Fingerprint,
+        range: TrainedRange,
+        ridge: f64,
+    ) -> Result<Self, NetError> {
+        let kept = parts.scales.iter().filter(|&&scale| scale > 0.0).count();
+        let check = |what, found: usize, expected: usize| {
+            if found == expected {
+                return Ok(());
+            }
+            Err(NetError::Count {
+                what,
+                found,
+                expected,
+            })
+        };
+        let num_shapes = parts.num_shapes();
+        let num_scenes = parts.centers.len() / kept.max(1);
+        let coordinates = 3 * (parts.mean.len() / 3);
+        check("coordinates of the mean", parts.mean.len(), coordinates)?;
+        let coordinates = num_shapes * parts.mean.len();
+        check("coordinates of shapes", parts.shapes.len(), coordinates)?;
+        let numbers = num_scenes * kept;
+        check("numbers of scenes", parts.centers.len(), numbers)?;
+        check("weights", parts.weights.len(), num_scenes * num_shapes)?;
+        if let Some(Mirror { numbers, parity }) = &parts.mirror {
+            check("mirrored numbers", numbers.len(), parts.scales.len())?;
+            let within = numbers.iter().filter(|(number, _)| *number < numbers.len());
+            check("mirrored numbers", within.count(), numbers.len())?;
+            check("parities", parity.len(), num_shapes)?;
+        }
+        let told = Told::ByScenes(parts);
+        Ok(Self::of(told, garment, range, ridge))
+    }
+
+    /// Puts the regions of a garment together.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::Count`] where counts do not agree.
+    pub fn of_regions(
+        regions: Regions,
+        garment: Fingerprint,
+        range: TrainedRange,
+    ) -> Result<Self, NetError> {
+        regions.check()?;
+        Ok(Self::of(Told::ByRegions(regions), garment, range, 0.0))
+    }
+
+    fn of(told: Told, garment: Fingerprint, range: TrainedRange, ridge: f64) -> Self {
+        Self {
+            garment,
+            range,
+            aim: Aim::default(),
+            ridge,
+            record: serde_json::Value::Null,
+            scores: BTreeMap::new(),
+            checksum: String::new(),
+            told,
+        }
+    }
+
+    /// The numbers, if scenes tell the shares of the shapes.
+    pub fn parts(&self) -> Option<&PoseSpaceParts> {
+        match &self.told {
+            Told::ByScenes(parts) => Some(parts),
+            Told::ByRegions(_) => None,
+        }
+    }
+
+    /// The regions, if networks tell the shares of their shapes.
+    pub fn regions(&self) -> Option<&Regions> {
+        match &self.told {
+            Told::ByScenes(_) => None,
+            Told::ByRegions(regions) => Some(regions),
+        }
+    }
+
+    /// Checksum of its file; empty until it was written or read.
+    pub fn checksum(&self) -> &str {
+        &self.checksum
+    }
+
+    /// How many vertices the garment has.
+    pub fn num_vertices(&self) -> usize {
+        match &self.told {
+            Told::ByScenes(parts) => parts.mean.len() / 3,
+            Told::ByRegions(regions) => regions.num_vertices(),
+        }
+    }
+
+    /// How many shapes there are, those of the mirror images of regions among them.
+    pub fn num_shapes(&self) -> usize {
+        match &self.told {
+            Told::ByScenes(parts) => parts.num_shapes(),
+            Told::ByRegions(regions) => regions.num_shares(),
+        }
+    }
+
+    /// Size and work.
+    pub fn cost(&self) -> Cost {
+        let PoseSpaceParts {
+            scales,
+            centers,
+            weights,
+            mean,
+            shapes,
+            mirror,
+        } = match &self.told {
+            Told::ByScenes(parts) => parts,
+            Told::ByRegions(regions) => return regions.cost(),
+        };
+        let all = [scales, centers, weights, mean, shapes].map(|part| part.len() as u64);
+        Cost {
+            parameters: all.iter().sum(),
+            // A difference, its square and a sum; a product and a sum.
+            flops: (1 + u64::from(mirror.is_some())) * (3 * all[1] + 2 * all[2])
+                + 2 * all[4]
+                + all[3],
+        }
+    }
+
+    /// The share of each shape `[shape]`, in metres, by pose and shape of the body.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::Count`] for another count of numbers than those that it was fitted to.
+    pub fn coefficients(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
+        match &self.told {
+            Told::ByScenes(parts) => parts.shares(parameters),
+            Told::ByRegions(regions) => regions.shares(parameters),
+        }
     }
 
     /// The warped garment `[vertex]`, moved by mean and principal shapes, in metres.
@@ -298,26 +388,14 @@ impl PoseSpace {
                 expected: self.num_vertices(),
             });
         }
-        let mut moved = vec![Point3::origin(); warped.len()];
-        moved
-            .par_chunks_mut(CHUNK)
-            .enumerate()
-            .for_each(|(number, places)| {
-                let first = number * CHUNK;
-                let range = 3 * first..3 * (first + places.len());
-                let mut offsets = self.parts.mean[range.clone()].to_vec();
-                let shapes = self.parts.shapes.chunks_exact(self.parts.mean.len());
-                for (shape, share) in shapes.zip(coefficients) {
-                    for (offset, number) in offsets.iter_mut().zip(&shape[range.clone()]) {
-                        *offset += share * number;
-                    }
-                }
-                let (offsets, _) = offsets.as_chunks::<3>();
-                for (vertex, (place, &offset)) in places.iter_mut().zip(offsets).enumerate() {
-                    let offset = rotations[first + vertex] * Vector3::from(offset);
-                    *place = warped[first + vertex] + offset;
-                }
-            });
+        let offsets = match &self.told {
+            Told::ByScenes(parts) => parts.offsets(coefficients),
+            Told::ByRegions(regions) => regions.offsets(coefficients),
+        };
+        let places = warped.iter().zip(rotations).zip(offsets);
+        let moved: Vec<Point3> = places
+            .map(|((warped, rotation), offset)| warped + rotation * offset)
+            .collect();
         let is_stray = |place: &Point3| !place.iter().all(|number| number.is_finite());
         match moved.iter().position(is_stray) {
             Some(vertex) => Err(NetError::Diverged { vertex }),
@@ -377,7 +455,7 @@ mod tests {
             };
             let parts = PoseSpaceParts {
                 mirror: Some(mirror),
-                ..space.parts().clone()
+                ..space.parts().unwrap().clone()
             };
             let mirrored = PoseSpace::new(parts, space.garment, space.range.clone(), 0.01).unwrap();
             let at = |space: &PoseSpace, number| space.coefficients(&[0.0, number]).unwrap()[0];
@@ -390,7 +468,7 @@ mod tests {
                 numbers: vec![(2, 1.0), (1, -1.0)],
                 parity: vec![1.0],
             }),
-            ..space.parts().clone()
+            ..space.parts().unwrap().clone()
         };
         let range = space.range.clone();
         assert!(PoseSpace::new(parts, space.garment, range, 0.01).is_err());
@@ -424,7 +502,7 @@ mod tests {
         ));
         let parts = PoseSpaceParts {
             weights: vec![0.5],
-            ..space.parts().clone()
+            ..space.parts().unwrap().clone()
         };
         let range = space.range.clone();
         assert!(PoseSpace::new(parts, space.garment, range, 0.01).is_err());

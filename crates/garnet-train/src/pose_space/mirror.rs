@@ -1,7 +1,7 @@
 //! What a scene tells of its mirror image.
 
 use garnet_mesh::Point3;
-use garnet_net::pose_space::Mirror;
+use garnet_net::pose_space::{Image, Mirror};
 use garnet_skin::Symmetry;
 use rayon::prelude::*;
 
@@ -17,7 +17,7 @@ const ON: f32 = 0.01;
 #[derive(Debug, Clone)]
 pub(super) struct GarmentMirror {
     /// For each vertex the triangle on which its mirror image lies, and the weights of its corners.
-    images: Vec<([u32; 3], [f32; 3])>,
+    images: Vec<Image>,
     /// For each number of pose and shape the one that takes its place, and its sign.
     numbers: Vec<(usize, f32)>,
 }
@@ -58,6 +58,11 @@ impl GarmentMirror {
             [image.x, image.y, image.z]
         };
         self.images.iter().flat_map(image).collect()
+    }
+
+    /// For each vertex the triangle on which its mirror image lies, and the weights of its corners.
+    pub(super) fn images(&self) -> &[Image] {
+        &self.images
     }
 
     /// For each number of pose and shape the one that takes its place in the mirror, and its sign.

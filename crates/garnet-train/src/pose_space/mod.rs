@@ -3,11 +3,13 @@
 //! A fit takes seconds where a network takes hours. Offsets of the drapes from the warp are put into few
 //! principal shapes; the share of each is interpolated between scenes by a Gaussian process. How much
 //! each joint counts is found by leaving out the body and the sequence of poses of each scene. Where left and
-//! right of body and garment are alike, each scene counts as its mirror image, too.
+//! right of body and garment are alike, each scene counts as its mirror image, too. Or small networks tell the shares
+//! of the shapes of [regions](regions) of the garment.
 
 mod mirror;
 mod offsets;
 mod principal;
+mod regions;
 mod regression;
 mod relevance;
 mod scenes;
@@ -18,7 +20,7 @@ pub(crate) use start::{start, start_of};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use garnet_data::{GarmentPackage, Split, Variant};
+use garnet_data::{Dataset, GarmentPackage, Split, Variant};
 use garnet_net::pose_space::PoseSpaceParts;
 use garnet_net::{Aim, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
@@ -48,6 +50,27 @@ pub struct PoseSpaceConfig {
     pub rounds: u32,
     /// Whether each scene counts as its mirror image, too, if left and right of body and garment are alike.
     pub mirror: bool,
+    /// What tells the shares of the shapes; by default networks tell where cloth arrives, and scenes where it rests:
+    /// networks that mend a drape need to know how it would have been told without each scene.
+    pub told_by: Option<ToldBy>,
+    /// Principal shapes of each region that networks tell.
+    pub region_shapes: u32,
+    /// Scenes by which it is found out how much each feature counts in a region, at most.
+    pub region_searched: u32,
+    /// Numbers of the two layers in the middle of such a network.
+    pub hidden: u32,
+    /// Times that such a network sees each scene.
+    pub passes: u32,
+}
+
+/// What tells the shares of the shapes of a pose-space deformation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToldBy {
+    /// The scenes that it was fitted to, by how alike they are.
+    Scenes,
+    /// A small network for each region of the garment.
+    Networks,
 }
 
 impl Default for PoseSpaceConfig {
@@ -58,7 +81,21 @@ impl Default for PoseSpaceConfig {
             searched: 1000,
             rounds: 5,
             mirror: true,
+            told_by: None,
+            region_shapes: 80,
+            region_searched: 1000,
+            hidden: 512,
+            passes: 40,
         }
+    }
+}
+
+impl PoseSpaceConfig {
+    fn told_by(&self, aim: Aim) -> ToldBy {
+        self.told_by.unwrap_or(match aim {
+            Aim::Rest => ToldBy::Scenes,
+            Aim::Arrival => ToldBy::Networks,
+        })
     }
 }
 
@@ -76,9 +113,28 @@ pub(crate) fn fit(
     let mut subject = Subject::new(stage, network, &job.config.loss)?;
     subject.aim = aim;
     let train = examples(stage, &subject, Split::Train, None, observer)?;
-    let mut space = fitted(&job.config, stage, &train, observer, stop)?;
+    let (mut space, num_train) = match job.config.pose_space.told_by(aim) {
+        ToldBy::Scenes => {
+            if let Some(more) = job.more.first() {
+                return Err(TrainError::MoreScenes { path: more.clone() });
+            }
+            let count = train.len();
+            (fitted(&job.config, stage, &train, observer, stop)?, count)
+        }
+        ToldBy::Networks => {
+            let mut samples = regions::samples_of(0, &train);
+            for (number, path) in (1..).zip(&job.more) {
+                let more = Stage::new(GarmentPackage::read(&job.package)?, Dataset::open(path)?)?;
+                more.check_aim(aim)?;
+                let more = examples(&more, &subject, Split::Train, None, observer)?;
+                samples.extend(regions::samples_of(number, &more));
+            }
+            let space = of_regions(&job.config, stage, &samples, observer, stop)?;
+            (space, samples.len())
+        }
+    };
     space.aim = aim;
-    space.record = record(job, stage, &space, train.len());
+    space.record = record(job, stage, &space, num_train)?;
     let file = format!("{name}.safetensors");
     let path = job.package.join(&file);
     // What is measured are the numbers that the file will have.
@@ -141,16 +197,45 @@ fn best(valid: Option<Validation>) -> EpochRecord {
     }
 }
 
-fn record(job: &TrainJob, stage: &Stage, space: &PoseSpace, num_train: usize) -> serde_json::Value {
-    serde_json::json!({
+fn record(
+    job: &TrainJob,
+    stage: &Stage,
+    space: &PoseSpace,
+    num_train: usize,
+) -> Result<serde_json::Value, TrainError> {
+    let more = job.more.iter().map(|path| {
+        let dataset = Dataset::open(path)?;
+        Ok(dataset.manifest.fingerprint().to_string())
+    });
+    let more: Vec<String> = more.collect::<Result<_, TrainError>>()?;
+    Ok(serde_json::json!({
         "variant": job.recipe.name,
         "dataset": stage.dataset.manifest.fingerprint().to_string(),
+        "more": more,
         "scenes": num_train,
         "config": job.config.pose_space,
         "precision": job.config.precision,
         "left_out_m": space.scores.get("left_out_m"),
         "version": env!("CARGO_PKG_VERSION"),
-    })
+    }))
+}
+
+/// The deformation of the regions of the garment.
+fn of_regions(
+    config: &TrainConfig,
+    stage: &Stage,
+    samples: &[regions::Sample],
+    observer: &mut dyn FnMut(TrainEvent),
+    stop: &AtomicBool,
+) -> Result<PoseSpace, TrainError> {
+    let (asked, seed) = (&config.pose_space, config.seed);
+    let regions = regions::fitted(asked, seed, stage, samples, observer, stop)?;
+    let range = TrainedRange::of(samples.iter().map(|sample| &sample.parameters));
+    let range = range.ok_or(TrainError::EmptySplit {
+        split: Split::Train,
+    })?;
+    let garment = stage.template().graph.fingerprint();
+    Ok(PoseSpace::of_regions(regions, garment, range)?)
 }
 
 /// Numbers as a file keeps them.

@@ -62,7 +62,7 @@ pub(super) fn halves(example: &Example, mirror: Option<&GarmentMirror>) -> (Vec<
 }
 
 /// The offset of each vertex, coordinate by coordinate.
-fn offsets_of(example: &Example) -> Vec<f32> {
+pub(super) fn offsets_of(example: &Example) -> Vec<f32> {
     let warped = &example.warped;
     let pairs = warped.positions.iter().zip(&example.draped);
     let offsets = pairs

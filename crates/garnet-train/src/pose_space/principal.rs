@@ -63,7 +63,7 @@ pub(super) fn principal(offsets: &Offsets, count: usize) -> Principal {
 /// The principal shapes of offsets, largest first, by a randomized range finder.
 ///
 /// Source: *Halko, Martinsson and Tropp 2011, algorithms 4.4 and 5.1*.
-fn principal_of(offsets: &Mat<f32>, count: usize) -> Principal {
+pub(super) fn principal_of(offsets: &Mat<f32>, count: usize) -> Principal {
     let matrix = offsets.as_ref();
     let (num_rows, num_scenes) = (matrix.nrows(), matrix.ncols());
     let count = count.min(num_scenes).min(num_rows);

@@ -35,9 +35,31 @@ impl Regression {
         parity: &[f32],
         ridge: f64,
     ) -> Option<Self> {
-        let count = shares.nrows();
         let own = covariances(&places.own, &places.own);
         let images = (places.mirrored.as_ref()).map(|images| covariances(&places.own, images));
+        Self::of_covariances(&own, images.as_ref(), shares, parity, ridge)
+    }
+
+    /// The same without mirror images, of the squared distances between places `[scene, scene]`.
+    pub(super) fn of_distances(squared: &Mat<f64>, shares: &Mat<f64>, ridge: f64) -> Option<Self> {
+        let count = squared.nrows();
+        let columns = (0..count).into_par_iter().flat_map_iter(|column| {
+            let squared = squared.col(column).iter();
+            squared.map(|&squared| covariance(squared))
+        });
+        let alike: Vec<f64> = columns.collect();
+        let own = MatRef::from_column_major_slice(&alike, count, count).to_owned();
+        Self::of_covariances(&own, None, shares, &vec![1.0; shares.ncols()], ridge)
+    }
+
+    fn of_covariances(
+        own: &Mat<f64>,
+        images: Option<&Mat<f64>>,
+        shares: &Mat<f64>,
+        parity: &[f32],
+        ridge: f64,
+    ) -> Option<Self> {
+        let count = shares.nrows();
         let mut weights = Mat::zeros(count, shares.ncols());
         let mut inverses = Vec::new();
         for sign in [1.0, -1.0] {
@@ -47,7 +69,7 @@ impl Regression {
                 continue;
             }
             let mut matrix = own.clone();
-            if let Some(images) = &images {
+            if let Some(images) = images {
                 // Rounding leaves a matrix that should be symmetric nearly so.
                 matrix += faer::Scale(0.5 * f64::from(sign)) * (images + images.transpose());
             }

@@ -11,17 +11,17 @@ use crate::subject::Example;
 
 /// Numbers of a rotation are multiplied by this before the search: a quarter turn is a tenth of the
 /// distance at which scenes have nothing to do with each other.
-const TURN: f64 = 0.07;
+pub(super) const TURN: f64 = 0.07;
 
 /// And offsets of the skin, in metres.
-const GROWTH: f64 = 1.4;
+pub(super) const GROWTH: f64 = 1.4;
 
 /// The ridge before the search.
-const RIDGE: f64 = 2e-3;
+pub(super) const RIDGE: f64 = 2e-3;
 
 /// The logarithm of the first steps of the search, and how they shrink from round to round.
-const STEP: f64 = 0.7;
-const SHRINKING: f64 = 0.75;
+pub(super) const STEP: f64 = 0.7;
+pub(super) const SHRINKING: f64 = 0.75;
 
 /// Numbers of a joint that tell its rotation; the others tell the shape of its skin.
 const NUMBERS_OF_TURN: usize = 6;
@@ -33,7 +33,7 @@ const TOLERANCE: f64 = 1.001;
 const SHAPES: usize = 48;
 
 /// Numbers that vary less than this over all scenes are left out.
-const LEAST_SPREAD: f32 = 1e-5;
+pub(super) const LEAST_SPREAD: f32 = 1e-5;
 
 /// What numbers of pose and shape are multiplied by, before distances between scenes are taken.
 pub(super) struct Relevance {

@@ -1,7 +1,9 @@
 //! Which scenes a fit looks at, and which it leaves out together.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
+use super::regions::Sample;
 use crate::subject::Example;
 
 /// The scenes of each body, which follow each other.
@@ -21,23 +23,35 @@ fn bodies(examples: &[&Example]) -> Vec<Range<usize>> {
 ///
 /// What all scenes have in common does not count.
 pub(super) fn left_out_with(examples: &[&Example]) -> Vec<Vec<usize>> {
-    let all_alike = |alike: fn(&Example, &Example) -> bool| {
-        let first = examples.first();
-        first.is_none_or(|first| examples.iter().all(|other| alike(first, other)))
-    };
-    let of_body = |a: &Example, b: &Example| a.scene.body == b.scene.body;
-    let of_sequence = |a: &Example, b: &Example| a.sequence == b.sequence;
-    let (one_body, one_sequence) = (all_alike(of_body), all_alike(of_sequence));
+    let keys = examples.iter();
+    let keys: Vec<_> = keys
+        .map(|example| ((0, example.scene.body), example.sequence.as_str()))
+        .collect();
+    together(&keys)
+}
+
+/// The same of the bodies, by data set and number, and sequences of scenes.
+pub(super) fn together(keys: &[((usize, u32), &str)]) -> Vec<Vec<usize>> {
+    let one_body = keys.iter().all(|key| key.0 == keys[0].0);
+    let one_sequence = keys.iter().all(|key| key.1 == keys[0].1);
     let with = |scene: usize| {
-        let this = examples[scene];
-        let others = examples.iter().enumerate().filter(|&(other, example)| {
-            other == scene
-                || (!one_body && of_body(this, example))
-                || (!one_sequence && of_sequence(this, example))
+        let this = keys[scene];
+        let others = keys.iter().enumerate().filter(|&(other, key)| {
+            other == scene || (!one_body && this.0 == key.0) || (!one_sequence && this.1 == key.1)
         });
         others.map(|(other, _)| other).collect()
     };
-    (0..examples.len()).map(with).collect()
+    (0..keys.len()).map(with).collect()
+}
+
+/// The samples of evenly chosen bodies, `most` at most.
+pub(super) fn evenly(samples: &[Sample], most: usize) -> Vec<usize> {
+    let mut bodies: Vec<(usize, u32)> = samples.iter().map(|sample| sample.body).collect();
+    bodies.dedup();
+    let step = samples.len().div_ceil(most.max(1)).max(1);
+    let taken: BTreeSet<(usize, u32)> = bodies.into_iter().step_by(step).collect();
+    let is_taken = |&sample: &usize| taken.contains(&samples[sample].body);
+    (0..samples.len()).filter(is_taken).take(most).collect()
 }
 
 /// The scenes of evenly chosen bodies, `most` at most; of one body at least.

@@ -74,10 +74,15 @@ fn left_out(
     stage: &Stage,
     examples: &[Example],
 ) -> Result<Mat<f64>, TrainError> {
-    let parts = space.parts();
+    let parts = (space.parts()).ok_or_else(|| TrainError::CannotLeaveOut {
+        name: space.record["variant"]
+            .as_str()
+            .unwrap_or_default()
+            .to_owned(),
+    })?;
     let places = |numbers: &dyn Fn(&Example) -> Vec<f32>| -> Result<Mat<f64>, TrainError> {
         let scaled: Vec<Vec<f32>> = (examples.iter())
-            .map(|example| space.scaled(&numbers(example)))
+            .map(|example| parts.scaled(&numbers(example)))
             .collect::<Result<_, _>>()?;
         let numbers = scaled.first().map_or(0, Vec::len);
         Ok(Mat::from_fn(examples.len(), numbers, |row, column| {

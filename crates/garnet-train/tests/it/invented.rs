@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use garnet_data::{
     BodyRecord, Counts, DATASET_SCHEMA, DatasetManifest, GarmentPackage, Limits, PackageParts,
-    Posed, SceneRecord, Shard, Sizing, Split, StoredFabric, Variations,
+    Posed, SceneRecord, Shard, Sizing, Split, StoredFabric, Until, Variations,
 };
 use garnet_mesh::primitives::{capsule, tube};
 use garnet_mesh::{ObjFile, Point3, Vector3, write_obj};
@@ -128,6 +128,7 @@ impl Invented {
         TrainJob {
             package: self.package(),
             dataset: self.dataset(),
+            more: Vec::new(),
             recipe: Recipe::of_name(name).unwrap(),
             config,
             base: None,
@@ -171,6 +172,7 @@ fn manifest(package: &GarmentPackage) -> DatasetManifest {
         },
         poses: 6,
         quality: None,
+        until: Until::Rest,
         sizing: Sizing::OneSize,
         vary: Variations::default(),
         limits: Limits::NONE,

@@ -1,13 +1,133 @@
 //! Pose-space deformations, and networks that start from them.
 
-use garnet_data::{Dataset, GarmentPackage, Put, Split};
+use garnet_data::{Dataset, DatasetManifest, GarmentPackage, Put, Split, Until};
 use garnet_mesh::Vector3;
 use garnet_net::{ARRIVAL, Aim, POSE_SPACE, PoseSpace};
 use garnet_train::{
-    Candidate, Finish, Precision, Stage, TrainConfig, TrainError, TrainEvent, evaluate, train,
+    Candidate, Finish, PoseSpaceConfig, Precision, Stage, ToldBy, TrainConfig, TrainError,
+    TrainEvent, TrainJob, evaluate, train,
 };
 
 use crate::invented::{Invented, run, tiny};
+
+/// Arrivals that scenes tell.
+fn by_scenes() -> TrainConfig {
+    let pose_space = PoseSpaceConfig {
+        told_by: Some(ToldBy::Scenes),
+        ..PoseSpaceConfig::default()
+    };
+    TrainConfig {
+        pose_space,
+        ..TrainConfig::default()
+    }
+}
+
+/// Arrivals that small networks tell.
+fn by_networks(passes: u32) -> TrainConfig {
+    let pose_space = PoseSpaceConfig {
+        region_shapes: 4,
+        hidden: 16,
+        rounds: 2,
+        passes,
+        ..PoseSpaceConfig::default()
+    };
+    TrainConfig {
+        pose_space,
+        ..TrainConfig::default()
+    }
+}
+
+#[test]
+fn networks_tell_arrivals_of_several_data_sets() {
+    let [invented, other] = [(); 2].map(|()| Invented::new());
+    with_arrivals(&invented);
+    // The other data set ends where bodies arrive.
+    let mut shards = Split::ALL.map(|split| other.read(split));
+    let path = other.dataset().join("dataset.json");
+    let mut manifest = DatasetManifest::read(&path).unwrap();
+    manifest.until = Until::Arrival;
+    manifest.write(&path).unwrap();
+    for shard in &mut shards {
+        for scene in &mut shard.scenes {
+            let places = scene.garment.iter();
+            scene.garment = places.map(|place| place - 0.005 * Vector3::y()).collect();
+        }
+        other.write(shard);
+    }
+    let job = TrainJob {
+        more: vec![other.dataset()],
+        ..invented.job(ARRIVAL, by_networks(1500))
+    };
+    let mut learned = Vec::new();
+    let mut observer = |event| {
+        if let TrainEvent::RegionLearned { region, pass, .. } = event {
+            learned.push((region, pass));
+        }
+    };
+    let fitted = train(&job, &mut observer, &false.into()).unwrap();
+    assert_eq!(learned.last().unwrap().1, 1500);
+    // The warp is 8 mm away.
+    let valid = fitted.best.valid.distance;
+    println!("{:.3} mm", 1e3 * valid);
+    assert!(valid < 1e-3, "{valid}");
+    let space = PoseSpace::load(&fitted.weights).unwrap();
+    let twice = 2 * invented.read(Split::Train).scenes.len();
+    assert_eq!(space.record["scenes"], twice);
+    assert_eq!(space.record["more"][0], manifest.fingerprint().to_string());
+    assert!(space.parts().is_none());
+    let moved = space.regions().unwrap();
+    assert_eq!(moved.num_vertices(), space.num_vertices());
+    // It knows its scenes by heart.
+    let job = invented.job(
+        "mine",
+        TrainConfig {
+            network: toml::from_str("start = \"arrival\"").unwrap(),
+            ..tiny(1)
+        },
+    );
+    let error = run(&job).unwrap_err();
+    assert!(
+        matches!(error, TrainError::CannotLeaveOut { .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn cloth_that_has_not_settled_is_no_drape() {
+    let invented = Invented::new();
+    let path = invented.dataset().join("dataset.json");
+    let shards = Split::ALL.map(|split| invented.read(split));
+    let mut manifest = DatasetManifest::read(&path).unwrap();
+    manifest.until = Until::Arrival;
+    manifest.write(&path).unwrap();
+    shards.iter().for_each(|shard| invented.write(shard));
+    for name in [POSE_SPACE, "local"] {
+        let error = run(&invented.job(name, tiny(1))).unwrap_err();
+        assert!(matches!(error, TrainError::NotSettled { .. }), "{error}");
+    }
+    let evaluated = evaluate(
+        &stage(&invented),
+        Split::Test,
+        &[],
+        Finish::None,
+        &mut |_| {},
+    );
+    assert!(matches!(evaluated, Err(TrainError::NotSettled { .. })));
+    run(&invented.job(ARRIVAL, by_networks(2))).unwrap();
+}
+
+#[test]
+fn scenes_of_one_data_set_tell_drapes() {
+    let invented = Invented::new();
+    for name in [POSE_SPACE, "local"] {
+        let job = TrainJob {
+            more: vec![invented.dataset()],
+            ..invented.job(name, tiny(1))
+        };
+        let error = run(&job).unwrap_err();
+        assert!(matches!(error, TrainError::MoreScenes { .. }), "{error}");
+    }
+}
 
 /// Tells where the garment arrives: 5 mm below where it rests.
 fn with_arrivals(invented: &Invented) {
@@ -24,7 +144,7 @@ fn with_arrivals(invented: &Invented) {
 #[test]
 fn arrivals_are_learned_where_the_data_set_has_them() {
     let invented = Invented::new();
-    let job = invented.job(ARRIVAL, TrainConfig::default());
+    let job = invented.job(ARRIVAL, by_scenes());
     let error = run(&job).unwrap_err();
     assert!(
         matches!(error, TrainError::NoArrival { scene } if scene.split == Split::Train),
@@ -60,9 +180,7 @@ fn what_arrives_is_measured_settled_alone() {
     let invented = Invented::new();
     with_arrivals(&invented);
     let settles = |name: &str, asked: Option<u32>| -> Vec<u32> {
-        let weights = run(&invented.job(name, TrainConfig::default()))
-            .unwrap()
-            .weights;
+        let weights = run(&invented.job(name, by_scenes())).unwrap().weights;
         let candidates = Candidate::of_weights(name, &weights, asked).unwrap();
         let settle = |candidate: &Candidate| match candidate {
             Candidate::Model { settle, .. } => *settle,
@@ -91,7 +209,7 @@ fn a_network_that_starts_where_cloth_arrives_learns_arrivals() {
         matches!(error, TrainError::NoStart { name: ARRIVAL, .. }),
         "{error}"
     );
-    let fitted = run(&invented.job(ARRIVAL, TrainConfig::default())).unwrap();
+    let fitted = run(&invented.job(ARRIVAL, by_scenes())).unwrap();
     let trained = run(&job).unwrap();
     let limit = 2.0 * fitted.best.valid.distance;
     assert!(trained.best.valid.distance < limit, "{limit}");

@@ -1,0 +1,202 @@
+//! The regions of a garment, and what may tell how they lie.
+
+use garnet_mesh::Point3;
+use garnet_net::pose_space::{Aspect, Feature, Features};
+use garnet_skin::{Skeleton, Symmetry};
+
+use crate::Stage;
+
+/// Joints that move less of the garment than this have no region of their own.
+const LEAST_REGION: f64 = 0.18;
+
+/// Joints that move less of the garment than this are not told how they lean.
+const LEAST_LEAN: f64 = 0.01;
+
+/// Within this distance of the middle a vertex belongs to both halves, in metres.
+const SEAM: f32 = 0.05;
+
+/// What is fitted, and by what.
+pub(super) struct Layout {
+    pub(super) features: Features,
+    /// How much each vertex counts in each region `[region][vertex]`: all of them, with those of their mirror
+    /// images, sum up to one.
+    pub(super) shares: Vec<Vec<f32>>,
+}
+
+/// A skeleton whose joints go in pairs, or alone.
+struct Joints<'a> {
+    skeleton: &'a Skeleton,
+    symmetry: Option<Symmetry>,
+    /// How much of the garment each joint moves `[joint]`.
+    moves: Vec<f64>,
+}
+
+impl Layout {
+    pub(super) fn of(stage: &Stage, has_mirror: bool) -> Self {
+        let template = stage.template();
+        let skeleton = template.body.skeleton();
+        let garment = &template.garment;
+        let num_joints = skeleton.num_joints();
+        let mut of_nodes = vec![vec![0.0_f32; garment.rest().len()]; num_joints];
+        for node in 0..garment.rest().len() {
+            for (joint, weight) in garment.weights().vertex(node) {
+                of_nodes[joint][node] += weight;
+            }
+        }
+        let weights: Vec<Vec<f32>> = (of_nodes.iter())
+            .map(|weights| garment.weld().scatter(weights))
+            .collect();
+        let positions = garment.mesh().positions();
+        let share = |weights: &Vec<f32>| {
+            let sum: f64 = weights.iter().map(|&weight| f64::from(weight)).sum();
+            sum / positions.len().max(1) as f64
+        };
+        let joints = Joints {
+            skeleton,
+            symmetry: skeleton.symmetry(),
+            moves: weights.iter().map(share).collect(),
+        };
+        let sides = if has_mirror {
+            joints.symmetry.as_ref()
+        } else {
+            None
+        };
+        let shares = (joints.regions().into_iter())
+            .flat_map(|region| region_shares(&region, &joints, sides, &weights, positions));
+        Self {
+            shares: shares.collect(),
+            features: joints.features(),
+        }
+    }
+}
+
+impl Joints<'_> {
+    fn partner(&self, joint: usize) -> usize {
+        (self.symmetry.as_ref()).map_or(joint, |symmetry| symmetry.joints[joint])
+    }
+
+    /// The first of a joint and its partner.
+    fn first(&self, joint: usize) -> usize {
+        joint.min(self.partner(joint))
+    }
+
+    fn parent(&self, joint: usize) -> Option<usize> {
+        self.skeleton.joints()[joint].parent
+    }
+
+    /// Joints with their partners, those that move little put to their parents `[region][joint]`.
+    fn regions(&self) -> Vec<Vec<usize>> {
+        let count = self.moves.len();
+        let mut regions: Vec<Vec<usize>> = vec![Vec::new(); count];
+        for joint in 0..count {
+            regions[self.first(joint)].push(joint);
+        }
+        let share = |region: &[usize]| region.iter().map(|&joint| self.moves[joint]).sum::<f64>();
+        let order = self.skeleton.parents_first();
+        for &joint in order.iter().rev() {
+            let Some(parent) = self.parent(joint) else {
+                continue;
+            };
+            if self.first(joint) == joint && share(&regions[joint]) < LEAST_REGION {
+                let joints = std::mem::take(&mut regions[joint]);
+                regions[self.first(parent)].extend(joints);
+            }
+        }
+        regions.retain(|region| share(region) > 0.0);
+        regions.sort_by(|a, b| share(b).total_cmp(&share(a)));
+        // What is left of a root that moves little goes with the largest region.
+        if regions.len() > 1 && share(&regions[regions.len() - 1]) < LEAST_REGION {
+            let last = regions.pop().unwrap_or_default();
+            regions[0].extend(last);
+        }
+        regions
+    }
+
+    /// Whether all joints are one of two.
+    fn is_paired(&self, region: &[usize]) -> bool {
+        region.iter().all(|&joint| self.partner(joint) != joint)
+    }
+
+    /// The joint from which those limbs go that move most of the garment; the root if there are none.
+    fn hub(&self) -> usize {
+        let root = self.skeleton.parents_first()[0];
+        let mut below = self.moves.clone();
+        for &joint in self.skeleton.parents_first().iter().rev() {
+            if let Some(parent) = self.parent(joint) {
+                below[parent] += below[joint];
+            }
+        }
+        let forks = (0..self.moves.len()).filter_map(|joint| {
+            let (parent, partner) = (self.parent(joint)?, self.partner(joint));
+            (joint < partner && self.parent(partner) == Some(parent))
+                .then(|| (below[joint] + below[partner], parent))
+        });
+        let most = forks.max_by(|a, b| a.0.total_cmp(&b.0));
+        most.map_or(root, |(_, parent)| parent)
+    }
+
+    fn features(&self) -> Features {
+        let hub = self.hub();
+        let mut all = Vec::new();
+        let partners_move = |joint: usize| self.moves[joint].max(self.moves[self.partner(joint)]);
+        for joint in 0..self.moves.len() {
+            let mut push = |aspect| all.push(Feature { joint, aspect });
+            push(Aspect::Shape);
+            push(Aspect::Turn);
+            if joint != hub {
+                push(Aspect::AgainstHub);
+            }
+            if joint == hub || (partners_move(joint) > LEAST_LEAN && self.parent(joint).is_some()) {
+                push(Aspect::Up);
+            }
+        }
+        Features {
+            parents: (0..self.moves.len())
+                .map(|joint| self.parent(joint))
+                .collect(),
+            hub,
+            all,
+        }
+    }
+}
+
+/// How much each vertex counts in a region: in its left half, if there are sides. Without sides, regions of
+/// partners are two.
+fn region_shares(
+    region: &[usize],
+    joints: &Joints<'_>,
+    sides: Option<&Symmetry>,
+    weights: &[Vec<f32>],
+    positions: &[Point3],
+) -> Vec<Vec<f32>> {
+    let sum = |joints: &mut dyn Iterator<Item = usize>| {
+        let mut sums = vec![0.0_f32; positions.len()];
+        for joint in joints {
+            for (sum, weight) in sums.iter_mut().zip(&weights[joint]) {
+                *sum += weight;
+            }
+        }
+        sums
+    };
+    let is_left = |joint: usize| {
+        let all = joints.skeleton.joints();
+        all[joint].rest_position.x > all[joints.partner(joint)].rest_position.x
+    };
+    let one_side = |left: bool| {
+        let all = region.iter().copied();
+        sum(&mut all.filter(|&joint| is_left(joint) == left))
+    };
+    match (joints.is_paired(region), sides) {
+        (true, Some(_)) => vec![one_side(true)],
+        (true, None) => vec![one_side(true), one_side(false)],
+        (false, None) => vec![sum(&mut region.iter().copied())],
+        (false, Some(symmetry)) => {
+            let mut sums = sum(&mut region.iter().copied());
+            for (share, place) in sums.iter_mut().zip(positions) {
+                let across = (0.5 + 0.5 * (place.x - symmetry.x) / SEAM).clamp(0.0, 1.0);
+                *share *= across * across * (3.0 - 2.0 * across);
+            }
+            vec![sums]
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Pose-space deformations in regions: a small network tells each.
+//!
+//! A sleeve lies as its own arm and the trunk lie, whatever the other arm does: what counts is found for each region
+//! apart, by Gaussian processes that leave bodies and sequences out, and the network of the region is told as much of
+//! each feature. Where left and right are alike there are regions of the left alone, and each scene counts as its
+//! mirror image, too.
+
+mod layout;
+mod network;
+mod samples;
+mod search;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+
+use faer::Mat;
+use garnet_net::pose_space::{Feature, Features, Mirror, Region, RegionMirror, Regions};
+use rayon::prelude::*;
+
+use super::mirror::GarmentMirror;
+use super::principal::principal_of;
+use super::scenes::evenly;
+use super::{PoseSpaceConfig, TrainEvent};
+use crate::{Stage, TrainError};
+pub(super) use samples::{Sample, samples_of};
+use search::Search;
+
+/// Vertices that count less than this in a region are not of it.
+const LEAST_SHARE: f32 = 0.04;
+
+/// Principal shapes that the search looks at.
+const SEARCHED_SHAPES: usize = 48;
+
+/// Numbers that networks are told are as many times those by which Gaussian processes tell scenes apart: first
+/// layers begin with random weights, and few of them are steep.
+const GAIN: f64 = 10.0;
+
+/// All that is the same for all regions.
+struct Ground<'a> {
+    samples: &'a [Sample],
+    features: Features,
+    owners: Vec<usize>,
+    center: Vec<f32>,
+    /// The numbers of the features of each sample, then of its mirror image.
+    numbers: Vec<Vec<f32>>,
+    /// The offsets from the mean of each sample, then of its mirror image `[3 vertex]`.
+    offsets: Vec<Vec<f32>>,
+    /// Samples by which relevance is found.
+    searched: Vec<usize>,
+}
+
+/// Fits the regions of a garment.
+pub(super) fn fitted(
+    asked: &PoseSpaceConfig,
+    seed: u64,
+    stage: &Stage,
+    samples: &[Sample],
+    observer: &mut dyn FnMut(TrainEvent),
+    stop: &AtomicBool,
+) -> Result<Regions, TrainError> {
+    let mirror = asked.mirror.then(|| GarmentMirror::of(stage)).flatten();
+    let layout = layout::Layout::of(stage, mirror.is_some());
+    let mut ground = Ground::new(layout.features, samples, mirror.as_ref(), asked)?;
+    let mean = ground.centered();
+    let of = layout.shares.len() as u32;
+    let (teller, told) = mpsc::channel();
+    let regions = std::thread::scope(|scope| {
+        let work = || {
+            let shares = layout.shares.par_iter().enumerate();
+            let regions = shares.map_with(teller, |teller, (number, share)| {
+                let region = number as u32;
+                let tell = &mut |told: Told| {
+                    // Nobody listens any more only after a panic.
+                    teller.send((region, told)).is_ok() && !stop.load(Ordering::Relaxed)
+                };
+                ground.region(asked, share, seed.wrapping_add(u64::from(region)), tell)
+            });
+            regions.collect::<Vec<Region>>()
+        };
+        let worker = scope.spawn(work);
+        for (region, told) in told {
+            observer(told.event(asked, region, of));
+        }
+        worker.join()
+    });
+    if stop.load(Ordering::Relaxed) {
+        return Err(TrainError::Stopped);
+    }
+    let regions = regions.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    let Ground {
+        features, center, ..
+    } = ground;
+    Ok(Regions {
+        features,
+        center,
+        mean,
+        regions,
+        mirror: mirror.map(|mirror| RegionMirror {
+            numbers: Mirror {
+                numbers: mirror.numbers().to_vec(),
+                parity: Vec::new(),
+            },
+            images: mirror.images().to_vec(),
+        }),
+    })
+}
+
+/// How far a region is.
+enum Told {
+    /// A round of the search, and the error of what was left out, in metres.
+    Searched(u32, f64),
+    /// A pass of the training, and its mean square error over the variance.
+    Learned(u32, f64),
+}
+
+impl Told {
+    fn event(self, asked: &PoseSpaceConfig, region: u32, regions: u32) -> TrainEvent {
+        match self {
+            Self::Searched(round, left_out) => TrainEvent::RegionSearched {
+                region,
+                regions,
+                round,
+                rounds: asked.rounds,
+                left_out,
+            },
+            Self::Learned(pass, loss) => TrainEvent::RegionLearned {
+                region,
+                regions,
+                pass,
+                passes: asked.passes,
+                loss,
+            },
+        }
+    }
+}
+
+impl<'a> Ground<'a> {
+    fn new(
+        features: Features,
+        samples: &'a [Sample],
+        mirror: Option<&GarmentMirror>,
+        asked: &PoseSpaceConfig,
+    ) -> Result<Self, TrainError> {
+        let mut parameters: Vec<Vec<f32>> = samples.iter().map(|s| s.parameters.clone()).collect();
+        let mut offsets: Vec<Vec<f32>> = samples.iter().map(|s| s.offsets.clone()).collect();
+        if let Some(mirror) = mirror {
+            let numbers = Mirror {
+                numbers: mirror.numbers().to_vec(),
+                parity: Vec::new(),
+            };
+            let images = samples.iter().map(|s| numbers.of_numbers(&s.parameters));
+            parameters.extend(images);
+            let images = samples.par_iter().map(|s| mirror.offsets(&s.offsets));
+            offsets.par_extend(images);
+        }
+        let numbers = parameters.par_iter().map(|numbers| features.of(numbers));
+        let numbers: Vec<Vec<f32>> = numbers.collect::<Result<_, _>>()?;
+        Ok(Self {
+            samples,
+            owners: features.owners(),
+            center: mean_of(&numbers),
+            features,
+            numbers,
+            offsets,
+            searched: evenly(samples, asked.searched as usize),
+        })
+    }
+
+    /// Takes the mean from the offsets.
+    fn centered(&mut self) -> Vec<f32> {
+        let mean = mean_of(&self.offsets);
+        self.offsets.par_iter_mut().for_each(|offsets| {
+            for (offset, mean) in offsets.iter_mut().zip(&mean) {
+                *offset -= mean;
+            }
+        });
+        mean
+    }
+
+    fn region(
+        &self,
+        asked: &PoseSpaceConfig,
+        share: &[f32],
+        seed: u64,
+        tell: &mut dyn FnMut(Told) -> bool,
+    ) -> Region {
+        let vertices: Vec<u32> = (0..share.len() as u32)
+            .filter(|&vertex| share[vertex as usize] > LEAST_SHARE)
+            .collect();
+        // Squares of the sum over a garment are the sum over its regions, if each vertex counts by its share.
+        let roots: Vec<f32> = vertices.iter().map(|&v| share[v as usize].sqrt()).collect();
+        let weighted = Mat::<f32>::from_fn(3 * vertices.len(), self.offsets.len(), |row, scene| {
+            roots[row / 3] * self.offsets[scene][3 * vertices[row / 3] as usize + row % 3]
+        });
+        let found = principal_of(&weighted, asked.region_shapes as usize);
+        drop(weighted);
+        let area: f32 = roots.iter().map(|root| root * root).sum();
+        let metres = 1.0 / f64::from(area).sqrt();
+        let relevance = Search {
+            features: &self.features,
+            owners: &self.owners,
+            samples: self.samples,
+            searched: &self.searched,
+            numbers: &self.numbers,
+        }
+        .found(
+            &found.shares,
+            SEARCHED_SHAPES,
+            asked.rounds,
+            &mut |round, error| tell(Told::Searched(round, metres * error)),
+        );
+        let scales: Vec<f32> = relevance
+            .iter()
+            .map(|&relevance| (GAIN * relevance) as f32)
+            .collect();
+        let mut region = Region {
+            vertices,
+            scales,
+            shapes: found.shapes,
+            layers: Vec::new(),
+        };
+        let inputs: Vec<Vec<f32>> = (self.numbers.iter())
+            .map(|numbers| region.inputs(&self.owners, &self.center, numbers))
+            .collect();
+        let lesson = network::Lesson {
+            inputs: &inputs,
+            shares: &found.shares,
+            hidden: asked.hidden as usize,
+            passes: asked.passes,
+            seed,
+        };
+        region.layers = lesson.learned(&mut |pass, loss| tell(Told::Learned(pass, loss)));
+        // A vertex is moved by as much as it counts.
+        let rows = 3 * roots.len();
+        for (place, number) in region.shapes.iter_mut().enumerate() {
+            *number *= roots[place % rows / 3];
+        }
+        region
+    }
+}
+
+/// The mean of rows of the same length.
+fn mean_of(rows: &[Vec<f32>]) -> Vec<f32> {
+    let mut sums = vec![0.0_f64; rows.first().map_or(0, Vec::len)];
+    for row in rows {
+        for (sum, number) in sums.iter_mut().zip(row) {
+            *sum += f64::from(*number);
+        }
+    }
+    let count = rows.len().max(1) as f64;
+    sums.iter().map(|sum| (sum / count) as f32).collect()
+}
+
+/// Whether a feature tells a rotation.
+fn is_turn(feature: Feature) -> bool {
+    feature.aspect != garnet_net::pose_space::Aspect::Shape
+}
