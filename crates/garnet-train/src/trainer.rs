@@ -84,11 +84,7 @@ pub fn train(
     let package = GarmentPackage::read(&job.package)?;
     let stage = Stage::new(package, Dataset::open(&job.dataset)?)?;
     if let Some(aim) = job.recipe.pose_space() {
-        stage.check_aim(aim)?;
         return pose_space::fit(job, aim, &stage, observer, stop);
-    }
-    if let Some(more) = job.more.first() {
-        return Err(TrainError::MoreScenes { path: more.clone() });
     }
     let device = Device::flex().autodiff();
     let data = stage.dataset.manifest.fingerprint();
@@ -109,7 +105,6 @@ pub fn train(
         None => new_network(&job.config, &stage)?,
     };
     let subject = Subject::new(&stage, network, &job.config.loss)?;
-    stage.check_aim(subject.aim)?;
     let start = pose_space::start_of(&job.package, &stage, &subject.config)?;
     let start_name = start.as_ref().map(|start| start.checksum().to_owned());
     if let Some(state) = &state
@@ -117,12 +112,12 @@ pub fn train(
     {
         return Err(other_training(&folder, "pose-space deformation"));
     }
-    if let Some(base) = &base
-        && base.pose_space != start_name
+    if base
+        .as_ref()
+        .is_some_and(|base| base.pose_space != start_name)
     {
-        return Err(TrainError::OtherStart {
-            base: base_name.unwrap_or_default(),
-        });
+        let base = base_name.unwrap_or_default();
+        return Err(TrainError::OtherStart { base });
     }
     let train = examples(&stage, &subject, Split::Train, start.as_ref(), observer)?;
     let valid = examples(&stage, &subject, Split::Valid, start.as_ref(), observer)?;
@@ -176,6 +171,9 @@ fn new_network(config: &TrainConfig, stage: &Stage) -> Result<GarNetConfig, Trai
 
 /// Refuses to overwrite a training that is under way, and to go on with none.
 fn check_begin(job: &TrainJob, folder: &Path) -> Result<(), TrainError> {
+    if job.recipe.pose_space().is_none() {
+        pose_space::check_no_more(&job.more)?;
+    }
     let name = job.recipe.name.clone();
     match (State::progress(folder)?, job.begin) {
         (Some(progress), Begin::Anew) if !progress.is_finished => Err(TrainError::UnderWay {

@@ -34,13 +34,13 @@ pub(super) fn teacher_of(
         Source::Files(files) => files.package.as_deref(),
         Source::Scene(_) => None,
     };
-    let package = package.map(GarmentPackage::read).transpose()?;
-    let (rest, own) = if let Some(package) = package {
-        (package.rest, package.manifest.fabric)
+    let mesh = bound.garment.mesh();
+    let (own, rest) = if let Some(package) = package {
+        GarmentPackage::read_cloth(package, mesh)?
     } else {
-        let worn = bound.garment.mesh().positions().to_vec();
+        let worn = mesh.positions().to_vec();
         let cotton = StoredFabric::new("cotton", &Fabric::cotton());
-        (RestShape::Worn(worn), cotton)
+        (cotton, RestShape::Worn(worn))
     };
     let fabric = fabric.cloned().unwrap_or(own);
     let cloth = bound.garment.cloth().clone();

@@ -92,12 +92,7 @@ impl<'a> Progress<'a> {
                 passes,
                 loss,
             } => {
-                let total = regions * passes;
-                if self.bar.length() != Some(u64::from(total)) {
-                    self.bar.finish_and_clear();
-                    self.bar = self.console.progress(total as usize);
-                }
-                self.bar.inc(1);
+                self.advance(regions * passes);
                 self.bar.set_message(format!(
                     "pass {pass} of region {}/{regions}: {:.2} % left",
                     region + 1,
@@ -132,6 +127,15 @@ impl<'a> Progress<'a> {
             TrainEvent::Epoch(record) => self.epoch(record),
             _ => {}
         }
+    }
+
+    /// One more of so many passes of all regions.
+    fn advance(&mut self, total: u32) {
+        if self.bar.length() != Some(u64::from(total)) {
+            self.bar.finish_and_clear();
+            self.bar = self.console.progress(total as usize);
+        }
+        self.bar.inc(1);
     }
 
     /// The validation before the first step.

@@ -135,6 +135,26 @@ impl GarmentPackage {
         })
     }
 
+    /// Reads what the simulation of a package asks for besides its template, which has been read already: the fabric
+    /// and the rest shape of a mesh of the template's topology.
+    ///
+    /// # Errors
+    ///
+    /// As [`GarmentPackage::read`].
+    pub fn read_cloth(
+        folder: &Path,
+        mesh: &TriMesh,
+    ) -> Result<(StoredFabric, RestShape), DataError> {
+        let manifest = Self::read_manifest(folder)?;
+        let is_template = Fingerprint::of_topology(mesh).to_string() == manifest.fingerprint;
+        if is_template && manifest.pattern.is_some() {
+            let rest = rest_file::read(&folder.join(REST_FILE), mesh.num_faces())?;
+            return Ok((manifest.fabric, rest));
+        }
+        let package = Self::read(folder)?;
+        Ok((package.manifest.fabric, package.rest))
+    }
+
     /// Reads `garment.toml` alone.
     ///
     /// # Errors

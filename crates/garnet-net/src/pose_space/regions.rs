@@ -97,7 +97,9 @@ impl Region {
         let mut values = self.inputs(owners, center, numbers);
         for (number, layer) in self.layers.iter().enumerate() {
             if number > 0 {
-                values.iter_mut().for_each(|value| *value = silu(*value));
+                for value in &mut values {
+                    *value = silu(*value);
+                }
             }
             values = layer.applied(&values);
         }

@@ -18,6 +18,7 @@ mod start;
 pub(crate) use start::{start, start_of};
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_data::{Dataset, GarmentPackage, Split, Variant};
@@ -107,6 +108,7 @@ pub(crate) fn fit(
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
 ) -> Result<Trained, TrainError> {
+    stage.check_aim(aim)?;
     let name = &job.recipe.name;
     let mut network = job.config.network_config()?;
     network.start = Start::Shape;
@@ -115,9 +117,7 @@ pub(crate) fn fit(
     let train = examples(stage, &subject, Split::Train, None, observer)?;
     let (mut space, num_train) = match job.config.pose_space.told_by(aim) {
         ToldBy::Scenes => {
-            if let Some(more) = job.more.first() {
-                return Err(TrainError::MoreScenes { path: more.clone() });
-            }
+            check_no_more(&job.more)?;
             let count = train.len();
             (fitted(&job.config, stage, &train, observer, stop)?, count)
         }
@@ -181,6 +181,14 @@ pub(crate) fn fit(
         test,
         settled_error: settled.map(|settled| settled.error),
     })
+}
+
+/// Refuses further data sets for what cannot learn from them.
+pub(crate) fn check_no_more(more: &[PathBuf]) -> Result<(), TrainError> {
+    match more.first() {
+        Some(path) => Err(TrainError::MoreScenes { path: path.clone() }),
+        None => Ok(()),
+    }
 }
 
 /// The validation as a record.

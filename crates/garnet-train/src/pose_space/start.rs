@@ -24,6 +24,7 @@ pub(crate) fn start_of(
     stage: &Stage,
     network: &GarNetConfig,
 ) -> Result<Option<PoseSpace>, TrainError> {
+    stage.check_aim(network.start.aim())?;
     let Some(name) = network.start.deformation() else {
         return Ok(None);
     };

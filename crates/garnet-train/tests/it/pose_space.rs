@@ -100,7 +100,9 @@ fn cloth_that_has_not_settled_is_no_drape() {
     let mut manifest = DatasetManifest::read(&path).unwrap();
     manifest.until = Until::Arrival;
     manifest.write(&path).unwrap();
-    shards.iter().for_each(|shard| invented.write(shard));
+    for shard in &shards {
+        invented.write(shard);
+    }
     for name in [POSE_SPACE, "local"] {
         let error = run(&invented.job(name, tiny(1))).unwrap_err();
         assert!(matches!(error, TrainError::NotSettled { .. }), "{error}");

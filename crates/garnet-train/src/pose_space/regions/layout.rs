@@ -37,15 +37,18 @@ impl Layout {
         let skeleton = template.body.skeleton();
         let garment = &template.garment;
         let num_joints = skeleton.num_joints();
-        let mut of_nodes = vec![vec![0.0_f32; garment.rest().len()]; num_joints];
-        for node in 0..garment.rest().len() {
-            for (joint, weight) in garment.weights().vertex(node) {
-                of_nodes[joint][node] += weight;
-            }
-        }
-        let weights: Vec<Vec<f32>> = (of_nodes.iter())
-            .map(|weights| garment.weld().scatter(weights))
-            .collect();
+        let of_joint = |joint: usize| -> Vec<f32> {
+            let at_node = |node: usize| {
+                let weights = garment.weights().vertex(node);
+                weights
+                    .filter(|(of, _)| *of == joint)
+                    .map(|(_, weight)| weight)
+                    .sum()
+            };
+            let at_nodes: Vec<f32> = (0..garment.rest().len()).map(at_node).collect();
+            garment.weld().scatter(&at_nodes)
+        };
+        let weights: Vec<Vec<f32>> = (0..num_joints).map(of_joint).collect();
         let positions = garment.mesh().positions();
         let share = |weights: &Vec<f32>| {
             let sum: f64 = weights.iter().map(|&weight| f64::from(weight)).sum();

@@ -123,8 +123,9 @@ impl Lesson<'_> {
             })
             .collect();
         if let Some(Layer { weight, bias }) = layers.last_mut() {
-            let numbers = weight.iter_mut().chain(bias);
-            numbers.for_each(|number| *number *= unit as f32);
+            for number in weight.iter_mut().chain(bias) {
+                *number *= unit as f32;
+            }
         }
         layers
     }

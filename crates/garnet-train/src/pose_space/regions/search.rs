@@ -46,13 +46,10 @@ impl Search<'_> {
                 (*body, sequence.as_str())
             })
             .collect();
-        let with = together(&keys);
         let apart = self.apart();
-        let units: Vec<f64> = (self.features.all.iter())
-            .map(|&feature| if is_turn(feature) { TURN } else { GROWTH })
-            .collect();
-        // The last two: the factor of all features, and the ridge.
-        let count = units.len();
+        let count = apart.len();
+        let units = self.features.all.iter();
+        let units = units.map(|&feature| if is_turn(feature) { TURN } else { GROWTH });
         let mut factors = vec![0.0; count + 2];
         factors[count + 1] = RIDGE.ln();
         for (factor, apart) in factors.iter_mut().zip(&apart) {
@@ -60,68 +57,29 @@ impl Search<'_> {
                 *factor = f64::NEG_INFINITY;
             }
         }
-        let scale = |factors: &[f64], feature: usize| {
-            units[feature] * (factors[feature] + factors[count]).exp()
+        let mut state = State {
+            units: units.collect(),
+            with: together(&keys),
+            squared: Mat::zeros(keys.len(), keys.len()),
+            apart,
+            shares,
+            factors,
+            least: f64::INFINITY,
         };
-        let square =
-            |factors: &[f64], feature: usize| (units[feature] * factors[feature].exp()).powi(2);
-        let mut squared = Mat::<f64>::zeros(keys.len(), keys.len());
-        for (feature, apart) in apart.iter().enumerate() {
-            if let Some(apart) = apart {
-                squared += faer::Scale(square(&factors, feature)) * apart;
-            }
-        }
-        // Of the squared distances without the factor of all features.
-        let error_of = |squared: &Mat<f64>, factors: &[f64]| {
-            let squared = faer::Scale((2.0 * factors[count]).exp()) * squared;
-            let found = Regression::of_distances(&squared, &shares, factors[count + 1].exp());
-            let missed = found.map(|found| mean_root(&found.left_out(&with)));
-            missed.filter(|missed| missed.is_finite())
-        };
-        let Some(mut least) = error_of(&squared, &factors) else {
-            return (0..count).map(|feature| scale(&factors, feature)).collect();
-        };
+        state.begin();
         let mut step = STEP;
         let mut round = 0;
-        while go_on(round, least) && round < rounds {
-            for number in 0..factors.len() {
-                let before = factors[number];
-                if before == f64::NEG_INFINITY {
-                    continue;
-                }
-                let known = apart.get(number).and_then(Option::as_ref);
-                let old = known.map(|_| square(&factors, number));
-                for change in [step, -step] {
-                    factors[number] = before + change;
-                    let moved = known.zip(old).map(|(apart, old)| {
-                        &squared + faer::Scale(square(&factors, number) - old) * apart
-                    });
-                    match error_of(moved.as_ref().unwrap_or(&squared), &factors) {
-                        Some(found) if found < least => {
-                            least = found;
-                            squared = moved.unwrap_or(squared);
-                            break;
-                        }
-                        _ => factors[number] = before,
-                    }
-                }
+        while state.least.is_finite() && go_on(round, state.least) && round < rounds {
+            for number in 0..count + 2 {
+                let _is_nearer = state.is_nearer(number, step) || state.is_nearer(number, -step);
             }
             step *= SHRINKING;
             round += 1;
         }
-        for (feature, apart) in apart.iter().enumerate() {
-            let Some(apart) = apart else { continue };
-            let without = &squared - faer::Scale(square(&factors, feature)) * apart;
-            match error_of(&without, &factors) {
-                Some(found) if found < LEAST_WORTH * least => {
-                    least = least.max(found);
-                    factors[feature] = f64::NEG_INFINITY;
-                    squared = without;
-                }
-                _ => {}
-            }
+        for feature in 0..count {
+            state.leave_out(feature);
         }
-        (0..count).map(|feature| scale(&factors, feature)).collect()
+        (0..count).map(|feature| state.scale(feature)).collect()
     }
 
     /// The squared distances of samples in each feature `[feature]` `[sample, sample]`; none where it never changes.
@@ -140,6 +98,97 @@ impl Search<'_> {
             (most.sqrt() > f64::from(LEAST_SPREAD)).then_some(squared)
         };
         features.into_par_iter().map(of_feature).collect()
+    }
+}
+
+/// Where a search has come to.
+struct State {
+    /// See [`Search::apart`].
+    apart: Vec<Option<Mat<f64>>>,
+    /// What each feature is multiplied by before the search `[feature]`.
+    units: Vec<f64>,
+    /// What is to be told `[sample, shape]`.
+    shares: Mat<f64>,
+    /// See [`together`].
+    with: Vec<Vec<usize>>,
+    /// Logarithms of the factors of the features, of all of them alike, and of the ridge.
+    factors: Vec<f64>,
+    /// Squared distances, without the factor of all features.
+    squared: Mat<f64>,
+    least: f64,
+}
+
+impl State {
+    fn begin(&mut self) {
+        for (feature, apart) in self.apart.iter().enumerate() {
+            if let Some(apart) = apart {
+                self.squared += faer::Scale(self.square(feature)) * apart;
+            }
+        }
+        self.least = self.error(&self.squared).unwrap_or(f64::INFINITY);
+    }
+
+    /// What a feature is multiplied by.
+    fn scale(&self, feature: usize) -> f64 {
+        self.units[feature] * (self.factors[feature] + self.factors[self.units.len()]).exp()
+    }
+
+    /// The square of the same without the factor of all features.
+    fn square(&self, feature: usize) -> f64 {
+        (self.units[feature] * self.factors[feature].exp()).powi(2)
+    }
+
+    /// By how much bodies and sequences are missed that are left out.
+    fn error(&self, squared: &Mat<f64>) -> Option<f64> {
+        let count = self.units.len();
+        let squared = faer::Scale((2.0 * self.factors[count]).exp()) * squared;
+        let ridge = self.factors[count + 1].exp();
+        let found = Regression::of_distances(&squared, &self.shares, ridge);
+        let missed = found.map(|found| mean_root(&found.left_out(&self.with)));
+        missed.filter(|missed| missed.is_finite())
+    }
+
+    /// Changes a factor if that is nearer.
+    fn is_nearer(&mut self, number: usize, change: f64) -> bool {
+        let before = self.factors[number];
+        if before == f64::NEG_INFINITY {
+            return false;
+        }
+        let old = (number < self.units.len()).then(|| self.square(number));
+        self.factors[number] = before + change;
+        let known = self.apart.get(number).and_then(Option::as_ref);
+        let moved = known.zip(old).map(|(apart, old)| {
+            let more = self.square(number) - old;
+            &self.squared + faer::Scale(more) * apart
+        });
+        match self.error(moved.as_ref().unwrap_or(&self.squared)) {
+            Some(found) if found < self.least => {
+                self.least = found;
+                if let Some(moved) = moved {
+                    self.squared = moved;
+                }
+                true
+            }
+            _ => {
+                self.factors[number] = before;
+                false
+            }
+        }
+    }
+
+    /// Leaves a feature out if it makes no difference.
+    fn leave_out(&mut self, feature: usize) {
+        let Some(apart) = &self.apart[feature] else {
+            return;
+        };
+        let without = &self.squared - faer::Scale(self.square(feature)) * apart;
+        if let Some(found) = self.error(&without)
+            && found < LEAST_WORTH * self.least
+        {
+            self.least = self.least.max(found);
+            self.factors[feature] = f64::NEG_INFINITY;
+            self.squared = without;
+        }
     }
 }
 
