@@ -111,7 +111,7 @@ const CARRY: f32 = 300.0;
 /// Stages of [`Schedule::after_arrival`]: share of the frames, rate for each meter of 1/Δx, drag in 1/s, and
 /// friction.
 ///
-/// On 40 test drapes of a T-shirt that a pose-space deformation put where they arrive, 8.1 mm off, 30 frames with
+/// On 40 test drapes of a T-shirt that an earlier pose-space deformation put where they arrive, 8.1 mm off, 30 frames with
 /// drags of 5 and 30 end 7.0 mm from the teacher, 20 and 60 at 7.4, without the second stage 7.2 mm; 18 frames
 /// end at 7.4, 45 at 7.0 (with drags of 20 and 30 at 6.8) and all 126 of the teacher at 6.5 mm.
 const AFTER_ARRIVAL: [[f32; 4]; 2] = [[2.0 / 3.0, 34.0, 5.0, SHAKEN], [1.0 / 3.0, 68.0, 30.0, 1.0]];
