@@ -1,6 +1,7 @@
-//! The simulator: one second of substeps, one second of contacts, and a whole drape.
+//! The simulator: one second of substeps, one second of contacts, a whole drape, and the settling of cloth that
+//! something else has put on the body.
 //!
-//! One scene runs on one thread.
+//! Substeps of a scene run on one thread; what lies between them takes all that rayon has.
 
 use std::ops::ControlFlow;
 
@@ -8,12 +9,15 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use garnet::Point3;
 use garnet::sim::{
     Cloth, Collider, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, SelfContact, Stage,
-    drape,
+    drape, settle,
 };
 use garnet_benches::{Scene as Mannequin, group};
 
 /// About how many vertices the garments have.
 const SIZES: [usize; 3] = [2_500, 5_000, 10_000];
+
+/// Frames of a sixtieth of a second in which cloth settles that was put where it arrives.
+const SETTLING: u32 = 24;
 
 /// A second of substeps without contacts of any kind.
 fn substeps(rate: f32) -> Schedule {
@@ -83,6 +87,10 @@ fn sim(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::new("drape", size), |bencher| {
             let schedule = Schedule::for_quality(Quality::Teacher, cloth.mean_edge_length());
             bencher.iter(|| run(&on_body, &schedule));
+        });
+        group.bench_function(BenchmarkId::new("settle", size), |bencher| {
+            let schedule = Schedule::after_arrival(cloth.mean_edge_length(), SETTLING);
+            bencher.iter(|| settle(&on_body, &schedule, &mut |_| ControlFlow::Continue(())));
         });
     }
     group.finish();

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use garnet_mesh::Point3;
 use garnet_sim::{
     Cloth, Collider, Drape, Event, Fabric, MovingBody, RestShape, Scene, Schedule, Wind, drape,
+    settle,
 };
 use garnet_skin::{Body, BoundGarment, Garment};
 
@@ -296,13 +297,13 @@ impl Teacher {
                 allowed_parts: self.allowed.as_deref(),
             }),
         };
-        let result = drape(
+        let result = settle(
             &scene,
             &self.layered(schedule),
             &mut stopping(stop, &mut |_| {}),
         );
         check_stop(stop)?;
-        Ok(self.moved(&at_nodes, &result?.positions))
+        Ok(self.moved(&at_nodes, &result?))
     }
 
     /// A schedule as the layers of the garment ask for it.

@@ -205,3 +205,21 @@ pub enum CheckpointError {
         name: String,
     },
 }
+
+impl NetError {
+    /// Refuses another count than the one expected.
+    pub(crate) fn check_count(
+        what: &'static str,
+        found: usize,
+        expected: usize,
+    ) -> Result<(), Self> {
+        if found == expected {
+            return Ok(());
+        }
+        Err(Self::Count {
+            what,
+            found,
+            expected,
+        })
+    }
+}

@@ -186,16 +186,7 @@ impl Predictor {
 }
 
 fn check_sewing_parameters(model: &GarNet, garment: &GarmentGraph) -> Result<(), NetError> {
-    let (found, expected) = (
-        garment.sewing_parameters().len(),
-        model.config().num_sewing_parameters,
-    );
-    if found == expected {
-        return Ok(());
-    }
-    Err(NetError::Count {
-        what: "sewing parameters",
-        found,
-        expected,
-    })
+    let found = garment.sewing_parameters().len();
+    let expected = model.config().num_sewing_parameters;
+    NetError::check_count("sewing parameters", found, expected)
 }

@@ -66,14 +66,7 @@ pub struct SceneNeighbors {
 
 impl SceneNeighbors {
     fn check(found: usize, expected: usize) -> Result<(), NetError> {
-        if found == expected {
-            return Ok(());
-        }
-        Err(NetError::Count {
-            what: "neighbors",
-            found,
-            expected,
-        })
+        NetError::check_count("neighbors", found, expected)
     }
 }
 
@@ -324,14 +317,9 @@ impl Scene {
     /// [`NetError::Diverged`] for a translation that is not finite, [`NetError::Count`] for the
     /// wrong number of them.
     pub fn moved(&self, translations: &[f32]) -> Result<Vec<Point3>, NetError> {
-        let (rows, rest) = translations.as_chunks::<3>();
-        if rows.len() != self.num_vertices() || !rest.is_empty() {
-            return Err(NetError::Count {
-                what: "translations",
-                found: rows.len(),
-                expected: self.num_vertices(),
-            });
-        }
+        let (rows, _) = translations.as_chunks::<3>();
+        let expected = 3 * self.num_vertices();
+        NetError::check_count("numbers of translations", translations.len(), expected)?;
         let mut moved = Vec::with_capacity(rows.len());
         for (vertex, (&row, point)) in rows.iter().zip(&self.warped).enumerate() {
             let place = point + self.frame(vertex) * Vector3::from(row) * UNIT;
@@ -402,12 +390,8 @@ fn check(
             what,
             "normals of the body" | "skinning rotations" | "parameters"
         );
-        if found != expected && !(expected == 0 && is_optional) {
-            return Err(NetError::Count {
-                what,
-                found,
-                expected,
-            });
+        if !(expected == 0 && is_optional) {
+            NetError::check_count(what, found, expected)?;
         }
     }
     let points = |what, points: &[Point3]| {

@@ -2,12 +2,14 @@
 
 use std::ops::ControlFlow;
 
-use crate::contact::{Contacts, Skin};
+use crate::contact::Skin;
 use crate::reference::{Balance, balance};
 use crate::report::{Penetration, SelfIntersections, Speeds, Strain, free};
 use crate::rest_shape::check_count;
 use crate::solver::Solver;
-use crate::{DrapeReport, Energy, MovingBody, Point3, Scene, Schedule, SimError, Stage, Vector3};
+use crate::{
+    Cloth, DrapeReport, Energy, MovingBody, Point3, Scene, Schedule, SimError, Stage, Vector3,
+};
 
 /// A draped garment.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,8 +63,8 @@ const FRAMES_OF_FOLDS: u32 = 3;
 
 /// Simulates a scene.
 ///
-/// One scene runs on one thread; the same scene and schedule give the same bytes. The motion of the
-/// body is asked at equal frames of a time that starts and ends gently. The observer hears of each
+/// Substeps run on one thread; contacts are looked for on those that rayon has. The same scene and schedule give
+/// the same bytes on any number of them. The motion of the body is asked at equal frames of a time that starts and ends gently. The observer hears of each
 /// frame, and may break off.
 ///
 /// # Errors
@@ -112,6 +114,81 @@ pub fn drape(
     schedule: &Schedule,
     observer: &mut dyn FnMut(Event<'_>) -> ControlFlow<()>,
 ) -> Result<Drape, SimError> {
+    let mut run = run(scene, schedule, observer)?;
+    let mut balance = None;
+    let mut speeds = run.clock.speeds(&run.positions);
+    if schedule.balance_steps > 0 {
+        let found = run.balanced(scene, schedule, observer)?;
+        if found.settled.is_settled {
+            speeds = Speeds::STILL;
+        }
+        balance = Some(found);
+    }
+    let num_freed = run.free();
+    let strain = run.strain(scene.cloth)?;
+    let Run {
+        solver,
+        skin,
+        clock,
+        positions,
+        arrived,
+    } = run;
+    let report = DrapeReport {
+        strain,
+        rib_strain: Strain::of_ribs(scene.cloth, &positions),
+        speeds,
+        balance,
+        num_freed,
+        penetration: skin.as_ref().map_or_else(Penetration::default, |body| {
+            Penetration::of(&positions, body.skin.surface())
+        }),
+        self_intersections: SelfIntersections::of(scene.cloth, &positions, solver.is_trapped()),
+        energy: Energy::of(scene.cloth, &positions, schedule.gravity),
+        num_substeps: clock.substeps_done,
+        seconds: clock.seconds(),
+    };
+    Ok(Drape {
+        positions,
+        arrived,
+        report,
+    })
+}
+
+/// Simulates a scene as [`drape`] does, but tells only where the vertices are in the end `[vertex]`, in metres: for
+/// runs so short that making the report would be felt.
+///
+/// # Errors
+///
+/// Those of [`drape`].
+pub fn settle(
+    scene: &Scene<'_>,
+    schedule: &Schedule,
+    observer: &mut dyn FnMut(Event<'_>) -> ControlFlow<()>,
+) -> Result<Vec<Point3>, SimError> {
+    let mut run = run(scene, schedule, observer)?;
+    if schedule.balance_steps > 0 {
+        run.balanced(scene, schedule, observer)?;
+    }
+    run.free();
+    run.strain(scene.cloth)?;
+    Ok(run.positions)
+}
+
+/// What the steps have come to.
+struct Run<'a> {
+    solver: Solver<'a>,
+    skin: Option<BodyOnWay<'a>>,
+    clock: Clock<'a>,
+    positions: Vec<Point3>,
+    arrived: Vec<Point3>,
+}
+
+/// Takes all steps of a schedule.
+fn run<'a>(
+    scene: &Scene<'a>,
+    schedule: &'a Schedule,
+    observer: &mut dyn FnMut(Event<'_>) -> ControlFlow<()>,
+) -> Result<Run<'a>, SimError> {
     scene.check()?;
     schedule.check()?;
     let mut skin = scene
@@ -172,102 +249,62 @@ pub fn drape(
             }
         }
     }
-    let positions = solver.positions();
-    let mut ending = Ending {
-        speeds: clock.speeds(&positions),
-        positions,
+    Ok(Run {
+        positions: solver.positions(),
+        solver,
+        skin,
+        clock,
         arrived,
-        balance: None,
-    };
-    if schedule.balance_steps > 0 {
-        let ground = (skin.as_ref()).map(|skin| (&skin.skin, solver.contacts().clone()));
-        bring_into_balance(scene, schedule, ground, &mut ending, observer).map_err(|error| {
-            match error {
+    })
+}
+
+impl Run<'_> {
+    /// Lets the reference solver go on from where the steps have come to.
+    fn balanced(
+        &mut self,
+        scene: &Scene<'_>,
+        schedule: &Schedule,
+        observer: &mut dyn FnMut(Event<'_>) -> ControlFlow<()>,
+    ) -> Result<Balance, SimError> {
+        let max_steps = u64::from(schedule.balance_steps);
+        let mut watch = |num_done: usize, residual: f64| {
+            observer(Event::Balance {
+                num_done: num_done as u64,
+                max_steps,
+                residual,
+            })
+        };
+        let contacts = || self.solver.contacts().clone();
+        let ground = (self.skin.as_ref()).map(|skin| (&skin.skin, contacts()));
+        let (positions, found) = balance(scene, schedule, ground, &self.positions, &mut watch)
+            .map_err(|error| match error {
                 SimError::Stopped { .. } => SimError::Stopped {
-                    seconds: clock.seconds(),
+                    seconds: self.clock.seconds(),
                 },
                 other => other,
-            }
-        })?;
+            })?;
+        self.positions = positions;
+        Ok(found)
     }
-    finish(scene, schedule, skin.as_ref(), &solver, &clock, ending)
-}
 
-/// What the steps have come to.
-struct Ending {
-    positions: Vec<Point3>,
-    arrived: Vec<Point3>,
-    speeds: Speeds,
-    balance: Option<Balance>,
-}
-
-/// Lets the reference solver go on from where the steps have come to.
-fn bring_into_balance(
-    scene: &Scene<'_>,
-    schedule: &Schedule,
-    ground: Option<(&Skin, Contacts)>,
-    ending: &mut Ending,
-    observer: &mut dyn FnMut(Event<'_>) -> ControlFlow<()>,
-) -> Result<(), SimError> {
-    let max_steps = u64::from(schedule.balance_steps);
-    let mut watch = |num_done: usize, residual: f64| {
-        observer(Event::Balance {
-            num_done: num_done as u64,
-            max_steps,
-            residual,
-        })
-    };
-    let (positions, found) = balance(scene, schedule, ground, &ending.positions, &mut watch)?;
-    if found.settled.is_settled {
-        ending.speeds = Speeds::STILL;
+    /// Moves vertices out of the skin; returns how many.
+    fn free(&mut self) -> usize {
+        let Some(body) = &self.skin else { return 0 };
+        free(&mut self.positions, body.skin.surface())
     }
-    ending.positions = positions;
-    ending.balance = Some(found);
-    Ok(())
-}
 
-fn finish(
-    scene: &Scene<'_>,
-    schedule: &Schedule,
-    body: Option<&BodyOnWay<'_>>,
-    solver: &Solver<'_>,
-    clock: &Clock<'_>,
-    ending: Ending,
-) -> Result<Drape, SimError> {
-    let Ending {
-        mut positions,
-        arrived,
-        speeds,
-        balance,
-    } = ending;
-    let num_freed = body.map_or(0, |body| free(&mut positions, body.skin.surface()));
-    let strain = Strain::of(scene.cloth, &positions);
-    if strain.max.is_nan() || strain.max > TORN - 1.0 {
-        return Err(SimError::Torn {
-            vertices: scene.cloth.springs()[strain.max_edge].vertices,
-            factor: strain.max + 1.0,
-            seconds: clock.seconds(),
-        });
+    /// How much the edges are strained, if none is torn.
+    fn strain(&self, cloth: &Cloth) -> Result<Strain, SimError> {
+        let strain = Strain::of(cloth, &self.positions);
+        if strain.max.is_nan() || strain.max > TORN - 1.0 {
+            return Err(SimError::Torn {
+                vertices: cloth.springs()[strain.max_edge].vertices,
+                factor: strain.max + 1.0,
+                seconds: self.clock.seconds(),
+            });
+        }
+        Ok(strain)
     }
-    let report = DrapeReport {
-        strain,
-        rib_strain: Strain::of_ribs(scene.cloth, &positions),
-        speeds,
-        balance,
-        num_freed,
-        penetration: body.map_or_else(Penetration::default, |body| {
-            Penetration::of(&positions, body.skin.surface())
-        }),
-        self_intersections: SelfIntersections::of(scene.cloth, &positions, solver.is_trapped()),
-        energy: Energy::of(scene.cloth, &positions, schedule.gravity),
-        num_substeps: clock.substeps_done,
-        seconds: clock.seconds(),
-    };
-    Ok(Drape {
-        positions,
-        arrived,
-        report,
-    })
 }
 
 /// The body between two frames of its motion.
@@ -305,7 +342,7 @@ impl<'a> BodyOnWay<'a> {
 
     /// Asks the motion where the body is at the end of a frame.
     fn begin_frame(&mut self, frame: u32) -> Result<(), SimError> {
-        if frame.is_multiple_of(FRAMES_OF_FOLDS) {
+        if frame > 0 && frame.is_multiple_of(FRAMES_OF_FOLDS) {
             self.skin.find_folds();
         }
         self.time = self.time_of(frame + 1);
@@ -369,7 +406,9 @@ impl<'a> BodyOnWay<'a> {
         self.move_skin(&last)?;
         self.to = last;
         self.skin.stand();
-        self.skin.find_folds();
+        if self.motion_frames > 0 {
+            self.skin.find_folds();
+        }
         Ok(())
     }
 

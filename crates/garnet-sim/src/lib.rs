@@ -21,7 +21,7 @@ mod xpbd;
 
 pub use cloth::{BENDING_FACTOR, BendingHinge, Cloth, Spring};
 pub use collider::{Collider, MAX_PARTS, Motion};
-pub use drape::{Drape, Event, drape};
+pub use drape::{Drape, Event, drape, settle};
 pub use error::SimError;
 pub use fabric::{DEFAULT_THICKNESS, FABRIC_NAMES, Fabric};
 pub use garnet_mesh::{Point3, Vector3};

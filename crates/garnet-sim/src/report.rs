@@ -4,6 +4,7 @@ use crate::reference::Balance;
 use crate::{Cloth, Point3};
 use garnet_knn::Surface;
 use garnet_mesh::TriMesh;
+use rayon::prelude::*;
 
 /// How well a garment lies after a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -231,16 +232,14 @@ fn place(point: Point3, skin: &Surface) -> Place {
 /// Puts points `[vertex]` that are inside `skin` and not trapped before it, if they are no deeper
 /// than [`MAX_FREED`]; returns how many.
 pub(crate) fn free(points: &mut [Point3], skin: &Surface) -> usize {
-    let mut num_freed = 0;
-    for point in points {
-        if let Place::Inside { way_out } = place(*point, skin)
-            && (way_out - *point).norm_squared() <= MAX_FREED * MAX_FREED
-        {
-            *point = way_out;
-            num_freed += 1;
-        }
-    }
-    num_freed
+    let freed = points.par_iter_mut().filter_map(|point| {
+        let Place::Inside { way_out } = place(*point, skin) else {
+            return None;
+        };
+        let is_near = (way_out - *point).norm_squared() <= MAX_FREED * MAX_FREED;
+        is_near.then(|| *point = way_out)
+    });
+    freed.count()
 }
 
 /// Vertices deeper than this are left inside, in metres: the garment is not where it belongs. Where

@@ -154,6 +154,12 @@ pub enum TrainError {
         /// The deformation.
         name: String,
     },
+    /// No cloth holds together where weights put it.
+    #[error("the cloth flies apart in all of {scenes} scenes when it is to settle")]
+    FliesApart {
+        /// How many.
+        scenes: usize,
+    },
     /// A scene holds another number of vertices than garment or body have.
     #[error("{scene}: {found} {what}, expected {expected}")]
     Count {

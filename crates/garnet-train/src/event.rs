@@ -74,6 +74,18 @@ pub enum TrainEvent {
     Skipped(Trouble),
     /// An epoch is over and was validated.
     Epoch(EpochRecord),
+    /// A test scene has settled where the new weights put its cloth.
+    Settled {
+        /// How many are done.
+        done: usize,
+        /// How many there are.
+        total: usize,
+    },
+    /// How far from the teacher settled drapes are could not be measured; the weights are published without it.
+    NotSettled {
+        /// What went wrong.
+        why: String,
+    },
 }
 
 /// What a training starts from.

@@ -12,7 +12,9 @@ use crate::examples::examples;
 use crate::state::State;
 use crate::subject::{Example, Subject};
 use crate::validate::validate;
-use crate::{Candidate, EpochRecord, Finish, Scores, Stage, TrainError, TrainEvent, evaluate};
+use crate::{
+    Candidate, EpochRecord, EvalEvent, Finish, Scores, Stage, TrainError, TrainEvent, evaluate,
+};
 
 /// What a training has come to.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,14 +125,11 @@ pub(crate) fn publish(
     checkpoint.scores = scores;
     checkpoint.save(&weights, precision)?;
 
-    // Another training may have added a variant meanwhile.
-    let mut manifest = GarmentPackage::read_manifest(folder)?;
     let cost = subject.config.cost(
         stage.package.mesh.num_vertices(),
         subject.sampling.used().len(),
     )?;
-    let settled = test.and_then(|_| settled_error(stage, &weights));
-    manifest.add(Variant {
+    let variant = Variant {
         name: progress.name.clone(),
         weights: file,
         default: false,
@@ -138,11 +137,11 @@ pub(crate) fn publish(
         distance_error: test
             .filter(|_| subject.aim.is_rest())
             .map(|test| test.distance),
-        settled_error: settled.map(|settled| settled.error),
-        settle_frames: settled.map(|settled| settled.frames),
+        settled_error: None,
+        settle_frames: None,
         flop: Some(cost.flops as f64),
-    });
-    GarmentPackage::write_manifest(folder, &manifest)?;
+    };
+    let settled_error = add_variant(folder, stage, variant, test.is_some(), observer)?;
     Ok(Trained {
         name: progress.name.clone(),
         weights,
@@ -150,39 +149,76 @@ pub(crate) fn publish(
         epochs_asked: progress.config.epochs,
         best,
         test,
-        settled_error: settled.map(|settled| settled.error),
+        settled_error,
     })
 }
 
-/// What settling comes to.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Settled {
-    /// Mean distance to the teacher on the test split, in metres.
-    pub(crate) error: f64,
-    /// For how many frames the cloth settles.
-    pub(crate) frames: u32,
+/// Adds a variant to the manifest of a package, and measures on the test split, if there is one, how far from the
+/// teacher its cloth is once it has settled, in metres.
+///
+/// That takes longer than all else but the training: the variant is in the manifest before it begins. It is there without
+/// that number, too, if the garment cannot be simulated; the observer is told why.
+pub(crate) fn add_variant(
+    folder: &Path,
+    stage: &Stage,
+    variant: Variant,
+    has_test: bool,
+    observer: &mut dyn FnMut(TrainEvent),
+) -> Result<Option<f64>, TrainError> {
+    let add = |variant: Variant| -> Result<(), TrainError> {
+        // Another training may have added a variant meanwhile.
+        let mut manifest = GarmentPackage::read_manifest(folder)?;
+        manifest.add(variant);
+        GarmentPackage::write_manifest(folder, &manifest)?;
+        Ok(())
+    };
+    add(variant.clone())?;
+    if !has_test {
+        return Ok(None);
+    }
+    match settled(stage, &folder.join(&variant.weights), observer) {
+        Ok((error, frames)) => {
+            add(Variant {
+                settled_error: Some(error),
+                settle_frames: Some(frames),
+                ..variant
+            })?;
+            Ok(Some(error))
+        }
+        Err(error) => {
+            observer(TrainEvent::NotSettled {
+                why: error.to_string(),
+            });
+            Ok(None)
+        }
+    }
 }
 
-/// How far from the teacher cloth is once it has settled where weights put it; none of garments that cannot be
-/// simulated, and none if it cannot be measured: the weights are worth publishing without it.
-pub(crate) fn settled_error(stage: &Stage, weights: &Path) -> Option<Settled> {
-    let aim = ModelHeader::read(weights).ok()?.aim;
-    let frames = put_of(aim).frames();
+/// The mean distance to the teacher on the test split, in metres, of cloth that has settled where weights put it, and
+/// for how many frames it settles.
+fn settled(
+    stage: &Stage,
+    weights: &Path,
+    observer: &mut dyn FnMut(TrainEvent),
+) -> Result<(f64, u32), TrainError> {
+    let frames = put_of(ModelHeader::read(weights)?.aim).frames();
     let candidate = Candidate::Model {
         name: String::new(),
         weights: weights.to_path_buf(),
         settle: frames,
     };
-    let found = evaluate(stage, Split::Test, &[candidate], Finish::None, &mut |_| {});
-    let found = found.ok()?;
-    let row = found
-        .rows
-        .first()
-        .filter(|row| row.unsettled < found.scenes);
-    row.map(|row| Settled {
-        error: row.scores.distance,
-        frames,
-    })
+    let mut tell = |event: EvalEvent| {
+        let EvalEvent::Scene { done, total } = event;
+        observer(TrainEvent::Settled { done, total });
+    };
+    let found = evaluate(stage, Split::Test, &[candidate], Finish::None, &mut tell)?;
+    let row = found.rows.first();
+    match row.filter(|row| row.unsettled < found.scenes) {
+        Some(row) => Ok((row.scores.distance, frames)),
+        None => Err(TrainError::FliesApart {
+            scenes: found.scenes,
+        }),
+    }
 }
 
 /// Scores under the names that weight files keep them by.

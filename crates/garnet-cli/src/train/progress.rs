@@ -125,6 +125,18 @@ impl<'a> Progress<'a> {
                 self.console.warning(&format_args!("no step: {trouble}"));
             }
             TrainEvent::Epoch(record) => self.epoch(record),
+            TrainEvent::Settled { done, total } => {
+                if done == 1 {
+                    self.bar.finish_and_clear();
+                    self.bar = self.console.progress(total);
+                    self.bar.set_message("test scenes settle");
+                }
+                self.bar.set_position(done as u64);
+            }
+            TrainEvent::NotSettled { why } => {
+                self.console
+                    .warning(&format_args!("drapes that settle were not measured: {why}"));
+            }
             _ => {}
         }
     }

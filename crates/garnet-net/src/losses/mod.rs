@@ -201,13 +201,7 @@ impl Losses {
     }
 
     fn check_places(&self, what: &'static str, places: &[Point3]) -> Result<(), NetError> {
-        if places.len() != self.topology.num_vertices() {
-            return Err(NetError::Count {
-                what,
-                found: places.len(),
-                expected: self.topology.num_vertices(),
-            });
-        }
+        NetError::check_count(what, places.len(), self.topology.num_vertices())?;
         let is_stray = |place: &Point3| !place.iter().all(|value| value.is_finite());
         match places.iter().position(is_stray) {
             Some(index) => Err(NetError::NotFinite { what, index }),

@@ -92,6 +92,11 @@ impl Features {
             .take(self.parents.len() + 1)
     }
 
+    /// How many numbers of pose and shape there are.
+    pub(super) fn num_parameters(&self) -> usize {
+        NUMBERS_A_JOINT * self.parents.len()
+    }
+
     /// How many numbers all features have.
     pub fn len(&self) -> usize {
         self.all.iter().map(|feature| feature.aspect.len()).sum()
@@ -115,14 +120,8 @@ impl Features {
     ///
     /// [`NetError::Count`] for another count of numbers than ten a joint.
     pub fn of(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
-        let expected = NUMBERS_A_JOINT * self.parents.len();
-        if parameters.len() != expected {
-            return Err(NetError::Count {
-                what: "parameters",
-                found: parameters.len(),
-                expected,
-            });
-        }
+        let expected = self.num_parameters();
+        NetError::check_count("parameters", parameters.len(), expected)?;
         let turns = self.turns(parameters);
         let from_hub = turns[self.hub].transpose();
         let mut numbers = Vec::with_capacity(self.len());

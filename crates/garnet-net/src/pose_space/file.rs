@@ -10,7 +10,8 @@ use safetensors::tensor::TensorView;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Aim, Features, Layer, Mirror, PoseSpace, PoseSpaceParts, Region, RegionMirror, Regions, Told,
+    Aim, Exchange, Features, Layer, Mirror, PoseSpace, PoseSpaceParts, Region, RegionMirror,
+    Regions, Told,
 };
 use crate::weight_file::{self, Header, not_safetensors};
 use crate::{CheckpointError, Precision, TrainedRange, UNIT};
@@ -195,15 +196,17 @@ fn of_scenes(parts: &PoseSpaceParts, precision: Precision) -> Vec<Stored<'_>> {
             (name.to_owned(), shape, Cow::from(numbers), precision)
         });
     let mirror = parts.mirror.as_ref();
-    tensors.chain(mirror.map(of_mirror)).collect()
+    tensors
+        .chain(mirror.map(|mirror| of_exchange(&mirror.numbers)))
+        .collect()
 }
 
-fn of_mirror(mirror: &Mirror) -> Stored<'static> {
-    let pairs = mirror.numbers.iter();
+fn of_exchange(Exchange(pairs): &Exchange) -> Stored<'static> {
+    let shape = vec![pairs.len(), 2];
+    let pairs = pairs.iter();
     let numbers: Vec<f32> = pairs
         .flat_map(|&(number, sign)| [number as f32, sign])
         .collect();
-    let shape = vec![mirror.numbers.len(), 2];
     (MIRROR.to_owned(), shape, numbers.into(), Precision::F32)
 }
 
@@ -224,7 +227,7 @@ fn of_regions(all: &Regions, precision: Precision) -> Vec<Stored<'_>> {
         ),
     ];
     if let Some(mirror) = &all.mirror {
-        tensors.push(of_mirror(&mirror.numbers));
+        tensors.push(of_exchange(&mirror.numbers));
         let images = mirror.images.iter();
         // Corners are whole numbers below 2²⁴.
         let numbers = images.flat_map(|&([a, b, c], [u, v, w])| {
@@ -283,25 +286,19 @@ impl Reading<'_> {
         })
     }
 
-    /// The mirror without parities.
-    fn mirror(&self) -> Result<Mirror, CheckpointError> {
+    fn exchange(&self) -> Result<Exchange, CheckpointError> {
         // The checksum holds these; one beyond the last is refused with the other counts.
         let numbers = self.part(MIRROR)?;
         let pairs = numbers.as_chunks::<2>().0.iter();
-        Ok(Mirror {
-            numbers: pairs
-                .map(|&[number, sign]| (number as usize, sign))
-                .collect(),
-            parity: Vec::new(),
-        })
+        let pairs = pairs.map(|&[number, sign]| (number as usize, sign));
+        Ok(Exchange(pairs.collect()))
     }
 
     fn parts(&self) -> Result<PoseSpaceParts, CheckpointError> {
         let mirror = if self.has(MIRROR) {
-            let parity = self.part(PARITY)?;
             Some(Mirror {
-                parity,
-                ..self.mirror()?
+                numbers: self.exchange()?,
+                parity: self.part(PARITY)?,
             })
         } else {
             None
@@ -327,7 +324,7 @@ impl Reading<'_> {
             let image =
                 |&[a, b, c, u, v, w]: &[f32; 6]| ([a, b, c].map(|corner| corner as u32), [u, v, w]);
             Some(RegionMirror {
-                numbers: self.mirror()?,
+                numbers: self.exchange()?,
                 images: images.map(image).collect(),
             })
         } else {
@@ -380,7 +377,7 @@ mod tests {
             unreachable!()
         };
         parts.mirror = Some(Mirror {
-            numbers: vec![(0, -1.0), (1, 1.0)],
+            numbers: Exchange(vec![(0, -1.0), (1, 1.0)]),
             parity: vec![-1.0],
         });
         space.save(&path, Precision::F16).unwrap();

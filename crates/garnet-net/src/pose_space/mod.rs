@@ -112,23 +112,35 @@ pub struct PoseSpaceParts {
 /// How left and right are exchanged.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mirror {
-    /// For each number of pose and shape the one that takes its place, and its sign `[number]`.
-    pub numbers: Vec<(usize, f32)>,
+    /// In the numbers of pose and shape.
+    pub numbers: Exchange,
     /// 1 for shapes that are the same in the mirror, −1 for those that change their sign `[shape]`.
     pub parity: Vec<f32>,
 }
 
-impl Mirror {
-    /// The numbers of pose and shape of the mirrored body `[number]`.
+/// How left and right are exchanged in the numbers of pose and shape: for each the one that takes its place, and its
+/// sign `[number]`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Exchange(pub Vec<(usize, f32)>);
+
+impl Exchange {
+    /// The numbers of the mirrored body `[number]`.
     ///
     /// # Panics
     ///
-    /// If there are other numbers than the mirror knows.
-    pub fn of_numbers(&self, parameters: &[f32]) -> Vec<f32> {
-        let numbers = self.numbers.iter();
+    /// If there are other numbers than the exchange knows.
+    pub fn of(&self, parameters: &[f32]) -> Vec<f32> {
+        let numbers = self.0.iter();
         numbers
             .map(|&(number, sign)| sign * parameters[number])
             .collect()
+    }
+
+    /// Refuses another count, and numbers that there are not.
+    fn check(&self, expected: usize) -> Result<(), NetError> {
+        NetError::check_count("mirrored numbers", self.0.len(), expected)?;
+        let within = self.0.iter().filter(|(number, _)| *number < expected);
+        NetError::check_count("mirrored numbers", within.count(), expected)
     }
 }
 
@@ -150,14 +162,7 @@ impl PoseSpaceParts {
     ///
     /// [`NetError::Count`] for another count of numbers than that of the scales.
     pub fn scaled(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
-        let (found, expected) = (parameters.len(), self.scales.len());
-        if found != expected {
-            return Err(NetError::Count {
-                what: "parameters",
-                found,
-                expected,
-            });
-        }
+        NetError::check_count("parameters", parameters.len(), self.scales.len())?;
         let pairs = self.scales.iter().zip(parameters);
         Ok(pairs
             .filter(|&(&scale, _)| scale > 0.0)
@@ -168,7 +173,7 @@ impl PoseSpaceParts {
     fn shares(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
         let mut sums = self.sums(&self.scaled(parameters)?);
         if let Some(mirror) = &self.mirror {
-            let mirrored = self.sums(&self.scaled(&mirror.of_numbers(parameters))?);
+            let mirrored = self.sums(&self.scaled(&mirror.numbers.of(parameters))?);
             let mirrored = mirrored.iter().zip(&mirror.parity);
             for (sum, (mirrored, parity)) in sums.iter_mut().zip(mirrored) {
                 *sum += parity * mirrored;
@@ -235,16 +240,7 @@ impl PoseSpace {
         ridge: f64,
     ) -> Result<Self, NetError> {
         let kept = parts.scales.iter().filter(|&&scale| scale > 0.0).count();
-        let check = |what, found: usize, expected: usize| {
-            if found == expected {
-                return Ok(());
-            }
-            Err(NetError::Count {
-                what,
-                found,
-                expected,
-            })
-        };
+        let check = NetError::check_count;
         let num_shapes = parts.num_shapes();
         let num_scenes = parts.centers.len() / kept.max(1);
         let coordinates = 3 * (parts.mean.len() / 3);
@@ -255,9 +251,7 @@ impl PoseSpace {
         check("numbers of scenes", parts.centers.len(), numbers)?;
         check("weights", parts.weights.len(), num_scenes * num_shapes)?;
         if let Some(Mirror { numbers, parity }) = &parts.mirror {
-            check("mirrored numbers", numbers.len(), parts.scales.len())?;
-            let within = numbers.iter().filter(|(number, _)| *number < numbers.len());
-            check("mirrored numbers", within.count(), numbers.len())?;
+            numbers.check(parts.scales.len())?;
             check("parities", parity.len(), num_shapes)?;
         }
         let told = Told::ByScenes(parts);
@@ -381,13 +375,7 @@ impl PoseSpace {
                 needed_by: "the pose-space deformation moves vertices in",
             });
         }
-        if warped.len() != self.num_vertices() {
-            return Err(NetError::Count {
-                what: "garment vertices",
-                found: warped.len(),
-                expected: self.num_vertices(),
-            });
-        }
+        NetError::check_count("garment vertices", warped.len(), self.num_vertices())?;
         let offsets = match &self.told {
             Told::ByScenes(parts) => parts.offsets(coefficients),
             Told::ByRegions(regions) => regions.offsets(coefficients),
@@ -450,7 +438,7 @@ mod tests {
         let space = small();
         for parity in [1.0, -1.0] {
             let mirror = Mirror {
-                numbers: vec![(0, 1.0), (1, -1.0)],
+                numbers: Exchange(vec![(0, 1.0), (1, -1.0)]),
                 parity: vec![parity],
             };
             let parts = PoseSpaceParts {
@@ -465,7 +453,7 @@ mod tests {
         }
         let parts = PoseSpaceParts {
             mirror: Some(Mirror {
-                numbers: vec![(2, 1.0), (1, -1.0)],
+                numbers: Exchange(vec![(2, 1.0), (1, -1.0)]),
                 parity: vec![1.0],
             }),
             ..space.parts().unwrap().clone()

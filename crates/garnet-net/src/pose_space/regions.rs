@@ -3,7 +3,7 @@
 use garnet_mesh::Vector3;
 use rayon::prelude::*;
 
-use super::Mirror;
+use super::Exchange;
 use super::features::Features;
 use crate::{Cost, NetError};
 
@@ -28,8 +28,8 @@ pub struct Regions {
 /// How the regions of the left are those of the right.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RegionMirror {
-    /// The numbers of pose and shape; there are no parities.
-    pub numbers: Mirror,
+    /// In the numbers of pose and shape.
+    pub numbers: Exchange,
     /// Where the mirror image of each vertex is `[vertex]`.
     pub images: Vec<Image>,
 }
@@ -128,16 +128,7 @@ impl Regions {
     ///
     /// [`NetError::Count`].
     pub(super) fn check(&self) -> Result<(), NetError> {
-        let check = |what, found: usize, expected: usize| {
-            if found == expected {
-                return Ok(());
-            }
-            Err(NetError::Count {
-                what,
-                found,
-                expected,
-            })
-        };
+        let check = NetError::check_count;
         self.features.check()?;
         let (owners, num_vertices) = (self.features.owners(), self.num_vertices());
         check("numbers of features", self.center.len(), owners.len())?;
@@ -159,10 +150,7 @@ impl Regions {
             }
         }
         if let Some(RegionMirror { numbers, images }) = &self.mirror {
-            let all = 10 * self.features.parents.len();
-            check("mirrored numbers", numbers.numbers.len(), all)?;
-            let within = numbers.numbers.iter().filter(|(number, _)| *number < all);
-            check("mirrored numbers", within.count(), all)?;
+            numbers.check(self.features.num_parameters())?;
             let sound = images.iter();
             let sound = sound.filter(|(corners, _)| corners.iter().all(|&corner| is_there(corner)));
             check("mirrored vertices", sound.count(), num_vertices)?;
@@ -204,7 +192,7 @@ impl Regions {
         let owners = self.features.owners();
         let mut sides = vec![self.features.of(parameters)?];
         if let Some(mirror) = &self.mirror {
-            sides.push(self.features.of(&mirror.numbers.of_numbers(parameters))?);
+            sides.push(self.features.of(&mirror.numbers.of(parameters))?);
         }
         let asked: Vec<_> = (sides.iter())
             .flat_map(|numbers| self.regions.iter().map(move |region| (region, numbers)))
@@ -281,10 +269,7 @@ pub(super) mod tests {
                 ],
             }],
             mirror: Some(RegionMirror {
-                numbers: Mirror {
-                    numbers: mirrored,
-                    parity: Vec::new(),
-                },
+                numbers: Exchange(mirrored),
                 images: vec![([1, 1, 1], [1.0, 0.0, 0.0]), ([0, 0, 0], [1.0, 0.0, 0.0])],
             }),
         }
@@ -327,7 +312,7 @@ pub(super) mod tests {
         refused(&|regions| regions.regions[0].shapes.truncate(5));
         refused(&|regions| regions.regions[0].layers[1].weight.truncate(3));
         refused(&|regions| regions.mirror.as_mut().unwrap().images.truncate(1));
-        refused(&|regions| regions.mirror.as_mut().unwrap().numbers.numbers[4].0 = 30);
+        refused(&|regions| regions.mirror.as_mut().unwrap().numbers.0[4].0 = 30);
         assert!(small().shares(&[0.0; 20]).is_err());
     }
 }

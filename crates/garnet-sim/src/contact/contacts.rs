@@ -1,5 +1,7 @@
 //! The contacts of a garment between one refresh and the next.
 
+use rayon::prelude::*;
+
 use crate::contact::plane::{Brake, Plane, PlaneOptions};
 use crate::contact::seeker::{FACING, Near, Reach, Seeker, Track};
 use crate::contact::skin::{Skin, unit};
@@ -17,6 +19,16 @@ use crate::{Point3, Vector3};
 pub(crate) struct Contacts {
     tracks: Vec<Track>,
     unrest: Vec<Unrest>,
+    pub(super) wear: Wear,
+    pub(crate) planes: Vec<Plane>,
+    /// Whether a vertex lies between two skins with no room for two layers of cloth, or is caught.
+    pub(crate) is_squeezed: Vec<bool>,
+}
+
+/// What of the cloth counts where it is held `[vertex]`.
+#[derive(Debug, Clone)]
+pub(super) struct Wear {
+    /// The parts of the skin that each vertex may touch.
     pub(super) masks: Vec<u32>,
     /// What friction is multiplied by at the vertices of ribs and waistbands; 0 at others.
     pub(super) grips: Vec<f32>,
@@ -25,10 +37,18 @@ pub(crate) struct Contacts {
     /// 1 if the faces of the cloth look away from the skin, −1 if towards it, 0 if not yet known.
     orientation: f32,
     normals: Vec<Vector3>,
-    pub(crate) planes: Vec<Plane>,
-    /// Whether a vertex lies between two skins with no room for two layers of cloth, or is caught.
-    pub(crate) is_squeezed: Vec<bool>,
 }
+
+/// What is remembered of some vertices.
+struct Share<'a> {
+    first_vertex: usize,
+    tracks: &'a mut [Track],
+    unrest: &'a mut [Unrest],
+    is_squeezed: &'a mut [bool],
+}
+
+/// Vertices whose skin is looked for by one thread at a time.
+const CHUNK: usize = 256;
 
 /// Each vertex asks the whole skin at every so many refreshes; in between it walks.
 const TURNS: u32 = 4;
@@ -93,12 +113,14 @@ impl Contacts {
             unrest: vec![Unrest::default(); masks.len()],
             planes: Vec::with_capacity(2 * masks.len()),
             is_squeezed: vec![false; masks.len()],
-            normals: Vec::new(),
-            masks,
-            grips,
-            reach: Reach::of(thickness),
-            turn: 0,
-            orientation: 0.0,
+            wear: Wear {
+                normals: Vec::new(),
+                masks,
+                grips,
+                reach: Reach::of(thickness),
+                turn: 0,
+                orientation: 0.0,
+            },
         }
     }
 
@@ -111,28 +133,83 @@ impl Contacts {
         interval: Interval,
     ) {
         self.look(skin, faces, particles);
+        let wear = &self.wear;
+        let tracks = self.tracks.par_chunks_mut(CHUNK);
+        let unrest = self.unrest.par_chunks_mut(CHUNK);
+        let is_squeezed = self.is_squeezed.par_chunks_mut(CHUNK);
+        let chunks = tracks.zip(unrest).zip(is_squeezed).enumerate();
+        let planes = chunks.map(|(chunk, ((tracks, unrest), is_squeezed))| {
+            let share = Share {
+                first_vertex: chunk * CHUNK,
+                tracks,
+                unrest,
+                is_squeezed,
+            };
+            share.planes(wear, skin, particles, interval)
+        });
+        let planes: Vec<Vec<Plane>> = planes.collect();
         self.planes.clear();
-        for vertex in 0..self.tracks.len() {
+        self.planes.extend(planes.into_iter().flatten());
+    }
+
+    /// Gets ready to say where vertices are held.
+    pub(super) fn look(&mut self, skin: &Skin, faces: &[[u32; 3]], particles: &Particles) {
+        self.wear.measure_normals(faces, particles);
+        if self.wear.orientation == 0.0 {
+            self.wear.orientation = self.wear.vote(skin, particles);
+        }
+        self.wear.turn = (self.wear.turn + 1) % TURNS;
+    }
+
+    /// The places that hold a vertex at `point`, which stays on the skin that it is on; that of the own skin last.
+    pub(super) fn follow(
+        &mut self,
+        vertex: usize,
+        point: Point3,
+        skin: &Skin,
+    ) -> [Option<Hold>; 2] {
+        let track = &mut self.tracks[vertex];
+        self.wear.holds(vertex, point, skin, track, false)
+    }
+}
+
+impl Share<'_> {
+    /// The planes that hold the vertices.
+    fn planes(
+        self,
+        wear: &Wear,
+        skin: &Skin,
+        particles: &Particles,
+        interval: Interval,
+    ) -> Vec<Plane> {
+        let mut planes = Vec::with_capacity(2 * self.tracks.len());
+        let of_vertices = self
+            .tracks
+            .iter_mut()
+            .zip(self.unrest)
+            .zip(self.is_squeezed);
+        for (place, ((track, unrest), is_squeezed)) in of_vertices.enumerate() {
+            let vertex = self.first_vertex + place;
             let point = particles.position(vertex);
-            self.is_squeezed[vertex] = false;
-            if self.tracks[vertex].is_free(point, skin) {
+            *is_squeezed = false;
+            if track.is_free(point, skin) {
                 continue;
             }
-            let holds = self.holds(vertex, point, skin, interval.may_change);
-            let thickness = self.reach.thickness;
+            let holds = wear.holds(vertex, point, skin, track, interval.may_change);
+            let thickness = wear.reach.thickness;
             let is_caught = holds[1].is_some_and(|Hold { near, .. }| {
                 let moves = skin.velocity(&near.foot) != Vector3::zeros();
-                self.unrest[vertex].is_caught(near.normal, moves)
+                unrest.is_caught(near.normal, moves)
             });
             let mut held = holds.iter().flatten();
-            self.is_squeezed[vertex] = is_caught || held.any(|hold| hold.clearance < thickness);
+            *is_squeezed = is_caught || held.any(|hold| hold.clearance < thickness);
             for Hold { near, clearance } in holds.into_iter().flatten() {
                 let clearance = if is_caught {
                     clearance.min(near.distance)
                 } else {
                     clearance
                 };
-                self.planes.push(Plane::new(&PlaneOptions {
+                planes.push(Plane::new(&PlaneOptions {
                     vertex: vertex as u32,
                     normal: near.normal,
                     distance: near.distance,
@@ -142,28 +219,23 @@ impl Contacts {
                     brake: if is_caught || clearance < thickness {
                         interval.drag()
                     } else {
-                        interval.brake(self.grips[vertex])
+                        interval.brake(wear.grips[vertex])
                     },
                 }));
             }
         }
+        planes
     }
+}
 
-    /// Gets ready to say where vertices are held.
-    pub(super) fn look(&mut self, skin: &Skin, faces: &[[u32; 3]], particles: &Particles) {
-        self.measure_normals(faces, particles);
-        if self.orientation == 0.0 {
-            self.orientation = self.vote(skin, particles);
-        }
-        self.turn = (self.turn + 1) % TURNS;
-    }
-
+impl Wear {
     /// The places that hold a vertex at `point`; that of the own skin last, because the last plane wins.
-    pub(super) fn holds(
-        &mut self,
+    fn holds(
+        &self,
         vertex: usize,
         point: Point3,
         skin: &Skin,
+        track: &mut Track,
         may_change: bool,
     ) -> [Option<Hold>; 2] {
         if self.masks[vertex] == 0 {
@@ -177,7 +249,6 @@ impl Contacts {
             outward: self.orientation * self.normals[vertex],
         };
         let is_turn = may_change && vertex as u32 % TURNS == self.turn;
-        let track = &mut self.tracks[vertex];
         let own = seeker.own(track, is_turn);
         let other = seeker.other(track, own, is_turn);
         holds(skin, &self.reach, own, other)
@@ -185,7 +256,7 @@ impl Contacts {
 
     /// Which way the faces of most of the cloth near the skin look.
     fn vote(&self, skin: &Skin, particles: &Particles) -> f32 {
-        let votes = (0..self.tracks.len()).map(|vertex| {
+        let votes = (0..self.masks.len()).into_par_iter().map(|vertex| {
             let seeker = Seeker {
                 skin,
                 reach: &self.reach,
@@ -198,12 +269,17 @@ impl Contacts {
                 f64::from(self.normals[vertex].dot(&skin.face_normal(foot.face)))
             })
         });
-        if votes.sum::<f64>() < 0.0 { -1.0 } else { 1.0 }
+        let votes: Vec<f64> = votes.collect();
+        if votes.iter().sum::<f64>() < 0.0 {
+            -1.0
+        } else {
+            1.0
+        }
     }
 
     fn measure_normals(&mut self, faces: &[[u32; 3]], particles: &Particles) {
         self.normals.clear();
-        self.normals.resize(self.tracks.len(), Vector3::zeros());
+        self.normals.resize(self.masks.len(), Vector3::zeros());
         for face in faces {
             let [a, b, c] = face.map(|vertex| Point3::from(particles.bases[vertex as usize].xyz()));
             let normal = (b - a).cross(&(c - a));

@@ -24,7 +24,7 @@ const AROUND: f32 = 0.2;
 impl<'a> Grounds<'a> {
     /// `contacts` are those at the end of a run on `skin`.
     pub(crate) fn new(cloth: &'a Cloth, skin: &'a Skin, mut contacts: Contacts) -> Self {
-        contacts.reach.band = BAND;
+        contacts.wear.reach.band = BAND;
         Self {
             holds: vec![[None; 2]; cloth.num_vertices()],
             cloth,
@@ -39,8 +39,7 @@ impl<'a> Grounds<'a> {
         self.contacts
             .look(self.skin, self.cloth.faces(), &particles);
         for (vertex, &position) in positions.iter().enumerate() {
-            let holds = self.contacts.holds(vertex, position, self.skin, false);
-            self.holds[vertex] = holds;
+            self.holds[vertex] = self.contacts.follow(vertex, position, self.skin);
         }
     }
 
@@ -53,7 +52,7 @@ impl<'a> Grounds<'a> {
     pub(crate) fn is_under(&self, vertex: usize, face: u32) -> bool {
         let normal = self.skin.face_normal(face);
         let mut holds = self.holds[vertex].iter().flatten();
-        self.skin.is_allowed(face, self.contacts.masks[vertex])
+        self.skin.is_allowed(face, self.contacts.wear.masks[vertex])
             && holds.any(|hold| hold.near.normal.dot(&normal) > AROUND)
     }
 
@@ -64,7 +63,7 @@ impl<'a> Grounds<'a> {
 
     /// What the friction of the fabric is multiplied by at a vertex.
     pub(crate) fn grip(&self, vertex: usize) -> f32 {
-        let grip = self.contacts.grips[vertex];
+        let grip = self.contacts.wear.grips[vertex];
         if grip > 0.0 { grip } else { 1.0 }
     }
 }

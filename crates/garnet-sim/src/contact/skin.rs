@@ -1,5 +1,7 @@
 //! The collider at a time: its hierarchy, normals and velocities.
 
+use rayon::prelude::*;
+
 use crate::contact::triangle::project_origin;
 use crate::{Collider, Point3, SimError, Vector3};
 use garnet_knn::{Feature, KnnError, Surface};
@@ -168,7 +170,8 @@ impl Skin {
         if !self.surface.is_closed() {
             return;
         }
-        let probes = self.surface.positions().iter().zip(&self.vertex_normals);
+        let positions = self.surface.positions().par_iter();
+        let probes = positions.zip(&self.vertex_normals);
         self.is_buried = probes
             .map(|(position, normal)| self.surface.contains(position + BURIED_PROBE * normal))
             .collect();

@@ -1,5 +1,7 @@
 //! Cloth on cloth: vertices that repel each other.
 
+use rayon::prelude::*;
+
 use crate::layers::Layers;
 use crate::xpbd::particles::Particles;
 use crate::xpbd::quad::Quad;
@@ -26,6 +28,9 @@ struct Pair {
 /// the next refresh.
 const MARGIN: f32 = 1.5;
 
+/// Vertices whose neighbors are looked for by one thread at a time.
+const CHUNK: usize = 512;
+
 impl Pairs {
     pub(crate) fn new(layers: Layers) -> Self {
         Self {
@@ -48,27 +53,34 @@ impl Pairs {
         num_substeps: u32,
     ) {
         let points = &particles.bases[..particles.num_vertices()];
-        self.near.clear();
         self.grid.fill(points, self.search);
-        let layers = &self.layers;
-        let pairs = &mut self.near;
-        self.grid
-            .for_near_pairs(points, self.search, |a, b, squared| {
-                let reach = layers.reach(a, b);
-                if squared > MARGIN * MARGIN * reach * reach || (is_out[a] && is_out[b]) {
-                    return;
-                }
-                let (a, b) = (a.min(b), a.max(b));
-                let Some(full) = layers.distance(a, b) else {
-                    return;
-                };
-                let missing = (full - squared.sqrt()).max(0.0);
-                pairs.push(Pair {
-                    vertices: [a as u32, b as u32],
-                    reach: full - missing,
-                    rise: max_rise.min(missing / num_substeps as f32),
-                });
+        let (grid, layers) = (&self.grid, &self.layers);
+        let pair = |a: usize, b: usize, squared: f32| {
+            let reach = layers.reach(a, b);
+            if squared > MARGIN * MARGIN * reach * reach || (is_out[a] && is_out[b]) {
+                return None;
+            }
+            let (a, b) = (a.min(b), a.max(b));
+            let full = layers.distance(a, b)?;
+            let missing = (full - squared.sqrt()).max(0.0);
+            Some(Pair {
+                vertices: [a as u32, b as u32],
+                reach: full - missing,
+                rise: max_rise.min(missing / num_substeps as f32),
+            })
+        };
+        let chunks = (0..points.len().div_ceil(CHUNK)).into_par_iter();
+        let found = chunks.map(|chunk| {
+            let some = chunk * CHUNK..points.len().min((chunk + 1) * CHUNK);
+            let mut pairs = Vec::new();
+            grid.for_near_pairs(some, points, self.search, |a, b, squared| {
+                pairs.extend(pair(a, b, squared));
             });
+            pairs
+        });
+        let found: Vec<Vec<Pair>> = found.collect();
+        self.near.clear();
+        self.near.extend(found.into_iter().flatten());
     }
 
     /// Pushes the pairs that are too near apart and brakes their sliding, by Coulomb's coefficient.
@@ -117,7 +129,9 @@ struct Grid {
     cells: Vec<[i32; 3]>,
     hashes: Vec<u32>,
     starts: Vec<u32>,
+    /// Points by the hash of their cubes, and where they are.
     sorted: Vec<u32>,
+    places: Vec<Quad>,
 }
 
 /// Half of the 26 neighbors of a cube: each pair of cubes is met once.
@@ -167,45 +181,43 @@ impl Grid {
             self.sorted[*place as usize] = point as u32;
             *place += 1;
         }
+        self.places.clear();
+        let sorted = self.sorted.iter();
+        self.places
+            .extend(sorted.map(|&point| points[point as usize]));
     }
 
-    /// Calls `found` with each pair no farther apart than `distance`, and its squared distance.
+    /// Calls `found` with each pair no farther apart than `distance`, and its squared distance: once with one of the
+    /// two among `some`.
     fn for_near_pairs(
         &self,
+        some: std::ops::Range<usize>,
         points: &[Quad],
         distance: f32,
         mut found: impl FnMut(usize, usize, f32),
     ) {
         let limit = distance * distance;
         let num_slots = self.starts.len() - 1;
-        let mut check = |a: usize, b: usize| {
-            let across = points[a] - points[b];
-            let squared = across.dot3(across);
-            if squared < limit {
-                found(a, b, squared);
-            }
-        };
-        for (a, &cell) in self.cells.iter().enumerate() {
-            for &b in self.slot(self.hashes[a]) {
-                let b = b as usize;
-                if b > a && self.cells[b] == cell {
-                    check(a, b);
-                }
-            }
-            for step in FORWARD {
-                let other = [0, 1, 2].map(|axis| cell[axis].wrapping_add(step[axis]));
-                for &b in self.slot(hash(other, num_slots)) {
-                    if self.cells[b as usize] == other {
-                        check(a, b as usize);
+        for a in some {
+            let (place, cell) = (points[a], self.cells[a]);
+            let mut check = |slot: u32, is_wanted: &dyn Fn(usize) -> bool| {
+                let range =
+                    self.starts[slot as usize] as usize..self.starts[slot as usize + 1] as usize;
+                let candidates = self.sorted[range.clone()].iter().zip(&self.places[range]);
+                for (&b, other) in candidates {
+                    let across = place - *other;
+                    let squared = across.dot3(across);
+                    if squared < limit && is_wanted(b as usize) {
+                        found(a, b as usize, squared);
                     }
                 }
+            };
+            check(self.hashes[a], &|b| b > a && self.cells[b] == cell);
+            for step in FORWARD {
+                let other = [0, 1, 2].map(|axis| cell[axis].wrapping_add(step[axis]));
+                check(hash(other, num_slots), &|b| self.cells[b] == other);
             }
         }
-    }
-
-    fn slot(&self, slot: u32) -> &[u32] {
-        let slot = slot as usize;
-        &self.sorted[self.starts[slot] as usize..self.starts[slot + 1] as usize]
     }
 }
 

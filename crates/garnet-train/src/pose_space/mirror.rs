@@ -1,7 +1,7 @@
 //! What a scene tells of its mirror image.
 
 use garnet_mesh::Point3;
-use garnet_net::pose_space::{Image, Mirror};
+use garnet_net::pose_space::{Exchange, Image, Mirror};
 use garnet_skin::Symmetry;
 use rayon::prelude::*;
 
@@ -18,8 +18,7 @@ const ON: f32 = 0.01;
 pub(super) struct GarmentMirror {
     /// For each vertex the triangle on which its mirror image lies, and the weights of its corners.
     images: Vec<Image>,
-    /// For each number of pose and shape the one that takes its place, and its sign.
-    numbers: Vec<(usize, f32)>,
+    numbers: Exchange,
 }
 
 impl GarmentMirror {
@@ -42,7 +41,7 @@ impl GarmentMirror {
         let without_distance = |(triangle, weights, _)| (triangle, weights);
         Some(Self {
             images: images.into_iter().map(without_distance).collect(),
-            numbers: template.body.mirrored_numbers(&symmetry),
+            numbers: Exchange(template.body.mirrored_numbers(&symmetry)),
         })
     }
 
@@ -65,15 +64,15 @@ impl GarmentMirror {
         &self.images
     }
 
-    /// For each number of pose and shape the one that takes its place in the mirror, and its sign.
-    pub(super) fn numbers(&self) -> &[(usize, f32)] {
+    /// How numbers of pose and shape are exchanged.
+    pub(super) fn numbers(&self) -> &Exchange {
         &self.numbers
     }
 
     /// Gives left and right the same scales, the larger ones `[number]`.
     pub(super) fn even_out(&self, scales: &mut [f32]) {
         let own = scales.to_vec();
-        for (scale, &(other, _)) in scales.iter_mut().zip(&self.numbers) {
+        for (scale, &(other, _)) in scales.iter_mut().zip(&self.numbers.0) {
             *scale = scale.max(own[other]);
         }
     }

@@ -27,7 +27,7 @@ use garnet_net::{Aim, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
 
 use crate::examples::examples;
-use crate::publish::{named, settled_error};
+use crate::publish::{add_variant, named};
 use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate_drapes};
 use crate::{EpochRecord, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained};
@@ -158,20 +158,18 @@ pub(crate) fn fit(
     }
     space.save(&path, job.config.precision)?;
 
-    let mut manifest = GarmentPackage::read_manifest(&job.package)?;
-    let settled = scores(&test).and_then(|_| settled_error(stage, &path));
-    manifest.add(Variant {
+    let variant = Variant {
         name: name.clone(),
         weights: file,
         default: false,
         // Where cloth arrives is no drape.
         distance_error: (aim.is_rest().then(|| scores(&test)).flatten()).map(|test| test.distance),
-        settled_error: settled.map(|settled| settled.error),
-        settle_frames: settled.map(|settled| settled.frames),
+        settled_error: None,
+        settle_frames: None,
         flop: Some(space.cost().flops as f64),
-    });
-    GarmentPackage::write_manifest(&job.package, &manifest)?;
+    };
     let test = scores(&test);
+    let settled_error = add_variant(&job.package, stage, variant, test.is_some(), observer)?;
     Ok(Trained {
         name: name.clone(),
         weights: path,
@@ -179,7 +177,7 @@ pub(crate) fn fit(
         epochs: 0,
         epochs_asked: 0,
         test,
-        settled_error: settled.map(|settled| settled.error),
+        settled_error,
     })
 }
 

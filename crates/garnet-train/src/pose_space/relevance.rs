@@ -175,7 +175,7 @@ pub(super) fn places(
         own: scaled(&|row, number| examples[row].parameters[number]),
         mirrored: mirror.map(|mirror| {
             scaled(&|row, number| {
-                let (other, sign) = mirror.numbers()[number];
+                let (other, sign) = mirror.numbers().0[number];
                 sign * examples[row].parameters[other]
             })
         }),

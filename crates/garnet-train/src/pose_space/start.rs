@@ -93,7 +93,7 @@ fn left_out(
     let places = Places {
         own: places(&|example| example.parameters.clone())?,
         mirrored: match &parts.mirror {
-            Some(mirror) => Some(places(&|example| mirror.of_numbers(&example.parameters))?),
+            Some(mirror) => Some(places(&|example| mirror.numbers.of(&example.parameters))?),
             None => None,
         },
     };

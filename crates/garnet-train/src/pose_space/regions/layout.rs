@@ -203,3 +203,115 @@ fn region_shares(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use garnet_skin::Joint;
+
+    use super::*;
+
+    const PELVIS: usize = 0;
+    const CHEST: usize = 1;
+    const LEFT_ARM: usize = 2;
+    const RIGHT_ARM: usize = 3;
+    const LEFT_HAND: usize = 4;
+    const LEFT_LEG: usize = 6;
+
+    /// A trunk, two arms with hands, two legs.
+    fn skeleton() -> Skeleton {
+        let joint = |name: &str, parent, [x, y]: [f32; 2]| Joint {
+            name: name.to_owned(),
+            parent,
+            rest_position: Point3::new(x, y, 0.0),
+        };
+        let joints = vec![
+            joint("pelvis", None, [0.0, 1.0]),
+            joint("chest", Some(PELVIS), [0.0, 1.3]),
+            joint("left_arm", Some(CHEST), [0.2, 1.4]),
+            joint("right_arm", Some(CHEST), [-0.2, 1.4]),
+            joint("left_hand", Some(LEFT_ARM), [0.7, 1.4]),
+            joint("right_hand", Some(RIGHT_ARM), [-0.7, 1.4]),
+            joint("left_leg", Some(PELVIS), [0.1, 0.9]),
+            joint("right_leg", Some(PELVIS), [-0.1, 0.9]),
+        ];
+        Skeleton::new(joints).unwrap()
+    }
+
+    fn joints(skeleton: &Skeleton) -> Joints<'_> {
+        Joints {
+            skeleton,
+            symmetry: skeleton.symmetry(),
+            // Hands and legs move next to nothing.
+            moves: vec![0.3, 0.3, 0.18, 0.18, 0.02, 0.02, 0.0, 0.0],
+        }
+    }
+
+    #[test]
+    fn joints_go_with_their_partners_or_to_their_parents() {
+        let skeleton = skeleton();
+        let found = joints(&skeleton).regions();
+        assert_eq!(found.len(), 3);
+        assert_eq!(found[0], [LEFT_ARM, RIGHT_ARM, LEFT_HAND, LEFT_HAND + 1]);
+        let mut trunk = found[1..].to_vec();
+        trunk.sort();
+        assert_eq!(trunk, [vec![PELVIS, LEFT_LEG, LEFT_LEG + 1], vec![CHEST]]);
+    }
+
+    #[test]
+    fn the_hub_is_where_the_limbs_part_that_move_most() {
+        let skeleton = skeleton();
+        let mut joints = joints(&skeleton);
+        let features = joints.features();
+        assert_eq!(features.hub, CHEST);
+        features.check().unwrap();
+        let has = |joint, aspect| features.all.contains(&Feature { joint, aspect });
+        assert!(has(LEFT_ARM, Aspect::AgainstHub) && has(LEFT_ARM, Aspect::Up));
+        assert!(has(CHEST, Aspect::Up) && !has(CHEST, Aspect::AgainstHub));
+        assert!(!has(LEFT_LEG, Aspect::Up), "they move nothing");
+        joints.moves = vec![0.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.3, 0.3];
+        assert_eq!(joints.hub(), PELVIS, "trousers hang on the pelvis");
+    }
+
+    #[test]
+    fn regions_and_their_mirror_images_are_the_garment() {
+        let skeleton = skeleton();
+        let joints = joints(&skeleton);
+        // Vertices of the chest in the middle, near it, at the side; of an arm; half of both.
+        let across = [0.0, 0.02, 0.1, 0.4, 0.2];
+        let of_chest = [1.0, 1.0, 1.0, 0.0, 0.5];
+        let positions: Vec<Point3> = [1.0, -1.0]
+            .into_iter()
+            .flat_map(|side| across.map(|x| Point3::new(side * x, 1.3, 0.0)))
+            .collect();
+        let mut weights = vec![vec![0.0; 10]; 8];
+        for (vertex, place) in positions.iter().enumerate() {
+            let chest = of_chest[vertex % 5];
+            let arm = if place.x > 0.0 { LEFT_ARM } else { RIGHT_ARM };
+            weights[CHEST][vertex] = chest;
+            weights[arm][vertex] = 1.0 - chest;
+        }
+        let sums = |sides: Option<&Symmetry>| {
+            let mut sums = [0.0_f32; 10];
+            let mut count = 0;
+            for region in joints.regions() {
+                for shares in region_shares(&region, &joints, sides, &weights, &positions) {
+                    for (sum, share) in sums.iter_mut().zip(&shares) {
+                        *sum += share;
+                    }
+                    count += 1;
+                }
+            }
+            (sums, count)
+        };
+        // With a mirror each region stands for its image, too; without, partners are apart.
+        let (left, count) = sums(joints.symmetry.as_ref());
+        assert_eq!(count, 3);
+        for vertex in 0..5 {
+            let both = left[vertex] + left[vertex + 5];
+            assert!((both - 1.0).abs() < 1e-6, "{vertex}: {both}");
+        }
+        let (all, count) = sums(None);
+        assert_eq!(count, 4);
+        assert!(all.iter().all(|sum| (sum - 1.0).abs() < 1e-6), "{all:?}");
+    }
+}

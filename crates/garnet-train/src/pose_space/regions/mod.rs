@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
 use faer::Mat;
-use garnet_net::pose_space::{Feature, Features, Mirror, Region, RegionMirror, Regions};
+use garnet_net::pose_space::{Feature, Features, Region, RegionMirror, Regions};
 use rayon::prelude::*;
 
 use super::mirror::GarmentMirror;
@@ -96,10 +96,7 @@ pub(super) fn fitted(
         mean,
         regions,
         mirror: mirror.map(|mirror| RegionMirror {
-            numbers: Mirror {
-                numbers: mirror.numbers().to_vec(),
-                parity: Vec::new(),
-            },
+            numbers: mirror.numbers().clone(),
             images: mirror.images().to_vec(),
         }),
     })
@@ -144,12 +141,8 @@ impl<'a> Ground<'a> {
         let mut parameters: Vec<Vec<f32>> = samples.iter().map(|s| s.parameters.clone()).collect();
         let mut offsets: Vec<Vec<f32>> = samples.iter().map(|s| s.offsets.clone()).collect();
         if let Some(mirror) = mirror {
-            let numbers = Mirror {
-                numbers: mirror.numbers().to_vec(),
-                parity: Vec::new(),
-            };
-            let images = samples.iter().map(|s| numbers.of_numbers(&s.parameters));
-            parameters.extend(images);
+            let images = samples.iter();
+            parameters.extend(images.map(|s| mirror.numbers().of(&s.parameters)));
             let images = samples.par_iter().map(|s| mirror.offsets(&s.offsets));
             offsets.par_extend(images);
         }
