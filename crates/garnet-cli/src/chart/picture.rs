@@ -157,7 +157,7 @@ pub(super) fn growth(report: &ChartReport, growth: &GrowthReport) -> LogLog {
     let mut chart = LogLog {
         title: format!("{}: what a drape costs with more vertices", report.garment),
         subtitle: format!(
-            "medians of {} test bodies; {} threads, settling and simulation 1; {}; networks with random weights",
+            "medians of {} test bodies; {} threads, simulation 1; {}; networks with random weights",
             growth.scenes,
             report.threads,
             processor(&report.machine)

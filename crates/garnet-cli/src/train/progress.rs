@@ -49,13 +49,7 @@ impl<'a> Progress<'a> {
     pub(super) fn tell(&mut self, event: TrainEvent) {
         match event {
             TrainEvent::Read { split, done, total } => {
-                if done == 1 {
-                    self.bar.finish_and_clear();
-                    self.bar = self.console.progress(total);
-                    self.bar
-                        .set_message(format!("scenes read of `{}`", split.name()));
-                }
-                self.bar.set_position(done as u64);
+                self.count(done, total, &format!("scenes read of `{}`", split.name()));
             }
             TrainEvent::Searched {
                 round,
@@ -63,10 +57,7 @@ impl<'a> Progress<'a> {
                 left_out,
             } => {
                 self.bar.finish_and_clear();
-                self.console.summary(&format_args!(
-                    "round {round}/{rounds}: scenes of other bodies and sequences are missed by {:.2} mm",
-                    1e3 * left_out
-                ));
+                self.round("", [round, rounds], left_out);
             }
             TrainEvent::RegionSearched {
                 region,
@@ -75,15 +66,10 @@ impl<'a> Progress<'a> {
                 rounds,
                 left_out,
             } => {
+                let of_region = format!("region {}/{regions}, ", region + 1);
                 // Another region may be learning.
-                self.bar.suspend(|| {
-                    self.console.summary(&format_args!(
-                        "region {}/{regions}, round {round}/{rounds}: scenes of other bodies and sequences are missed \
-                         by {:.2} mm",
-                        region + 1,
-                        1e3 * left_out
-                    ));
-                });
+                let bar = &self.bar;
+                bar.suspend(|| self.round(&of_region, [round, rounds], left_out));
             }
             TrainEvent::RegionLearned {
                 region,
@@ -125,20 +111,31 @@ impl<'a> Progress<'a> {
                 self.console.warning(&format_args!("no step: {trouble}"));
             }
             TrainEvent::Epoch(record) => self.epoch(record),
-            TrainEvent::Settled { done, total } => {
-                if done == 1 {
-                    self.bar.finish_and_clear();
-                    self.bar = self.console.progress(total);
-                    self.bar.set_message("test scenes settle");
-                }
-                self.bar.set_position(done as u64);
-            }
+            TrainEvent::Settled { done, total } => self.count(done, total, "test scenes settle"),
             TrainEvent::NotSettled { why } => {
                 self.console
                     .warning(&format_args!("drapes that settle were not measured: {why}"));
             }
             _ => {}
         }
+    }
+
+    /// A round of a search is over.
+    fn round(&self, of_what: &str, [round, rounds]: [u32; 2], left_out: f64) {
+        self.console.summary(&format_args!(
+            "{of_what}round {round}/{rounds}: scenes of other bodies and sequences are missed by {:.2} mm",
+            1e3 * left_out
+        ));
+    }
+
+    /// So many of so many scenes are done.
+    fn count(&mut self, done: usize, total: usize, what: &str) {
+        if done == 1 {
+            self.bar.finish_and_clear();
+            self.bar = self.console.progress(total);
+            self.bar.set_message(what.to_owned());
+        }
+        self.bar.set_position(done as u64);
     }
 
     /// One more of so many passes of all regions.
