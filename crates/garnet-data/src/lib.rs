@@ -8,6 +8,7 @@ mod body_path;
 mod check;
 mod dataset;
 mod error;
+mod guide;
 mod ladder;
 mod noise;
 mod package;
@@ -26,6 +27,7 @@ pub use dataset::{
     StoredParameters, Tally, Until, Variations, generate, import, sampler, sequences,
 };
 pub use error::DataError;
+pub use guide::Guide;
 pub use ladder::Rung;
 pub use noise::{NOISE_TURN, moved_by_turn, noise_floor};
 pub use package::{

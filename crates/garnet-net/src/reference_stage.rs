@@ -79,6 +79,7 @@ impl ReferenceStage {
             world_from_root: Isometry3::identity(),
             rotations: &self.rotations,
             parameters: &[],
+            guide: &[],
         }
     }
 }

@@ -39,6 +39,7 @@ pub mod io;
 mod draper;
 mod error;
 mod garment;
+mod guide;
 mod network;
 mod penetration;
 mod refit;

@@ -54,6 +54,7 @@ impl Stage {
             world_from_root: self.world_from_root,
             rotations: &self.rotations,
             parameters: &self.parameters,
+            guide: &[],
         }
     }
 }
