@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod evaluation;
+mod guided;
 mod invented;
 mod pose_space;
 mod training;
