@@ -8,7 +8,7 @@ mod report;
 use std::{sync::atomic::AtomicBool, time::Instant};
 
 use garnet::{
-    data::{DataError, GarmentPackage},
+    data::GarmentPackage,
     train::{TrainError, train, training_folder},
 };
 
@@ -21,9 +21,6 @@ use crate::{
     dataset::read_package,
     failure::{self, ExitStatus},
 };
-
-/// What to do about a garment that no coarse simulation can guide.
-const NO_GUIDE: &str = "fit `--variant arrival`, which needs no guide";
 
 /// Trains, or goes on with a training, and adds the network to the package.
 pub(crate) fn run(args: &TrainArgs, console: &Console) -> anyhow::Result<ExitStatus> {
@@ -83,10 +80,10 @@ fn advice(error: &TrainError) -> Option<String> {
             "train that network anew before it is fine-tuned".to_owned()
         }
         TrainError::NotSettled { .. } => {
-            "such a data set is for `--variant arrival` and `guided`; for all else make one without `--until arrival`".to_owned()
+            "such a data set is for `--variant arrival`; for all else make one without `--until arrival`".to_owned()
         }
         TrainError::MoreScenes { .. } => {
-            "`--more` is for `--variant arrival` and `guided`, which networks tell; leave it out".to_owned()
+            "`--more` is for `--variant arrival`, which networks tell; leave it out".to_owned()
         }
         TrainError::CannotLeaveOut { .. } => {
             "fit it with `told_by = \"scenes\"` under `[pose_space]` of its configuration".to_owned()
@@ -95,10 +92,6 @@ fn advice(error: &TrainError) -> Option<String> {
             "make the data set anew: those of earlier versions and imported ones have drapes alone; or fit \
              `--variant pose-space`"
                 .to_owned()
-        }
-        TrainError::NoGuide { .. } => NO_GUIDE.to_owned(),
-        TrainError::Data(source) if matches!(**source, DataError::Unguided { .. }) => {
-            NO_GUIDE.to_owned()
         }
         TrainError::NoStart { name, .. } => {
             format!("fit it first: `garnet train PACKAGE DATASET --variant {name}`")

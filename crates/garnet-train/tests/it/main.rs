@@ -4,7 +4,6 @@
 
 mod bad_input;
 mod evaluation;
-mod guided;
 mod invented;
 mod pose_space;
 mod training;
