@@ -34,12 +34,6 @@ pub enum DataError {
         /// What the system says.
         source: io::Error,
     },
-    /// A garment has no coarse one to guide networks.
-    #[error("the garment cannot be cut with fewer vertices to guide a network: {reason}")]
-    Unguided {
-        /// Why.
-        reason: &'static str,
-    },
     /// A file with tensors is cut off or damaged.
     #[error("`{}` is no sound safetensors file", path.display())]
     Tensors {

@@ -8,7 +8,6 @@ mod body_path;
 mod check;
 mod dataset;
 mod error;
-mod guide;
 mod ladder;
 mod noise;
 mod package;
@@ -27,7 +26,6 @@ pub use dataset::{
     StoredParameters, Tally, Until, Variations, generate, import, sampler, sequences,
 };
 pub use error::DataError;
-pub use guide::Guide;
 pub use ladder::Rung;
 pub use noise::{NOISE_TURN, moved_by_turn, noise_floor};
 pub use package::{

@@ -212,25 +212,6 @@ impl Teacher {
         self.follow(path, schedule.until_arrival(), stop, &mut |_| {})
     }
 
-    /// Where a coarse garment is, about, when the body comes to its last place `[vertex]`, in metres; see
-    /// [`Schedule::guiding`].
-    pub(crate) fn sketched(
-        &self,
-        path: &BodyPath,
-        stop: &AtomicBool,
-    ) -> Result<Vec<Point3>, DataError> {
-        let schedule = self.layered(Schedule::guiding(self.cloth.mean_edge_length()));
-        let run = |scene: &Scene<'_>| settle(scene, &schedule, &mut stopping(stop, &mut |_| {}));
-        let arrived = self.on_the_way(path, run);
-        check_stop(stop)?;
-        Ok(self.vertices(&arrived?))
-    }
-
-    /// The garment, bound to the body.
-    pub(crate) fn garment(&self) -> &BoundGarment {
-        &self.garment
-    }
-
     fn follow(
         &self,
         path: &BodyPath,
@@ -239,22 +220,11 @@ impl Teacher {
         observer: &mut dyn FnMut(Event<'_>),
     ) -> Result<Drape, DataError> {
         let schedule = self.layered(schedule);
-        let run = |scene: &Scene<'_>| drape(scene, &schedule, &mut stopping(stop, observer));
-        let result = self.on_the_way(path, run);
-        check_stop(stop)?;
-        let mut result = result?;
-        result.positions = self.vertices(&result.positions);
-        result.arrived = self.vertices(&result.arrived);
-        Ok(result)
-    }
-
-    /// Runs the scene of the garment on a body on its path.
-    fn on_the_way<T>(&self, path: &BodyPath, run: impl FnOnce(&Scene<'_>) -> T) -> T {
         let motion = |time: f32| path.positions(time);
         let shape_offsets = self.garment.shape_offsets(path.shape());
         let carried =
             |time: f32| self.simulated(&path.carried(&self.garment, &shape_offsets, time));
-        run(&Scene {
+        let scene = Scene {
             cloth: &self.cloth,
             start: &self.start,
             body: Some(MovingBody {
@@ -266,7 +236,13 @@ impl Teacher {
                 }),
                 allowed_parts: self.allowed.as_deref(),
             }),
-        })
+        };
+        let result = drape(&scene, &schedule, &mut stopping(stop, observer));
+        check_stop(stop)?;
+        let mut result = result?;
+        result.positions = self.vertices(&result.positions);
+        result.arrived = self.vertices(&result.arrived);
+        Ok(result)
     }
 
     /// Simulates a garment that something else has put on a body, a network say, for some frames of a

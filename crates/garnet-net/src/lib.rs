@@ -28,7 +28,6 @@
 //!     world_from_root: Isometry3::identity(),
 //!     rotations: &vec![UnitQuaternion::identity(); template.num_vertices()],
 //!     parameters: &[],
-//!     guide: &[],
 //! })?;
 //! assert_eq!(draped, template.positions()); // An untrained network leaves the warp as it is.
 //! # Ok::<(), garnet_net::NetError>(())
@@ -66,7 +65,7 @@ pub use error::{CheckpointError, NetError};
 pub use garment_graph::GarmentGraph;
 pub use model::{Model, ModelHeader};
 pub use network::{GarNet, surrogate};
-pub use pose_space::{ARRIVAL, Aim, GUIDED, POSE_SPACE, PoseSpace};
+pub use pose_space::{ARRIVAL, Aim, POSE_SPACE, PoseSpace};
 pub use predictor::Predictor;
 pub use presets::PRESET_NAMES;
 pub use reference_case::write_reference_case;

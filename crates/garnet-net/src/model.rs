@@ -172,12 +172,6 @@ impl Model {
         Ok(sum)
     }
 
-    /// Fingerprint of the coarse garment whose simulation it has to be told
-    /// ([`SceneInput::guide`](crate::SceneInput)); none if it needs no guide.
-    pub fn guide(&self) -> Option<garnet_mesh::Fingerprint> {
-        self.pose_space.as_ref().and_then(|space| space.guide)
-    }
-
     /// The poses and shapes that it was trained on, if the file tells.
     pub fn range(&self) -> Option<&TrainedRange> {
         self.range.as_ref()
@@ -218,8 +212,8 @@ impl Model {
         let started = match &self.pose_space {
             None => None,
             Some(space) => {
-                let shares = space.coefficients(input.parameters, input.guide)?;
-                Some(space.moved(input.warped, input.rotations, &shares, input.guide)?)
+                let shares = space.coefficients(input.parameters)?;
+                Some(space.moved(input.warped, input.rotations, &shares)?)
             }
         };
         let warped = started.as_deref().unwrap_or(input.warped);

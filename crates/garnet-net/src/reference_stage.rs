@@ -79,7 +79,6 @@ impl ReferenceStage {
             world_from_root: Isometry3::identity(),
             rotations: &self.rotations,
             parameters: &[],
-            guide: &[],
         }
     }
 }

@@ -28,9 +28,6 @@ pub struct SceneInput<'a> {
     pub rotations: &'a [UnitQuaternion<f32>],
     /// Parameters of shape and pose; may be empty where the configuration does not ask for them.
     pub parameters: &'a [f32],
-    /// How far from the warp a coarse simulation puts each garment vertex, in the skinning frames, in metres; may be empty
-    /// where no [guide](crate::PoseSpace::guide) is asked for.
-    pub guide: &'a [Vector3],
 }
 
 /// The arrays of a scene, in the root frame and in units of 0.1 m.

@@ -110,7 +110,6 @@ fn input<'a>(example: &'a Example, normals: &'a [Vector3]) -> SceneInput<'a> {
         world_from_root: Isometry3::identity(),
         rotations: &example.rotations,
         parameters: &[],
-        guide: &[],
     }
 }
 

@@ -55,8 +55,8 @@ const TORN: f32 = 10.0;
 /// Speeds are measured over the frames of the last so many seconds.
 const SPEED_SECONDS: f32 = 0.1;
 
-/// The fastest that the body may move, in m/s: 0.25 m in a sixtieth of a second.
-const MAX_BODY_SPEED: f32 = 15.0;
+/// The farthest that the body may move in a frame, in metres.
+const MAX_BODY_TRAVEL: f32 = 0.25;
 
 /// While the body moves, folds of its skin are looked for in every so many frames.
 const FRAMES_OF_FOLDS: u32 = 3;
@@ -355,14 +355,13 @@ impl<'a> BodyOnWay<'a> {
                 expected: self.from.len(),
             });
         }
-        let max = MAX_BODY_SPEED * self.refreshes as f32 * self.interval;
         for (vertex, (from, to)) in self.from.iter().zip(&self.to).enumerate() {
             let distance = (to - from).norm();
-            if distance > max {
+            if distance > MAX_BODY_TRAVEL {
                 return Err(SimError::MotionTooFast {
                     vertex,
                     distance,
-                    max,
+                    max: MAX_BODY_TRAVEL,
                 });
             }
         }

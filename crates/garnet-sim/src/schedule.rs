@@ -118,15 +118,6 @@ const CARRY: f32 = 300.0;
 /// fourth or sixth substep 6.4 and 6.5 mm.
 const AFTER_ARRIVAL: [[f32; 4]; 2] = [[2.0 / 3.0, 34.0, 5.0, SHAKEN], [1.0 / 3.0, 68.0, 30.0, 1.0]];
 
-/// Frames of [`Schedule::guiding`], how long each is in seconds, rate for each meter of 1/Δx, and in how many
-/// substeps hinges are projected once.
-///
-/// What 155 validation T-shirts of 5000 vertices are from coarse ones when their bodies arrive, 46 mm from the warp, a linear map
-/// tells to 6.0 mm from 1200 vertices, 5.1 from 2000, 4.7 from 3000 (bodies left out; rate 22). It makes no difference whether the motion
-/// of a second is cut into 15, 20, 30 or 60 frames. With 3000 vertices and a rate of 17, 22 and 27 it is 5.4, 4.7 and 4.4 mm, with
-/// 2000 and 22 or 27 5.1.
-const GUIDING: (u32, f32, f32, u32) = (15, 1.0 / 15.0, 24.0, 4);
-
 /// Frames of the last stage.
 const LAST_FRAMES: u32 = 36;
 
@@ -260,19 +251,6 @@ impl Schedule {
             motion_frames: 0,
             stages: stages.to_vec(),
             ..Self::for_quality(Quality::Teacher, edge_length)
-        }
-    }
-
-    /// The motion of the teacher alone, in few frames and soft: for coarse cloth that only tells about where finer cloth
-    /// of the same garment is when the body comes to its last place.
-    pub fn guiding(edge_length: f32) -> Self {
-        let (motion_frames, frame_seconds, speed, bending_interval) = GUIDING;
-        Self {
-            frame_seconds,
-            motion_frames,
-            motion_rate: speed / edge_length.max(MIN_EDGE),
-            bending_interval,
-            ..Self::for_quality(Quality::Teacher, edge_length).until_arrival()
         }
     }
 
@@ -423,15 +401,6 @@ mod tests {
         assert_eq!(until.num_frames(), u64::from(whole.motion_frames));
         assert_eq!(until.motion_rate.to_bits(), whole.motion_rate.to_bits());
         assert_eq!(until.balance_steps, 0);
-    }
-
-    #[test]
-    fn what_guides_takes_as_long_as_the_motion_of_the_teacher() {
-        let guiding = Schedule::guiding(0.028);
-        assert_eq!(guiding.check(), Ok(()));
-        let teacher = Schedule::for_quality(Quality::Teacher, 0.028).until_arrival();
-        assert!((guiding.seconds() - teacher.seconds()).abs() < 1e-5);
-        assert!(guiding.num_substeps() < teacher.num_substeps());
     }
 
     #[test]

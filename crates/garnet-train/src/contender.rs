@@ -1,10 +1,9 @@
 //! A way to drape, ready to be timed.
 
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::{DataError, Guide, Put};
+use garnet_data::{DataError, Put};
 use garnet_mesh::Point3;
 use garnet_net::{Aim, Cost, GarNetConfig, Model, Start};
 
@@ -19,8 +18,6 @@ pub(crate) struct Contender<'a> {
     start: Start,
     model: Option<Model>,
     cost: Option<Cost>,
-    /// Whose simulation the model is told.
-    guide: Option<Guide>,
     /// For how many frames cloth settles, and who simulates it.
     settle: Option<(u32, Teachers<'a>)>,
 }
@@ -51,7 +48,6 @@ impl<'a> Contender<'a> {
     pub(crate) fn new(stage: &'a Stage, candidate: &Candidate) -> Result<Self, TrainError> {
         stage.check_aim(Aim::Rest)?;
         let package = &stage.package;
-        let mut guide = None;
         let (name, start, model, settle) = match candidate {
             Candidate::Skinning => ("dqs", Start::DualQuaternion, None, 0),
             Candidate::Warp => ("warp", Start::Shape, None, 0),
@@ -67,12 +63,6 @@ impl<'a> Contender<'a> {
                 let rest = package.body.rest().positions();
                 let template = package.mesh.positions();
                 let model = Model::load(weights, graph, template, rest)?;
-                let folder = weights.parent().unwrap_or_else(|| Path::new(""));
-                if let Some(expected) = model.guide() {
-                    let found = Guide::read(folder, &package.mesh, &package.body)?;
-                    found.check(folder, expected)?;
-                    guide = Some(found);
-                }
                 (name.as_str(), model.start(), Some(model), *settle)
             }
         };
@@ -83,7 +73,6 @@ impl<'a> Contender<'a> {
             start,
             cost: cost.transpose()?,
             model,
-            guide,
             settle: (settle > 0).then(|| (settle, Teachers::new(stage))),
         })
     }
@@ -145,13 +134,7 @@ impl<'a> Contender<'a> {
         let warped = staged.warped(self.start)?;
         let warp = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let mut positions = predicted(
-            model,
-            &warped,
-            &worn.body,
-            &staged.posed,
-            self.guide.as_ref(),
-        )?;
+        let mut positions = predicted(model, &warped, &worn.body, &staged.posed)?;
         let network = start.elapsed().as_secs_f64();
         let mut settle = None;
         if let Some((frames, teachers)) = &mut self.settle {

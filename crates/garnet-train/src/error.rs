@@ -58,12 +58,6 @@ pub enum TrainError {
         /// What the system says.
         source: std::io::Error,
     },
-    /// A variant cannot be guided by a coarse simulation.
-    #[error("no coarse simulation can guide it: {reason}")]
-    NoGuide {
-        /// Why.
-        reason: &'static str,
-    },
     /// A configuration does not parse.
     #[error("{}{reason}", path.as_ref().map_or_else(String::new, |path| format!("`{}`: ", path.display())))]
     ConfigText {

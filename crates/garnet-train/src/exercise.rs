@@ -78,7 +78,6 @@ impl Exercise {
                 body_normals: vertex_normals(body.positions(), body.faces()),
             },
             body: body.positions().to_vec(),
-            guide: Vec::new(),
             parameters: vec![0.0; subject.config.num_body_parameters],
             draped: draped.to_vec(),
             neighbors: OnceLock::new(),

@@ -1,9 +1,6 @@
 //! What a network is told of a scene.
 
-use std::sync::atomic::AtomicBool;
-
-use garnet_data::Guide;
-use garnet_mesh::{Point3, Vector3};
+use garnet_mesh::Point3;
 use garnet_net::{Model, SceneInput};
 use garnet_skin::{Body, PosedBody, WarpedGarment};
 
@@ -14,7 +11,6 @@ pub(crate) fn input_of<'a>(
     warped: &'a WarpedGarment,
     body: &'a [Point3],
     parameters: &'a [f32],
-    guide: &'a [Vector3],
 ) -> SceneInput<'a> {
     SceneInput {
         warped: &warped.positions,
@@ -23,7 +19,6 @@ pub(crate) fn input_of<'a>(
         world_from_root: warped.world_from_root,
         rotations: &warped.rotations,
         parameters,
-        guide,
     }
 }
 
@@ -35,11 +30,7 @@ pub(crate) fn predicted(
     warped: &WarpedGarment,
     body: &Body,
     posed: &PosedBody,
-    guide: Option<&Guide>,
 ) -> Result<Vec<Point3>, TrainError> {
     let parameters = body.pose_and_shape(posed);
-    let offsets = guide.map(|guide| guide.offsets(posed, &AtomicBool::new(false)));
-    let offsets = offsets.transpose()?.unwrap_or_default();
-    let skin = posed.skin().positions();
-    Ok(model.predict(&input_of(warped, skin, &parameters, &offsets))?)
+    Ok(model.predict(&input_of(warped, posed.skin().positions(), &parameters))?)
 }

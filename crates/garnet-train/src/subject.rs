@@ -1,10 +1,8 @@
 //! What a network and its losses know before any scene.
 
-use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
-use garnet_data::Guide;
-use garnet_mesh::{Point3, TriMesh, Vector3};
+use garnet_mesh::{Point3, TriMesh};
 use garnet_net::losses::{LossBody, LossConfig, LossTarget, Losses};
 use garnet_net::{
     Aim, BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, SceneNeighbors,
@@ -23,8 +21,6 @@ pub(crate) struct Subject {
     pub(crate) losses: Losses,
     /// What the examples show.
     pub(crate) aim: Aim,
-    /// Whose simulation the model is told.
-    pub(crate) guide: Option<Guide>,
     body_faces: Vec<[u32; 3]>,
 }
 
@@ -41,8 +37,6 @@ pub(crate) struct Example {
     pub(crate) body: Vec<Point3>,
     /// Of shape and pose, whether the network asks for them or not.
     pub(crate) parameters: Vec<f32>,
-    /// Where the guide has come to, as networks are told; empty without one.
-    pub(crate) guide: Vec<Vector3>,
     /// What a model is to tell `[vertex]`, in metres.
     pub(crate) draped: Vec<Point3>,
     /// Found when the scene is first prepared: the search takes longer than all other preparation.
@@ -86,7 +80,6 @@ impl Subject {
             sampling: BodySampling::for_garment(rest, template, &config)?,
             losses: Losses::new(garment, loss)?,
             aim: config.start.aim(),
-            guide: None,
             body_faces: body.faces().to_vec(),
             config,
         })
@@ -107,10 +100,6 @@ impl Subject {
             warped: staged.warped(self.config.start)?,
             body: staged.posed.skin().positions().to_vec(),
             parameters: worn.body.pose_and_shape(&staged.posed),
-            guide: match &self.guide {
-                Some(guide) => guide.offsets(&staged.posed, &AtomicBool::new(false))?,
-                None => Vec::new(),
-            },
             draped: match self.aim {
                 Aim::Rest => staged.draped.clone(),
                 Aim::Arrival => {
@@ -148,6 +137,6 @@ impl AsRef<Self> for Example {
 impl Example {
     /// The scene as networks take it.
     pub(crate) fn input(&self) -> SceneInput<'_> {
-        input_of(&self.warped, &self.body, &self.parameters, &self.guide)
+        input_of(&self.warped, &self.body, &self.parameters)
     }
 }

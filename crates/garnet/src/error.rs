@@ -34,13 +34,6 @@ pub enum Error {
     /// A network cannot be run.
     #[error(transparent)]
     Net(#[from] NetError),
-    /// The coarse garment that guides a network cannot be read, or the body is not of its topology.
-    #[cfg(feature = "train")]
-    #[error(transparent)]
-    Guide(#[from] Box<garnet_data::DataError>),
-    /// A network is guided by a simulation, which this build does not have.
-    #[error("the network is guided by a simulation: build with the feature `train`")]
-    NeedsSimulation,
     /// The garment does not lie on the body.
     #[error(
         "the garment is {distance:.3} m from the rest body at its nearest vertex and does not lie \

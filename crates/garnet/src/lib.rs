@@ -39,7 +39,6 @@ pub mod io;
 mod draper;
 mod error;
 mod garment;
-mod guide;
 mod network;
 mod penetration;
 mod refit;

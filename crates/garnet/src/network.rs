@@ -5,7 +5,6 @@ use std::path::Path;
 use garnet_net::{Aim, BodySampling, GarNetConfig, GarmentGraph, Model, SceneInput, Start};
 use garnet_skin::{Body, PosedBody, Warp, WarpedGarment};
 
-use crate::guide::Guide;
 use crate::unfamiliar::{moving_joints, torn, unfamiliar};
 use crate::{BoundGarment, Error, Unfamiliar, Warped};
 
@@ -16,8 +15,6 @@ use crate::{BoundGarment, Error, Unfamiliar, Warped};
 #[derive(Debug)]
 pub struct Network {
     model: Model,
-    /// Whose simulation the model is told.
-    guide: Option<Guide>,
     body: Body,
     /// Whether each joint moves the garment.
     moves: Vec<bool>,
@@ -40,9 +37,7 @@ impl Network {
     ///
     /// # Errors
     ///
-    /// [`Error::Weights`] for a file that is truncated, altered, foreign, or of another garment; [`Error::Guide`] for
-    /// the guide of a network that needs one, if it is not beside the weights or another one, [`Error::NeedsSimulation`]
-    /// without the feature `train`;
+    /// [`Error::Weights`] for a file that is truncated, altered, foreign, or of another garment;
     /// [`Error::Net`] for sewing parameters that are no numbers.
     pub fn load(
         weights: impl AsRef<Path>,
@@ -53,18 +48,8 @@ impl Network {
         let mesh = garment.mesh();
         let graph = GarmentGraph::new(mesh, sewing_parameters)?;
         let rest = body.rest().positions();
-        let weights = weights.as_ref();
-        let model = Model::load(weights, graph, mesh.positions(), rest)?;
-        let guide = match model.guide() {
-            Some(expected) => {
-                let folder = weights.parent().unwrap_or_else(|| Path::new(""));
-                Some(Guide::read(folder, mesh, body, expected)?)
-            }
-            None => None,
-        };
         Ok(Self {
-            model,
-            guide,
+            model: Model::load(weights, graph, mesh.positions(), rest)?,
             body: body.clone(),
             moves: moving_joints(&garment.cloth, body.skeleton().num_joints()),
         })
@@ -90,7 +75,6 @@ impl Network {
         let sampling = BodySampling::for_garment(rest, mesh.positions(), &config)?;
         Ok(Self {
             model: Model::untrained(&config, 1, graph, sampling)?,
-            guide: None,
             body: body.clone(),
             moves: moving_joints(&garment.cloth, body.skeleton().num_joints()),
         })
@@ -138,14 +122,6 @@ impl Network {
         if let Some(reason) = unfamiliar {
             return Self::fallen_back(garment, body, reason);
         }
-        let guide = self.guide.as_ref();
-        let guide = guide.map(|guide| guide.offsets(body)).transpose()?;
-        let guide = match guide.unwrap_or_else(|| Ok(Vec::new())) {
-            Ok(offsets) => offsets,
-            Err(reason) => {
-                return Self::fallen_back(garment, body, Unfamiliar::Unguided { reason });
-            }
-        };
         let moved = self.model.predict(&SceneInput {
             warped: &warped.positions,
             body: body.skin().positions(),
@@ -153,7 +129,6 @@ impl Network {
             world_from_root: warped.world_from_root,
             rotations: &warped.rotations,
             parameters: &parameters,
-            guide: &guide,
         })?;
         let weld = garment.cloth.weld();
         let (before, after) = (weld.gather(&warped.positions), weld.gather(&moved));

@@ -38,11 +38,6 @@ pub enum Unfamiliar {
         /// How far outside, in metres.
         excess: f32,
     },
-    /// The coarse simulation that guides the network failed.
-    Unguided {
-        /// Why.
-        reason: String,
-    },
     /// The network would tear the garment.
     Torn {
         /// The share of its edges that would be longer than 2.5 times their length at rest.
@@ -63,9 +58,6 @@ impl fmt::Display for Unfamiliar {
                 "the body at `{joint}` is {:.0} mm outside of what it was trained on",
                 1e3 * excess
             ),
-            Self::Unguided { reason } => {
-                write!(formatter, "the simulation that guides it failed: {reason}")
-            }
             Self::Torn { share } => write!(
                 formatter,
                 "it would tear {:.1} % of the garment's edges",

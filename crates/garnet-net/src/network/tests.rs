@@ -54,7 +54,6 @@ impl Stage {
             world_from_root: self.world_from_root,
             rotations: &self.rotations,
             parameters: &self.parameters,
-            guide: &[],
         }
     }
 }

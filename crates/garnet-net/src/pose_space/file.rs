@@ -37,9 +37,6 @@ pub struct PoseSpaceHeader {
     pub aim: Aim,
     /// See [`PoseSpace::ridge`].
     pub ridge: f64,
-    /// See [`PoseSpace::guide`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub guide: Option<String>,
     /// What networks of regions are told; none if scenes tell the shares of the shapes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub features: Option<Features>,
@@ -107,7 +104,6 @@ impl PoseSpace {
             range: self.range.clone(),
             aim: self.aim,
             ridge: self.ridge,
-            guide: self.guide.map(|guide| guide.to_string()),
             features: self.regions().map(|regions| regions.features.clone()),
             record: self.record.clone(),
             scores: self.scores.clone(),
@@ -144,9 +140,6 @@ impl PoseSpace {
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, CheckpointError> {
         let (header, tensors) = weight_file::checked::<PoseSpaceHeader>(path, bytes)?;
         let garment = weight_file::fingerprint(path, &header.garment)?;
-        let guide = header.guide.as_deref();
-        let guide = guide.map(|guide| weight_file::fingerprint(path, guide));
-        let guide = guide.transpose()?;
         let reading = Reading { path, tensors };
         let space = match header.features {
             None => Self::new(reading.parts()?, garment, header.range, header.ridge),
@@ -158,7 +151,6 @@ impl PoseSpace {
         })?;
         Ok(Self {
             aim: header.aim,
-            guide,
             record: header.record,
             scores: header.scores,
             checksum: header.checksum,
@@ -260,10 +252,6 @@ fn of_regions(all: &Regions, precision: Precision) -> Vec<Stored<'_>> {
         tensors.push((name("vertices"), shape, vertices.into(), single));
         let shape = vec![region.scales.len()];
         tensors.push((name("scales"), shape, Cow::from(&region.scales), single));
-        if !region.guide.is_empty() {
-            let shape = vec![region.guide.len()];
-            tensors.push((name("guide"), shape, Cow::from(&region.guide), single));
-        }
         for (depth, layer) in region.layers.iter().enumerate() {
             let shape = vec![layer.num_inputs(), layer.bias.len()];
             let weight = Cow::from(&layer.weight);
@@ -362,10 +350,7 @@ impl Reading<'_> {
             });
         }
         let vertices = part("vertices")?;
-        let is_guided = self.has(&format!("region.{number}.guide"));
-        let guide = is_guided.then(|| part("guide")).transpose()?;
         Ok(Region {
-            guide: guide.unwrap_or_default(),
             vertices: vertices.iter().map(|&vertex| vertex as u32).collect(),
             scales: part("scales")?,
             shapes: part("shapes")?,
@@ -399,13 +384,10 @@ mod tests {
         assert_eq!(PoseSpace::load(&path).unwrap(), space);
         assert!(!space.checksum().is_empty());
 
-        let mut regions = super::super::regions::tests::small();
-        regions.regions[0].guide = vec![0.5, 1.5];
-        regions.regions[0].layers[0].weight.extend([0.25; 4]);
+        let regions = super::super::regions::tests::small();
         let (garment, range) = (space.garment, space.range.clone());
         let mut regions = PoseSpace::of_regions(regions, garment, range).unwrap();
         regions.aim = Aim::Arrival;
-        regions.guide = Some(garment);
         let other = folder.path().join("arrival.safetensors");
         regions.save(&other, Precision::F16).unwrap();
         assert_eq!(PoseSpace::load(&other).unwrap(), regions);

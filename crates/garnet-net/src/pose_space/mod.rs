@@ -11,8 +11,7 @@
 //! mirror, −1 if it changes its sign; 0 without a mirror.
 //!
 //! Or the shares of the shapes are told by small networks, one for each region of the garment ([`Regions`]): with
-//! many scenes they are nearer, and their files do not grow with the scenes. Such networks may be told where a coarse
-//! simulation of the garment has come to, too, and tell what is left from there.
+//! many scenes they are nearer, and their files do not grow with the scenes.
 //!
 //! Source: *Lewis, Cordner and Fong 2000* (pose-space deformation), *Kry, James and Pai 2002* (its
 //! principal shapes), *Rasmussen and Williams 2006, equation 4.17* (the covariance of Matérn, ν = 3/2).
@@ -40,9 +39,6 @@ pub const POSE_SPACE: &str = "pose-space";
 
 /// The name of the pose-space deformation that tells where cloth is when its body arrives.
 pub const ARRIVAL: &str = "arrival";
-
-/// The name of one that tells the same, and is told where a coarse simulation has come to.
-pub const GUIDED: &str = "guided";
 
 /// What a model tells of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -78,8 +74,6 @@ pub struct PoseSpace {
     /// Added to the diagonal of the covariances in the fit: the variance of what poses and shapes do not
     /// tell, over that of what they tell.
     pub ridge: f64,
-    /// Fingerprint of the coarse garment whose simulation it has to be told; none if it needs no guide.
-    pub guide: Option<Fingerprint>,
     /// How it was fitted.
     pub record: serde_json::Value,
     /// Scores by name.
@@ -284,7 +278,6 @@ impl PoseSpace {
             range,
             aim: Aim::default(),
             ridge,
-            guide: None,
             record: serde_json::Value::Null,
             scores: BTreeMap::new(),
             checksum: String::new(),
@@ -352,25 +345,19 @@ impl PoseSpace {
         }
     }
 
-    /// The share of each shape `[shape]`, in metres, by pose and shape of the body, and by the offsets of the guide from the
-    /// warp, in the skinning frames `[vertex]`, in metres, if there is one.
+    /// The share of each shape `[shape]`, in metres, by pose and shape of the body.
     ///
     /// # Errors
     ///
-    /// [`NetError::Count`] for another count of numbers than those that it was fitted to, [`NetError::Missing`]
-    /// without a guide that is needed.
-    pub fn coefficients(
-        &self,
-        parameters: &[f32],
-        guide: &[Vector3],
-    ) -> Result<Vec<f32>, NetError> {
+    /// [`NetError::Count`] for another count of numbers than those that it was fitted to.
+    pub fn coefficients(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
         match &self.told {
             Told::ByScenes(parts) => parts.shares(parameters),
-            Told::ByRegions(regions) => regions.shares(parameters, guide),
+            Told::ByRegions(regions) => regions.shares(parameters),
         }
     }
 
-    /// The warped garment `[vertex]`, moved by mean, or `guide`, and principal shapes, in metres.
+    /// The warped garment `[vertex]`, moved by mean and principal shapes, in metres.
     ///
     /// # Errors
     ///
@@ -381,7 +368,6 @@ impl PoseSpace {
         warped: &[Point3],
         rotations: &[UnitQuaternion<f32>],
         coefficients: &[f32],
-        guide: &[Vector3],
     ) -> Result<Vec<Point3>, NetError> {
         if rotations.len() != warped.len() {
             return Err(NetError::Missing {
@@ -392,7 +378,7 @@ impl PoseSpace {
         NetError::check_count("garment vertices", warped.len(), self.num_vertices())?;
         let offsets = match &self.told {
             Told::ByScenes(parts) => parts.offsets(coefficients),
-            Told::ByRegions(regions) => regions.offsets(coefficients, guide),
+            Told::ByRegions(regions) => regions.offsets(coefficients),
         };
         let places = warped.iter().zip(rotations).zip(offsets);
         let moved: Vec<Point3> = places
@@ -436,13 +422,13 @@ mod tests {
     #[test]
     fn a_scene_between_two_gets_of_both() {
         let space = small();
-        let found = space.coefficients(&[9.0, 0.25], &[]).unwrap();
+        let found = space.coefficients(&[9.0, 0.25]).unwrap();
         let half = covariance(0.25) as f32;
         assert!((found[0] - 0.25 * half).abs() < 1e-6);
         let quarter =
             UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.5 * std::f32::consts::PI);
         let moved = space
-            .moved(&[Point3::new(1.0, 0.0, 0.0)], &[quarter], &[0.5], &[])
+            .moved(&[Point3::new(1.0, 0.0, 0.0)], &[quarter], &[0.5])
             .unwrap();
         assert!((moved[0] - Point3::new(0.875, 0.5, 0.0)).norm() < 1e-6);
     }
@@ -460,8 +446,7 @@ mod tests {
                 ..space.parts().unwrap().clone()
             };
             let mirrored = PoseSpace::new(parts, space.garment, space.range.clone(), 0.01).unwrap();
-            let at =
-                |space: &PoseSpace, number| space.coefficients(&[0.0, number], &[]).unwrap()[0];
+            let at = |space: &PoseSpace, number| space.coefficients(&[0.0, number]).unwrap()[0];
             let expected = at(&space, 0.3) + parity * at(&space, -0.3);
             assert!((at(&mirrored, 0.3) - expected).abs() < 1e-6);
             assert!((at(&mirrored, -0.3) - parity * expected).abs() < 1e-6);
@@ -481,7 +466,7 @@ mod tests {
     fn what_does_not_fit_is_named() {
         let space = small();
         assert!(matches!(
-            space.coefficients(&[0.0], &[]),
+            space.coefficients(&[0.0]),
             Err(NetError::Count {
                 what: "parameters",
                 found: 1,
@@ -491,16 +476,16 @@ mod tests {
         let places = [Point3::origin(); 2];
         let turns = [UnitQuaternion::identity(); 2];
         assert!(matches!(
-            space.moved(&places, &turns, &[0.0], &[]),
+            space.moved(&places, &turns, &[0.0]),
             Err(NetError::Count { .. })
         ));
         assert!(matches!(
-            space.moved(&places, &[], &[0.0], &[]),
+            space.moved(&places, &[], &[0.0]),
             Err(NetError::Missing { .. })
         ));
         let one = [Point3::origin()];
         assert!(matches!(
-            space.moved(&one, &turns[..1], &[f32::NAN], &[]),
+            space.moved(&one, &turns[..1], &[f32::NAN]),
             Err(NetError::Diverged { vertex: 0 })
         ));
         let parts = PoseSpaceParts {

@@ -34,20 +34,6 @@ pub struct RegionMirror {
     pub images: Vec<Image>,
 }
 
-impl RegionMirror {
-    /// The mirror image of offsets in the skinning frames `[vertex]`.
-    fn image_of(&self, offsets: &[Vector3]) -> Vec<Vector3> {
-        let image = |(corners, weights): &Image| {
-            let corners = corners.iter().zip(weights);
-            let sum = corners.fold(Vector3::zeros(), |sum, (&corner, &weight)| {
-                sum + weight * offsets[corner as usize]
-            });
-            Vector3::new(-sum.x, sum.y, sum.z)
-        };
-        self.images.iter().map(image).collect()
-    }
-}
-
 /// A region, and the network that tells its offsets from the mean.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Region {
@@ -55,9 +41,6 @@ pub struct Region {
     pub vertices: Vec<u32>,
     /// What each feature is multiplied by `[feature]`; zero leaves it out.
     pub scales: Vec<f32>,
-    /// What the share that the guide has of each shape is multiplied by before the network is told it `[shape]`; empty
-    /// without a guide. With one the network tells what is to be added to the guide.
-    pub guide: Vec<f32>,
     /// Offsets that the network tells shares of `[shape][vertex of the region][3]`.
     pub shapes: Vec<f32>,
     /// The layers; between them is the sigmoid linear unit.
@@ -101,44 +84,17 @@ impl Region {
         self.layers.last().map_or(0, |layer| layer.bias.len())
     }
 
-    /// The numbers that the network is told: those of features of a scale above zero and the shares of the guide, if there
-    /// is one, scaled.
-    pub fn inputs(
-        &self,
-        owners: &[usize],
-        center: &[f32],
-        numbers: &[f32],
-        guided: &[f32],
-    ) -> Vec<f32> {
+    /// The numbers of features that the network is told: those of a scale above zero, scaled.
+    pub fn inputs(&self, owners: &[usize], center: &[f32], numbers: &[f32]) -> Vec<f32> {
         let numbers = numbers.iter().zip(center).zip(owners);
         let kept = numbers.filter(|&(_, &owner)| self.scales[owner] > 0.0);
-        let kept = kept.map(|((number, center), &owner)| self.scales[owner] * (number - center));
-        let guided = guided.iter().zip(&self.guide);
-        let guided = guided.filter(|&(_, &scale)| scale > 0.0);
-        kept.chain(guided.map(|(share, scale)| share * scale))
+        kept.map(|((number, center), &owner)| self.scales[owner] * (number - center))
             .collect()
     }
 
-    /// The share that offsets from the mean `[vertex][3]` have of each shape `[shape]`, in metres.
-    ///
-    /// Shapes are orthogonal where each vertex counts by its share of the region; they were multiplied by the roots of those.
-    pub fn shares_of(&self, offsets: &[f32]) -> Vec<f32> {
-        let of = |&vertex: &u32| &offsets[3 * vertex as usize..3 * vertex as usize + 3];
-        let own: Vec<f32> = self.vertices.iter().flat_map(of).copied().collect();
-        let shapes = self.shapes.chunks_exact(own.len().max(1));
-        let product = |shape: &[f32]| shape.iter().zip(&own).map(|(a, b)| a * b).sum();
-        shapes.map(product).collect()
-    }
-
-    /// The share of each shape, in metres; `guided` are those that the guide has.
-    fn shares(
-        &self,
-        owners: &[usize],
-        center: &[f32],
-        numbers: &[f32],
-        guided: &[f32],
-    ) -> Vec<f32> {
-        let mut values = self.inputs(owners, center, numbers, guided);
+    /// The share of each shape, in metres.
+    fn shares(&self, owners: &[usize], center: &[f32], numbers: &[f32]) -> Vec<f32> {
+        let mut values = self.inputs(owners, center, numbers);
         for (number, layer) in self.layers.iter().enumerate() {
             if number > 0 {
                 for value in &mut values {
@@ -186,11 +142,7 @@ impl Regions {
             let coordinates = 3 * vertices * region.num_shapes();
             check("coordinates of shapes", region.shapes.len(), coordinates)?;
             let kept = owners.iter().filter(|&&owner| region.scales[owner] > 0.0);
-            let told = region.guide.iter().filter(|&&scale| scale > 0.0);
-            let mut inputs = kept.count() + told.count();
-            if self.is_guided() {
-                check("shapes of a guide", region.guide.len(), region.num_shapes())?;
-            }
+            let mut inputs = kept.count();
             for layer in &region.layers {
                 let weights = inputs * layer.bias.len();
                 check("weights of a layer", layer.weight.len(), weights)?;
@@ -204,11 +156,6 @@ impl Regions {
             check("mirrored vertices", sound.count(), num_vertices)?;
         }
         Ok(())
-    }
-
-    /// Whether the networks have to be told where a guide has come to.
-    pub fn is_guided(&self) -> bool {
-        self.regions.iter().any(|region| !region.guide.is_empty())
     }
 
     /// How many vertices the garment has.
@@ -241,71 +188,34 @@ impl Regions {
     /// # Errors
     ///
     /// [`NetError::Count`] for another count of numbers than ten a joint.
-    pub(super) fn shares(
-        &self,
-        parameters: &[f32],
-        guide: &[Vector3],
-    ) -> Result<Vec<f32>, NetError> {
+    pub(super) fn shares(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
         let owners = self.features.owners();
-        let mut sides = vec![(self.features.of(parameters)?, self.centered(guide)?)];
+        let mut sides = vec![self.features.of(parameters)?];
         if let Some(mirror) = &self.mirror {
-            let numbers = self.features.of(&mirror.numbers.of(parameters))?;
-            let guide = if guide.is_empty() {
-                Vec::new()
-            } else {
-                mirror.image_of(guide)
-            };
-            sides.push((numbers, self.centered(&guide)?));
+            sides.push(self.features.of(&mirror.numbers.of(parameters))?);
         }
         let asked: Vec<_> = (sides.iter())
-            .flat_map(|side| self.regions.iter().map(move |region| (region, side)))
+            .flat_map(|numbers| self.regions.iter().map(move |region| (region, numbers)))
             .collect();
         let told = asked.par_iter();
-        let told = told.map(|(region, (numbers, guide))| {
-            let guided = guide.as_ref().map(|guide| region.shares_of(guide));
-            region.shares(&owners, &self.center, numbers, &guided.unwrap_or_default())
-        });
+        let told = told.map(|(region, numbers)| region.shares(&owners, &self.center, numbers));
         Ok(told.collect::<Vec<_>>().concat())
     }
 
-    /// Offsets of a guide from the mean `[vertex][3]`; none if no guide is asked for.
-    fn centered(&self, guide: &[Vector3]) -> Result<Option<Vec<f32>>, NetError> {
-        if !self.is_guided() {
-            return Ok(None);
-        }
-        if guide.is_empty() {
-            return Err(NetError::Missing {
-                what: "offsets of a guide are",
-                needed_by: "the networks of the regions",
-            });
-        }
-        NetError::check_count("offsets of a guide", guide.len(), self.num_vertices())?;
-        let numbers = guide
-            .iter()
-            .flat_map(|offset| [offset.x, offset.y, offset.z]);
-        Ok(Some(
-            numbers
-                .zip(&self.mean)
-                .map(|(number, mean)| number - mean)
-                .collect(),
-        ))
-    }
-
-    /// The offsets from the warp in the skinning frames `[vertex]`, in metres: from the mean, or from the guide, whose
-    /// finer folds are like those of the cloth.
-    pub(super) fn offsets(&self, shares: &[f32], guide: &[Vector3]) -> Vec<Vector3> {
+    /// The offsets from the warp in the skinning frames `[vertex]`, in metres.
+    pub(super) fn offsets(&self, shares: &[f32]) -> Vec<Vector3> {
         let (means, _) = self.mean.as_chunks::<3>();
-        let mut offsets: Vec<Vector3> = if self.is_guided() {
-            guide.to_vec()
-        } else {
-            means.iter().map(|&mean| Vector3::from(mean)).collect()
-        };
+        let mut offsets: Vec<Vector3> = means.iter().map(|&mean| Vector3::from(mean)).collect();
         let shares = self.add(shares, &mut offsets);
         if let Some(mirror) = &self.mirror {
             let mut left = vec![Vector3::zeros(); offsets.len()];
             self.add(shares, &mut left);
-            for (offset, image) in offsets.iter_mut().zip(mirror.image_of(&left)) {
-                *offset += image;
+            for (offset, (corners, weights)) in offsets.iter_mut().zip(&mirror.images) {
+                let corners = corners.iter().zip(weights);
+                let image = corners.fold(Vector3::zeros(), |sum, (&corner, &weight)| {
+                    sum + weight * left[corner as usize]
+                });
+                *offset += Vector3::new(-image.x, image.y, image.z);
             }
         }
         offsets
@@ -346,7 +256,6 @@ pub(super) mod tests {
             regions: vec![Region {
                 vertices: vec![0],
                 scales: vec![2.0],
-                guide: Vec::new(),
                 shapes: vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0],
                 layers: vec![
                     Layer {
@@ -378,39 +287,14 @@ pub(super) mod tests {
         parameters[16] = 1.5;
         parameters[26] = 0.5;
         parameters[27] = 0.25;
-        let shares = regions.shares(&parameters, &[]).unwrap();
+        let shares = regions.shares(&parameters).unwrap();
         assert_eq!(shares.len(), regions.num_shares());
-        let offsets = regions.offsets(&shares, &[]);
+        let offsets = regions.offsets(&shares);
         let left = Vector3::new(silu(2.0) + 0.125, 0.0, 0.25);
         let right = Vector3::new(-0.125, silu(0.5), 0.25);
         for (found, expected) in offsets.iter().zip([left, right]) {
             assert!((found - expected).norm() < 1e-6, "{found} {expected}");
         }
-    }
-
-    #[test]
-    fn what_a_guide_tells_is_added_to() {
-        let mut regions = small();
-        let plain = regions.clone();
-        let parameters: Vec<f32> = (0..30).map(|number| f32::from(number % 10 == 1)).collect();
-        let before = regions.offsets(&plain.shares(&parameters, &[]).unwrap(), &[]);
-        // The network is told the shares of the guide, and takes no notice of them.
-        regions.regions[0].guide = vec![1.0, 2.0];
-        regions.regions[0].layers[0].weight.extend([0.0; 4]);
-        regions.check().unwrap();
-        assert!(regions.is_guided() && !plain.is_guided());
-        let guide = [Vector3::new(0.5, 0.25, 1.0), Vector3::new(2.0, -0.5, 0.0)];
-        let after = regions.offsets(&regions.shares(&parameters, &guide).unwrap(), &guide);
-        let mean = Vector3::new(0.0, 0.0, 0.25);
-        for ((before, after), guide) in before.iter().zip(&after).zip(guide) {
-            let expected = before - mean + guide;
-            assert!((after - expected).norm() < 1e-6, "{after} {expected}");
-        }
-        let refused = regions.shares(&parameters, &[]);
-        assert!(matches!(refused, Err(NetError::Missing { .. })));
-        assert!(regions.shares(&parameters, &guide[..1]).is_err());
-        regions.regions[0].guide.pop();
-        assert!(regions.check().is_err());
     }
 
     #[test]
@@ -429,6 +313,6 @@ pub(super) mod tests {
         refused(&|regions| regions.regions[0].layers[1].weight.truncate(3));
         refused(&|regions| regions.mirror.as_mut().unwrap().images.truncate(1));
         refused(&|regions| regions.mirror.as_mut().unwrap().numbers.0[4].0 = 30);
-        assert!(small().shares(&[0.0; 20], &[]).is_err());
+        assert!(small().shares(&[0.0; 20]).is_err());
     }
 }

@@ -161,7 +161,7 @@ fn drape(
         let warp = warp_of(model.start());
         let warped = WarpedGarment::new(garment, own, body, warp)?;
         let start = Instant::now();
-        predicted(model, &warped, own, body, None)?;
+        predicted(model, &warped, own, body)?;
         times.push(start.elapsed().as_secs_f64());
     }
     Ok(times)

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use garnet_data::{Dataset, GarmentPackage, Guide, Split, Variant};
+use garnet_data::{Dataset, GarmentPackage, Split, Variant};
 use garnet_net::pose_space::PoseSpaceParts;
 use garnet_net::{Aim, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
@@ -62,8 +62,6 @@ pub struct PoseSpaceConfig {
     pub hidden: u32,
     /// Times that such a network sees each scene.
     pub passes: u32,
-    /// Vertices, about, of the coarse garment whose simulation guides the networks of the variant `guided`.
-    pub guide: u32,
 }
 
 /// What tells the shares of the shapes of a pose-space deformation.
@@ -89,7 +87,6 @@ impl Default for PoseSpaceConfig {
             region_searched: 1000,
             hidden: 512,
             passes: 40,
-            guide: 2000,
         }
     }
 }
@@ -117,9 +114,6 @@ pub(crate) fn fit(
     network.start = Start::Shape;
     let mut subject = Subject::new(stage, network, &job.config.loss)?;
     subject.aim = aim;
-    if job.recipe.is_guided() {
-        subject.guide = Some(guide_of(job, stage)?);
-    }
     let train = examples(stage, &subject, Split::Train, None, observer)?;
     let (mut space, num_train) = match job.config.pose_space.told_by(aim) {
         ToldBy::Scenes => {
@@ -140,7 +134,6 @@ pub(crate) fn fit(
         }
     };
     space.aim = aim;
-    space.guide = subject.guide.as_ref().map(Guide::fingerprint);
     space.record = record(job, stage, &space, num_train)?;
     let file = format!("{name}.safetensors");
     let path = job.package.join(&file);
@@ -162,9 +155,6 @@ pub(crate) fn fit(
     for (split, found) in [(Split::Valid, scores(&valid)), (Split::Test, scores(&test))] {
         let found = found.map(|found| named(split.name(), &found));
         space.scores.extend(found.unwrap_or_default());
-    }
-    if let Some(guide) = &subject.guide {
-        guide.write(&job.package)?;
     }
     space.save(&path, job.config.precision)?;
 
@@ -189,24 +179,6 @@ pub(crate) fn fit(
         test,
         settled_error,
     })
-}
-
-/// The coarse garment that guides.
-fn guide_of(job: &TrainJob, stage: &Stage) -> Result<Guide, TrainError> {
-    if stage.is_made_to_measure() {
-        return Err(TrainError::NoGuide {
-            reason: "bodies of the data set wear garments that were cut for them",
-        });
-    }
-    if job.config.pose_space.told_by(Aim::Arrival) == ToldBy::Scenes {
-        return Err(TrainError::NoGuide {
-            reason: "scenes are asked to tell it; a guide is told to networks",
-        });
-    }
-    Ok(Guide::cut(
-        &stage.package,
-        job.config.pose_space.guide as usize,
-    )?)
 }
 
 /// Refuses further data sets for what cannot learn from them.

@@ -56,19 +56,14 @@ pub(crate) fn start(
         Split::Valid | Split::Test => None,
     };
     for (row, example) in examples.iter_mut().enumerate() {
-        let mut shares = space.coefficients(&example.parameters, &example.guide)?;
+        let mut shares = space.coefficients(&example.parameters)?;
         if let Some(left_out) = &left_out {
             for (shape, share) in shares.iter_mut().enumerate() {
                 *share = left_out[(row, shape)] as f32;
             }
         }
         let warped = &mut example.warped;
-        warped.positions = space.moved(
-            &warped.positions,
-            &warped.rotations,
-            &shares,
-            &example.guide,
-        )?;
+        warped.positions = space.moved(&warped.positions, &warped.rotations, &shares)?;
     }
     Ok(())
 }

@@ -5,7 +5,6 @@
 //! each feature. Where left and right are alike there are regions of the left alone, and each scene counts as its
 //! mirror image, too.
 
-mod guide;
 mod layout;
 mod network;
 mod samples;
@@ -15,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
 use faer::Mat;
-use garnet_net::pose_space::{Features, Region, RegionMirror, Regions};
+use garnet_net::pose_space::{Feature, Features, Region, RegionMirror, Regions};
 use rayon::prelude::*;
 
 use super::mirror::GarmentMirror;
@@ -46,8 +45,6 @@ struct Ground<'a> {
     numbers: Vec<Vec<f32>>,
     /// The offsets from the mean of each sample, then of its mirror image `[3 vertex]`.
     offsets: Vec<Vec<f32>>,
-    /// Those of their guides, from the same mean; none without guides.
-    guides: Vec<Vec<f32>>,
     /// Samples by which relevance is found.
     searched: Vec<usize>,
 }
@@ -149,15 +146,6 @@ impl<'a> Ground<'a> {
             let images = samples.par_iter().map(|s| mirror.offsets(&s.offsets));
             offsets.par_extend(images);
         }
-        let guided = samples.iter().filter(|sample| !sample.guide.is_empty());
-        let mut guides: Vec<Vec<f32>> = guided.map(|sample| sample.guide.clone()).collect();
-        if let Some(mirror) = mirror {
-            let images: Vec<_> = guides
-                .par_iter()
-                .map(|guide| mirror.offsets(guide))
-                .collect();
-            guides.extend(images);
-        }
         let numbers = parameters.par_iter().map(|numbers| features.of(numbers));
         let numbers: Vec<Vec<f32>> = numbers.collect::<Result<_, _>>()?;
         Ok(Self {
@@ -167,7 +155,6 @@ impl<'a> Ground<'a> {
             features,
             numbers,
             offsets,
-            guides,
             searched: evenly(samples, asked.searched as usize),
         })
     }
@@ -175,8 +162,7 @@ impl<'a> Ground<'a> {
     /// Takes the mean from the offsets.
     fn centered(&mut self) -> Vec<f32> {
         let mean = mean_of(&self.offsets);
-        let all = self.offsets.par_iter_mut().chain(&mut self.guides);
-        all.for_each(|offsets| {
+        self.offsets.par_iter_mut().for_each(|offsets| {
             for (offset, mean) in offsets.iter_mut().zip(&mean) {
                 *offset -= mean;
             }
@@ -203,59 +189,45 @@ impl<'a> Ground<'a> {
         drop(weighted);
         let area: f32 = roots.iter().map(|root| root * root).sum();
         let metres = 1.0 / f64::from(area).sqrt();
-        let mut region = Region {
-            vertices,
-            shapes: found.shapes,
-            ..Region::default()
-        };
-        // A vertex is moved by as much as it counts.
-        let rows = 3 * roots.len();
-        for (place, number) in region.shapes.iter_mut().enumerate() {
-            *number *= roots[place % rows / 3];
-        }
-        let guided: Vec<Vec<f32>> = (self.guides.par_iter())
-            .map(|guide| region.shares_of(guide))
-            .collect();
-        let mut shares = found.shares;
-        for (row, guided) in guided.iter().enumerate() {
-            for (column, &share) in guided.iter().enumerate() {
-                shares[(row, column)] -= f64::from(share);
-            }
-        }
-        let told = guide::Guided::new(&guided);
-        let numbers = told.beside(&self.numbers);
         let relevance = Search {
-            owners: &told.owners(&self.owners, self.features.all.len()),
-            units: &told.units(&self.features),
+            features: &self.features,
+            owners: &self.owners,
             samples: self.samples,
             searched: &self.searched,
-            numbers: &numbers,
+            numbers: &self.numbers,
         }
         .found(
-            &shares,
+            &found.shares,
             SEARCHED_SHAPES,
             asked.rounds,
             &mut |round, error| tell(Told::Searched(round, metres * error)),
         );
-        let (of_features, of_guide) = relevance.split_at(self.features.all.len());
-        let scale = |&relevance: &f64| (GAIN * relevance) as f32;
-        region.scales = of_features.iter().map(scale).collect();
-        region.guide = told.scales(of_guide, GAIN);
-        let guided = guided
+        let scales: Vec<f32> = relevance
             .iter()
-            .map(Vec::as_slice)
-            .chain(std::iter::repeat(&[][..]));
-        let inputs: Vec<Vec<f32>> = (self.numbers.iter().zip(guided))
-            .map(|(numbers, guided)| region.inputs(&self.owners, &self.center, numbers, guided))
+            .map(|&relevance| (GAIN * relevance) as f32)
+            .collect();
+        let mut region = Region {
+            vertices,
+            scales,
+            shapes: found.shapes,
+            layers: Vec::new(),
+        };
+        let inputs: Vec<Vec<f32>> = (self.numbers.iter())
+            .map(|numbers| region.inputs(&self.owners, &self.center, numbers))
             .collect();
         let lesson = network::Lesson {
             inputs: &inputs,
-            shares: &shares,
+            shares: &found.shares,
             hidden: asked.hidden as usize,
             passes: asked.passes,
             seed,
         };
         region.layers = lesson.learned(&mut |pass, loss| tell(Told::Learned(pass, loss)));
+        // A vertex is moved by as much as it counts.
+        let rows = 3 * roots.len();
+        for (place, number) in region.shapes.iter_mut().enumerate() {
+            *number *= roots[place % rows / 3];
+        }
         region
     }
 }
@@ -270,4 +242,9 @@ fn mean_of(rows: &[Vec<f32>]) -> Vec<f32> {
     }
     let count = rows.len().max(1) as f64;
     sums.iter().map(|sum| (sum / count) as f32).collect()
+}
+
+/// Whether a feature tells a rotation.
+fn is_turn(feature: Feature) -> bool {
+    feature.aspect != garnet_net::pose_space::Aspect::Shape
 }

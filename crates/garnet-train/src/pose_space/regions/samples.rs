@@ -14,8 +14,6 @@ pub(in crate::pose_space) struct Sample {
     pub(in crate::pose_space) parameters: Vec<f32>,
     /// From the warp, in the skinning frames `[vertex][3]`, in metres.
     pub(in crate::pose_space) offsets: Vec<f32>,
-    /// Those of the guide; empty without one.
-    pub(in crate::pose_space) guide: Vec<f32>,
 }
 
 /// What a fit keeps of the scenes of a data set.
@@ -25,9 +23,6 @@ pub(in crate::pose_space) fn samples_of(set: usize, examples: &[Example]) -> Vec
         sequence: example.sequence.clone(),
         parameters: example.parameters.clone(),
         offsets: offsets_of(example),
-        guide: (example.guide.iter())
-            .flat_map(|offset| [offset.x, offset.y, offset.z])
-            .collect(),
     });
     samples.collect()
 }

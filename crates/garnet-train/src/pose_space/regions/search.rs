@@ -1,20 +1,20 @@
 //! How much each feature tells of a region.
 
 use faer::Mat;
+use garnet_net::pose_space::Features;
 use rayon::prelude::*;
 
 use super::super::regression::Regression;
-use super::super::relevance::{LEAST_SPREAD, RIDGE, SHRINKING, STEP, mean_root};
+use super::super::relevance::{GROWTH, LEAST_SPREAD, RIDGE, SHRINKING, STEP, TURN, mean_root};
 use super::super::scenes::together;
-use super::Sample;
+use super::{Sample, is_turn};
 
 /// Features without which the error is no larger than this times the least are left out in the end.
 const LEAST_WORTH: f64 = 1.0002;
 
 /// What is searched among.
 pub(super) struct Search<'a> {
-    /// What each feature is multiplied by before the search `[feature]`.
-    pub(super) units: &'a [f64],
+    pub(super) features: &'a Features,
     /// The feature of each number.
     pub(super) owners: &'a [usize],
     pub(super) samples: &'a [Sample],
@@ -48,6 +48,8 @@ impl Search<'_> {
             .collect();
         let apart = self.apart();
         let count = apart.len();
+        let units = self.features.all.iter();
+        let units = units.map(|&feature| if is_turn(feature) { TURN } else { GROWTH });
         let mut factors = vec![0.0; count + 2];
         factors[count + 1] = RIDGE.ln();
         for (factor, apart) in factors.iter_mut().zip(&apart) {
@@ -56,7 +58,7 @@ impl Search<'_> {
             }
         }
         let mut state = State {
-            units: self.units.to_vec(),
+            units: units.collect(),
             with: together(&keys),
             squared: Mat::zeros(keys.len(), keys.len()),
             apart,
@@ -82,7 +84,7 @@ impl Search<'_> {
 
     /// The squared distances of samples in each feature `[feature]` `[sample, sample]`; none where it never changes.
     fn apart(&self) -> Vec<Option<Mat<f64>>> {
-        let features = 0..self.units.len();
+        let features = 0..self.features.all.len();
         let of_feature = |feature: usize| {
             let numbers = (0..self.owners.len()).filter(|&number| self.owners[number] == feature);
             let numbers: Vec<usize> = numbers.collect();
@@ -192,18 +194,18 @@ impl State {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use garnet_net::pose_space::{Aspect, Feature};
 
-    const GROWTH: f64 = 1.4;
-    const TURN: f64 = 0.07;
+    use super::*;
 
     #[test]
     fn what_tells_nothing_is_left_out() {
-        let owners: Vec<usize> = [3, 4, 6]
-            .into_iter()
-            .enumerate()
-            .flat_map(|(feature, count)| vec![feature; count])
-            .collect();
+        let aspects = [Aspect::Up, Aspect::Shape, Aspect::Turn];
+        let features = Features {
+            parents: vec![None],
+            hub: 0,
+            all: aspects.map(|aspect| Feature { joint: 0, aspect }).to_vec(),
+        };
         // Numbers of the first feature tell the share, those of the second are noise, those of the third never change.
         let number = |scene: usize, of: usize| ((scene * (7 * of + 3)) as f32 * 0.37).sin();
         let row = |scene: usize| -> Vec<f32> {
@@ -217,7 +219,6 @@ mod tests {
                 sequence: scene.to_string(),
                 parameters: Vec::new(),
                 offsets: Vec::new(),
-                guide: Vec::new(),
             })
             .collect();
         let shares = Mat::from_fn(60, 1, |scene, _| {
@@ -225,8 +226,8 @@ mod tests {
         });
         let searched: Vec<usize> = (0..60).collect();
         let search = Search {
-            owners: &owners,
-            units: &[TURN, GROWTH, TURN],
+            owners: &features.owners(),
+            features: &features,
             samples: &samples,
             searched: &searched,
             numbers: &numbers,
