@@ -7,6 +7,7 @@ use std::ops::ControlFlow;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use garnet::Point3;
+use garnet::data::Put;
 use garnet::sim::{
     Cloth, Collider, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, SelfContact, Stage,
     drape, settle,
@@ -15,9 +16,6 @@ use garnet_benches::{Scene as Mannequin, group};
 
 /// About how many vertices the garments have.
 const SIZES: [usize; 3] = [2_500, 5_000, 10_000];
-
-/// Frames of a sixtieth of a second in which cloth settles that was put where it arrives.
-const SETTLING: u32 = 24;
 
 /// A second of substeps without contacts of any kind.
 fn substeps(rate: f32) -> Schedule {
@@ -89,7 +87,8 @@ fn sim(criterion: &mut Criterion) {
             bencher.iter(|| run(&on_body, &schedule));
         });
         group.bench_function(BenchmarkId::new("settle", size), |bencher| {
-            let schedule = Schedule::after_arrival(cloth.mean_edge_length(), SETTLING);
+            let schedule =
+                Schedule::after_arrival(cloth.mean_edge_length(), Put::AtArrival.frames());
             bencher.iter(|| settle(&on_body, &schedule, &mut |_| ControlFlow::Continue(())));
         });
     }

@@ -1,6 +1,7 @@
 //! Networks beside the skinning and the warp that they start from, on one split.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_data::{Put, Split};
 use garnet_net::{Aim, GarNetConfig, ModelHeader};
@@ -157,6 +158,19 @@ pub fn evaluate(
     finish: Finish,
     observer: &mut dyn FnMut(EvalEvent),
 ) -> Result<Evaluation, TrainError> {
+    let never = AtomicBool::new(false);
+    evaluate_until(stage, split, candidates, finish, observer, &never)
+}
+
+/// As [`evaluate`]; `stop` ends it after the scene at hand, with [`TrainError::Stopped`].
+pub(crate) fn evaluate_until(
+    stage: &Stage,
+    split: Split,
+    candidates: &[Candidate],
+    finish: Finish,
+    observer: &mut dyn FnMut(EvalEvent),
+    stop: &AtomicBool,
+) -> Result<Evaluation, TrainError> {
     stage.check_aim(Aim::Rest)?;
     let total = stage.num_scenes(split)?;
     let mut entrants: Vec<Entrant<'_>> = (candidates.iter())
@@ -167,6 +181,9 @@ pub fn evaluate(
     let mut done = 0;
     let mut first_error = None;
     stage.for_each(split, Ok, &mut |staged: StagedScene| {
+        if first_error.is_none() && stop.load(Ordering::Relaxed) {
+            first_error = Some(TrainError::Stopped);
+        }
         if first_error.is_none() {
             let measured = scene(&mut entrants, &measure, finish, &staged);
             let own = measured.and_then(|()| measure.add(&mut teacher, &staged, &staged.draped));

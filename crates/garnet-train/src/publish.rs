@@ -2,19 +2,19 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 use burn::tensor::Device;
 use garnet_data::{GarmentPackage, Manifest, Split, Variant};
 use garnet_net::{Checkpoint, ModelHeader, PoseSpace, Precision, TrainedRange};
 
 use crate::contender::put_of;
+use crate::evaluate::evaluate_until;
 use crate::examples::examples;
 use crate::state::State;
 use crate::subject::{Example, Subject};
 use crate::validate::validate;
-use crate::{
-    Candidate, EpochRecord, EvalEvent, Finish, Scores, Stage, TrainError, TrainEvent, evaluate,
-};
+use crate::{Candidate, EpochRecord, EvalEvent, Finish, Scores, Stage, TrainError, TrainEvent};
 
 /// What a training has come to.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,6 +76,7 @@ pub(crate) fn publish(
     state: &State,
     train: &[Example],
     observer: &mut dyn FnMut(TrainEvent),
+    stop: &AtomicBool,
 ) -> Result<Trained, TrainError> {
     let Job {
         folder,
@@ -141,7 +142,7 @@ pub(crate) fn publish(
         settle_frames: None,
         flop: Some(cost.flops as f64),
     };
-    let settled_error = add_variant(folder, stage, variant, test.is_some(), observer)?;
+    let settled_error = add_variant(folder, stage, variant, test.is_some(), observer, stop)?;
     Ok(Trained {
         name: progress.name.clone(),
         weights,
@@ -157,13 +158,14 @@ pub(crate) fn publish(
 /// teacher its cloth is once it has settled, in metres.
 ///
 /// That takes longer than all else but the training: the variant is in the manifest before it begins. It is there without
-/// that number, too, if the garment cannot be simulated; the observer is told why.
+/// that number, too, if the garment cannot be simulated, or `stop` ends that; the observer is told why.
 pub(crate) fn add_variant(
     folder: &Path,
     stage: &Stage,
     variant: Variant,
     has_test: bool,
     observer: &mut dyn FnMut(TrainEvent),
+    stop: &AtomicBool,
 ) -> Result<Option<f64>, TrainError> {
     let add = |variant: Variant| -> Result<(), TrainError> {
         // Another training may have added a variant meanwhile.
@@ -176,7 +178,7 @@ pub(crate) fn add_variant(
     if !has_test {
         return Ok(None);
     }
-    match settled(stage, &folder.join(&variant.weights), observer) {
+    match settled(stage, &folder.join(&variant.weights), observer, stop) {
         Ok((error, frames)) => {
             add(Variant {
                 settled_error: Some(error),
@@ -200,6 +202,7 @@ fn settled(
     stage: &Stage,
     weights: &Path,
     observer: &mut dyn FnMut(TrainEvent),
+    stop: &AtomicBool,
 ) -> Result<(f64, u32), TrainError> {
     let frames = put_of(ModelHeader::read(weights)?.aim).frames();
     let candidate = Candidate::Model {
@@ -211,7 +214,14 @@ fn settled(
         let EvalEvent::Scene { done, total } = event;
         observer(TrainEvent::Settled { done, total });
     };
-    let found = evaluate(stage, Split::Test, &[candidate], Finish::None, &mut tell)?;
+    let found = evaluate_until(
+        stage,
+        Split::Test,
+        &[candidate],
+        Finish::None,
+        &mut tell,
+        stop,
+    )?;
     let row = found.rows.first();
     match row.filter(|row| row.unsettled < found.scenes) {
         Some(row) => Ok((row.scores.distance, frames)),

@@ -154,7 +154,7 @@ pub fn train(
         subject: &subject,
         start: start.as_ref(),
     };
-    let trained = publish::publish(&job, &trainer.state, &trainer.train, observer)?;
+    let trained = publish::publish(&job, &trainer.state, &trainer.train, observer, stop)?;
     trainer.state.progress.is_finished = true;
     trainer.save()?;
     Ok(trained)

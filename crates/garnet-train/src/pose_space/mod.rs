@@ -169,7 +169,8 @@ pub(crate) fn fit(
         flop: Some(space.cost().flops as f64),
     };
     let test = scores(&test);
-    let settled_error = add_variant(&job.package, stage, variant, test.is_some(), observer)?;
+    let has_test = test.is_some();
+    let settled_error = add_variant(&job.package, stage, variant, has_test, observer, stop)?;
     Ok(Trained {
         name: name.clone(),
         weights: path,

@@ -1,5 +1,7 @@
 //! Pose-space deformations, and networks that start from them.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use garnet_data::{Dataset, DatasetManifest, GarmentPackage, Put, Split, Until};
 use garnet_mesh::Vector3;
 use garnet_net::{ARRIVAL, Aim, POSE_SPACE, PoseSpace};
@@ -116,6 +118,28 @@ fn cloth_that_has_not_settled_is_no_drape() {
     );
     assert!(matches!(evaluated, Err(TrainError::NotSettled { .. })));
     run(&invented.job(ARRIVAL, by_networks(2))).unwrap();
+}
+
+#[test]
+fn a_fit_that_is_stopped_while_scenes_settle_is_in_its_package() {
+    let invented = Invented::new();
+    let job = invented.job(POSE_SPACE, TrainConfig::default());
+    let stop = AtomicBool::new(false);
+    let mut why = None;
+    let mut observer = |event| match event {
+        // The fit is done when the test scenes are read; then they settle.
+        TrainEvent::Read {
+            split: Split::Test, ..
+        } => stop.store(true, Ordering::Relaxed),
+        TrainEvent::NotSettled { why: told } => why = Some(told),
+        _ => {}
+    };
+    let fitted = train(&job, &mut observer, &stop).unwrap();
+    assert_eq!(why.as_deref(), Some("stopped"));
+    assert_eq!(fitted.settled_error, None);
+    let manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
+    let variant = manifest.variant(POSE_SPACE).unwrap();
+    assert!(variant.distance_error.is_some() && variant.settled_error.is_none());
 }
 
 #[test]
