@@ -118,8 +118,8 @@ const CARRY: f32 = 300.0;
 /// fourth or sixth substep 6.4 and 6.5 mm.
 const AFTER_ARRIVAL: [[f32; 4]; 2] = [[2.0 / 3.0, 34.0, 5.0, SHAKEN], [1.0 / 3.0, 68.0, 30.0, 1.0]];
 
-/// How long the body takes to its last place, in seconds. Cloth that has half the time ends elsewhere: 12 mm from the
-/// teacher's, whatever else is done.
+/// How long the body takes to its last place, in seconds. Cloth that had half of it, at half the rate, ended 12 mm from the
+/// teacher's.
 const MOTION_SECONDS: f32 = 1.0;
 
 /// Frames of the motion and of the three stages of settling.
