@@ -145,6 +145,15 @@ impl BodyPath {
         posed
     }
 
+    /// The body on its way: `body` is that at rest, from which the path starts.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Body::fitted_by`].
+    pub fn posed(&self, body: &Body, time: f32) -> Result<PosedBody, SkinError> {
+        body.fitted_by(&self.positions(time), self.transforms(time))
+    }
+
     /// Where a garment's nodes `[node]` would be at a time from 0 to 1 if they went along with the body,
     /// in metres: the shape-aware warp on the way. `shape_offsets` are those of
     /// [`BoundGarment::shape_offsets`] for [`BodyPath::shape`].

@@ -26,6 +26,7 @@ pub use dataset::{
     StoredParameters, Tally, Until, Variations, generate, import, sampler, sequences,
 };
 pub use error::DataError;
+pub use garnet_sim::MIDWAY;
 pub use ladder::Rung;
 pub use noise::{NOISE_TURN, moved_by_turn, noise_floor};
 pub use package::{

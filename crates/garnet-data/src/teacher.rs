@@ -27,18 +27,22 @@ pub enum Put {
     AtRest,
     /// Where it is when the body comes to its last place ([`Drape::arrived`]): its folds are still to be found.
     AtArrival,
+    /// Where it is when the body is [midway](crate::MIDWAY) ([`Drape::midway`]): the second half of the motion is still
+    /// to be simulated ([`Teacher::resumed`]).
+    Midway,
 }
 
 impl Put {
-    /// For how many frames of a sixtieth of a second such cloth settles by default.
+    /// For how many frames of a sixtieth of a second such cloth settles by default, after the motion if there is one.
     ///
     /// Put where they rest, 3, 6, 8 and 12 frames bring T-shirts of a pose-space deformation from 9.3 mm to 8.3,
     /// 7.6, 7.7 and 7.7 mm (155 validation scenes). Put where networks tell that they arrive, 4.8 mm off, 20, 24, 30, 45 and 60 frames
-    /// end at 6.3, 6.2, 6.2, 6.2 and 6.3 mm (the same scenes; see [`Schedule::after_arrival`]).
+    /// end at 6.3, 6.2, 6.2, 6.2 and 6.3 mm (the same scenes; see [`Schedule::after_arrival`]
+    /// and [`Schedule::after_midway`]).
     pub const fn frames(self) -> u32 {
         match self {
             Self::AtRest => 6,
-            Self::AtArrival => 24,
+            Self::AtArrival | Self::Midway => 24,
         }
     }
 
@@ -46,6 +50,7 @@ impl Put {
         match self {
             Self::AtRest => Schedule::settling(edge_length, frames),
             Self::AtArrival => Schedule::after_arrival(edge_length, frames),
+            Self::Midway => Schedule::after_midway(edge_length, frames),
         }
     }
 }
@@ -212,6 +217,22 @@ impl Teacher {
         self.follow(path, schedule.until_arrival(), stop, &mut |_| {})
     }
 
+    /// Simulates the garment until the body is [midway](crate::MIDWAY): [`Drape::midway`] of the result is that of
+    /// [`Teacher::drape`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Teacher::drape`].
+    pub fn midway(
+        &self,
+        path: &BodyPath,
+        quality: Quality,
+        stop: &AtomicBool,
+    ) -> Result<Drape, DataError> {
+        let schedule = Schedule::for_quality(quality, self.cloth.mean_edge_length());
+        self.follow(path, schedule.until_midway(), stop, &mut |_| {})
+    }
+
     fn follow(
         &self,
         path: &BodyPath,
@@ -220,13 +241,25 @@ impl Teacher {
         observer: &mut dyn FnMut(Event<'_>),
     ) -> Result<Drape, DataError> {
         let schedule = self.layered(schedule);
+        let run = |scene: &Scene<'_>| drape(scene, &schedule, &mut stopping(stop, observer));
+        let result = self.on_way(path, &self.start, run);
+        check_stop(stop)?;
+        let mut result = result?;
+        result.positions = self.vertices(&result.positions);
+        result.arrived = self.vertices(&result.arrived);
+        result.midway = self.vertices(&result.midway);
+        Ok(result)
+    }
+
+    /// Runs a scene in which the body goes along a path and the garment starts at `start` `[simulated node]`.
+    fn on_way<T>(&self, path: &BodyPath, start: &[Point3], run: impl FnOnce(&Scene<'_>) -> T) -> T {
         let motion = |time: f32| path.positions(time);
         let shape_offsets = self.garment.shape_offsets(path.shape());
         let carried =
             |time: f32| self.simulated(&path.carried(&self.garment, &shape_offsets, time));
-        let scene = Scene {
+        run(&Scene {
             cloth: &self.cloth,
-            start: &self.start,
+            start,
             body: Some(MovingBody {
                 collider: &self.collider,
                 motion: &motion,
@@ -236,19 +269,41 @@ impl Teacher {
                 }),
                 allowed_parts: self.allowed.as_deref(),
             }),
-        };
-        let result = drape(&scene, &schedule, &mut stopping(stop, observer));
+        })
+    }
+
+    /// Simulates a garment that something else has put where it is when the body is [midway](crate::MIDWAY): the body
+    /// goes on along its path, and the cloth settles for about so many frames of a sixtieth of a second.
+    ///
+    /// `from` and the result are the positions of the garment's mesh `[vertex]`, in metres.
+    ///
+    /// # Errors
+    ///
+    /// As there.
+    ///
+    /// # Panics
+    ///
+    /// As there.
+    pub fn resumed(
+        &self,
+        path: &BodyPath,
+        from: &[Point3],
+        frames: u32,
+        stop: &AtomicBool,
+    ) -> Result<Vec<Point3>, DataError> {
+        let schedule = self.layered(Put::Midway.schedule(self.cloth.mean_edge_length(), frames));
+        let at_nodes = self.garment.weld().gather(from);
+        let start = self.simulated(&at_nodes);
+        let run = |scene: &Scene<'_>| settle(scene, &schedule, &mut stopping(stop, &mut |_| {}));
+        let result = self.on_way(path, &start, run);
         check_stop(stop)?;
-        let mut result = result?;
-        result.positions = self.vertices(&result.positions);
-        result.arrived = self.vertices(&result.arrived);
-        Ok(result)
+        Ok(self.moved(&at_nodes, &result?))
     }
 
     /// Simulates a garment that something else has put on a body, a network say, for some frames of a
     /// sixtieth of a second: it gives way where it is strained, leaves the skin, and finds its finer folds.
     ///
-    /// `skin` are the positions `[vertex]` of the body, which stands still; `from` and the result those of the
+    /// `skin` are the positions `[vertex]` of the body, which stands still (for [`Put::Midway`] see [`Teacher::resumed`]); `from` and the result those of the
     /// garment's mesh `[vertex]`, in metres; `put` tells how far `from` is on its way. Without frames the result is `from`.
     ///
     /// # Examples

@@ -115,32 +115,42 @@ fn threads_and_interruptions_do_not_show() {
 }
 
 #[test]
-fn a_data_set_may_end_where_bodies_arrive() {
+fn a_data_set_may_end_where_bodies_arrive_or_are_midway() {
     let package = common::tshirt();
-    let [whole, until] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let [whole, arrivals, midways] = [(); 3].map(|()| tempfile::tempdir().unwrap());
     make(&package, whole.path(), &options(2));
-    let arrivals = DatasetOptions {
-        until: Until::Arrival,
-        ..options(2)
-    };
-    make(&package, until.path(), &arrivals);
+    for (folder, until) in [(&arrivals, Until::Arrival), (&midways, Until::Midway)] {
+        let options = DatasetOptions {
+            until,
+            ..options(2)
+        };
+        make(&package, folder.path(), &options);
+    }
     let scenes = |folder: &Path| -> Vec<_> {
         let dataset = Dataset::open(folder).unwrap();
         let shards: Vec<_> = dataset.shards().map(Result::unwrap).collect();
         shards.into_iter().flat_map(|shard| shard.scenes).collect()
     };
-    let (whole, until_arrival) = (scenes(whole.path()), scenes(until.path()));
+    let all = [&whole, &arrivals, &midways].map(|folder| scenes(folder.path()));
+    let [whole, at_arrival, at_midway] = &all;
     assert!(!whole.is_empty());
-    for (whole, until) in whole.iter().zip(&until_arrival) {
-        assert_eq!((whole.body, whole.pose), (until.body, until.pose));
-        assert_eq!(whole.arrived.as_ref(), Some(&until.garment));
-        assert_eq!(until.arrived, None);
+    for (index, whole) in whole.iter().enumerate() {
+        let (arrived, midway) = (&at_arrival[index], &at_midway[index]);
+        for part in [arrived, midway] {
+            assert_eq!((whole.body, whole.pose), (part.body, part.pose));
+            assert_eq!((&part.arrived, &part.midway), (&None, &None));
+        }
+        assert_eq!(whole.arrived.as_ref(), Some(&arrived.garment));
+        assert_eq!(whole.midway.as_ref(), Some(&midway.garment));
+        assert_ne!(whole.midway, whole.arrived);
     }
-    let other = generate(&package, until.path(), &options(2), &|_| {}, &false.into());
-    assert!(
-        matches!(other, Err(DataError::OtherDataset { field: "end", .. })),
-        "{other:?}"
-    );
+    for folder in [&arrivals, &midways] {
+        let other = generate(&package, folder.path(), &options(2), &|_| {}, &false.into());
+        assert!(
+            matches!(other, Err(DataError::OtherDataset { field: "end", .. })),
+            "{other:?}"
+        );
+    }
 }
 
 #[test]

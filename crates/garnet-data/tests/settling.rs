@@ -158,6 +158,32 @@ fn cloth_put_where_it_arrives_finds_the_folds_of_the_teacher() {
 }
 
 #[test]
+fn cloth_put_where_it_is_midway_goes_on_with_the_body_into_the_folds_of_the_teacher() {
+    // Coarser T-shirts find other folds for any change.
+    let scene = Scene::of(common::tshirt_of(2000), "wave");
+    let path = BodyPath::to_posed(&scene.package.body, &scene.posed);
+    let stop = AtomicBool::new(false);
+    let simulated = scene.simulated(Quality::Teacher);
+    let frames = Put::Midway.frames();
+    let resumed = |from: &[Point3]| scene.teacher.resumed(&path, from, frames, &stop);
+    let end = resumed(&simulated.midway).unwrap();
+    assert_eq!(end, resumed(&simulated.midway).unwrap());
+    let [midway, missed, of_arrival] = [
+        mean_distance(&simulated.midway, &simulated.positions),
+        mean_distance(&end, &simulated.positions),
+        mean_distance(&simulated.arrived, &simulated.positions),
+    ];
+    println!("{missed} m; midway {midway} m, arrived {of_arrival} m off");
+    assert!(missed < 0.006 && missed < 0.1 * midway, "{missed} {midway}");
+    let stopped = scene
+        .teacher
+        .resumed(&path, &end, frames, &AtomicBool::new(true));
+    assert!(matches!(stopped, Err(DataError::Stopped)));
+    let unmoved = scene.teacher.resumed(&path, &simulated.midway, 0, &stop);
+    assert_ne!(unmoved.unwrap(), end);
+}
+
+#[test]
 fn settling_can_be_stopped_and_refuses_places_that_are_none() {
     let scene = Scene::new("wave");
     let skin = scene.posed.skin().positions();

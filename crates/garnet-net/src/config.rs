@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{ARRIVAL, Aim, NetError, POSE_SPACE};
+use crate::{ARRIVAL, Aim, MIDWAY, NetError, POSE_SPACE};
 
 /// The length unit of the network and its losses, in metres.
 ///
@@ -54,6 +54,8 @@ pub enum Start {
     PoseSpace,
     /// As [`Start::Shape`], moved by the deformation that tells where the garment arrives; not in the paper.
     Arrival,
+    /// As [`Start::Shape`], moved by the deformation that tells where the garment is when the body is halfway; not in the paper.
+    Midway,
 }
 
 impl Start {
@@ -63,6 +65,7 @@ impl Start {
             Self::DualQuaternion | Self::Shape => None,
             Self::PoseSpace => Some(POSE_SPACE),
             Self::Arrival => Some(ARRIVAL),
+            Self::Midway => Some(MIDWAY),
         }
     }
 
@@ -71,6 +74,7 @@ impl Start {
         match self {
             Self::DualQuaternion | Self::Shape | Self::PoseSpace => Aim::Rest,
             Self::Arrival => Aim::Arrival,
+            Self::Midway => Aim::Midway,
         }
     }
 }

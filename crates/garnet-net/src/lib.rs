@@ -65,7 +65,7 @@ pub use error::{CheckpointError, NetError};
 pub use garment_graph::GarmentGraph;
 pub use model::{Model, ModelHeader};
 pub use network::{GarNet, surrogate};
-pub use pose_space::{ARRIVAL, Aim, POSE_SPACE, PoseSpace};
+pub use pose_space::{ARRIVAL, Aim, MIDWAY, POSE_SPACE, PoseSpace};
 pub use predictor::Predictor;
 pub use presets::PRESET_NAMES;
 pub use reference_case::write_reference_case;

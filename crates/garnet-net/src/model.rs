@@ -136,6 +136,7 @@ impl Model {
             (Some(config), _) => config.start,
             (None, Aim::Rest) => Start::PoseSpace,
             (None, Aim::Arrival) => Start::Arrival,
+            (None, Aim::Midway) => Start::Midway,
         }
     }
 

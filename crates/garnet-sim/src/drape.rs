@@ -19,6 +19,9 @@ pub struct Drape {
     /// Where they were when the body had come to its last place, before they settled, in metres; outside of
     /// the body as the vertices in the end are.
     pub arrived: Vec<Point3>,
+    /// Where they were when the body was [midway](crate::MIDWAY), in metres, outside of the body in the same way; empty if that
+    /// was not simulated.
+    pub midway: Vec<Point3>,
     /// How well they lie.
     pub report: DrapeReport,
 }
@@ -132,6 +135,7 @@ pub fn drape(
         clock,
         positions,
         arrived,
+        midway,
     } = run;
     let report = DrapeReport {
         strain,
@@ -150,6 +154,7 @@ pub fn drape(
     Ok(Drape {
         positions,
         arrived,
+        midway,
         report,
     })
 }
@@ -181,6 +186,7 @@ struct Run<'a> {
     clock: Clock<'a>,
     positions: Vec<Point3>,
     arrived: Vec<Point3>,
+    midway: Vec<Point3>,
 }
 
 /// Takes all steps of a schedule.
@@ -197,7 +203,7 @@ fn run<'a>(
         .transpose()?;
     let mut solver = Solver::new(scene, schedule);
     let mut clock = Clock::new(schedule);
-    let mut arrived = Vec::new();
+    let (mut arrived, mut midway) = (Vec::new(), Vec::new());
     let motion = Stage {
         frames: schedule.motion_frames,
         rate: schedule.motion_rate,
@@ -236,6 +242,12 @@ fn run<'a>(
                     seconds: clock.seconds(),
                 });
             }
+            if index == 0 && frame + 1 == schedule.midway_frame() {
+                midway.clone_from(&positions);
+                if let Some(skin) = &skin {
+                    skin.free_at_end(&mut midway)?;
+                }
+            }
             clock.remember(positions);
         }
         if index == 0 {
@@ -255,6 +267,7 @@ fn run<'a>(
         skin,
         clock,
         arrived,
+        midway,
     })
 }
 
@@ -314,6 +327,7 @@ struct BodyOnWay<'a> {
     from: Vec<Point3>,
     to: Vec<Point3>,
     motion_frames: u32,
+    motion_part: [f32; 2],
     refreshes: u32,
     /// From one refresh to the next, in seconds.
     interval: f32,
@@ -325,7 +339,7 @@ impl<'a> BodyOnWay<'a> {
         let time = if schedule.motion_frames == 0 {
             1.0
         } else {
-            0.0
+            eased(schedule.motion_part[0])
         };
         let from = (body.motion)(time);
         Ok(Self {
@@ -334,6 +348,7 @@ impl<'a> BodyOnWay<'a> {
             to: from.clone(),
             from,
             motion_frames: schedule.motion_frames,
+            motion_part: schedule.motion_part,
             refreshes: schedule.refreshes_per_frame,
             interval: schedule.frame_seconds / schedule.refreshes_per_frame as f32,
             time,
@@ -388,7 +403,9 @@ impl<'a> BodyOnWay<'a> {
 
     /// The time of the motion at the beginning of a frame.
     fn time_of(&self, frame: u32) -> f32 {
-        eased(frame as f32 / self.motion_frames as f32)
+        let [from, to] = self.motion_part;
+        let share = frame as f32 / self.motion_frames as f32;
+        eased(from + (to - from) * share)
     }
 
     /// Moves the skin to the beginning of an interval of the frame.
@@ -409,6 +426,17 @@ impl<'a> BodyOnWay<'a> {
         if self.motion_frames > 0 {
             self.skin.find_folds();
         }
+        Ok(())
+    }
+
+    /// Moves vertices out of the skin where it is at the end of the frame.
+    fn free_at_end(&self, points: &mut [Point3]) -> Result<(), SimError> {
+        let time = self.time;
+        let skin = self.skin.surface().moved(self.to.clone());
+        free(
+            points,
+            &skin.map_err(|source| SimError::Motion { time, source })?,
+        );
         Ok(())
     }
 

@@ -40,6 +40,7 @@ pub const fn put_of(aim: Aim) -> Put {
     match aim {
         Aim::Rest => Put::AtRest,
         Aim::Arrival => Put::AtArrival,
+        Aim::Midway => Put::Midway,
     }
 }
 
@@ -66,6 +67,8 @@ impl<'a> Contender<'a> {
                 (name.as_str(), model.start(), Some(model), *settle)
             }
         };
+        // Where cloth is midway is on no body before the rest of the motion.
+        let is_midway = (model.as_ref()).is_some_and(|model| model.aim() == Aim::Midway);
         let num_vertices = package.mesh.num_vertices();
         let cost = model.as_ref().map(|model| model.cost(num_vertices));
         Ok(Self {
@@ -73,7 +76,7 @@ impl<'a> Contender<'a> {
             start,
             cost: cost.transpose()?,
             model,
-            settle: (settle > 0).then(|| (settle, Teachers::new(stage))),
+            settle: (settle > 0 || is_midway).then(|| (settle, Teachers::new(stage))),
         })
     }
 
@@ -85,6 +88,11 @@ impl<'a> Contender<'a> {
     /// What the network tells; where the cloth rests, of skinning and warp.
     pub(crate) fn aim(&self) -> Aim {
         self.model.as_ref().map_or(Aim::Rest, Model::aim)
+    }
+
+    /// Whether cloth is simulated where the network has put it.
+    pub(crate) fn is_simulated(&self) -> bool {
+        self.settle.is_some()
     }
 
     /// For how many frames cloth settles.
@@ -131,23 +139,34 @@ impl<'a> Contender<'a> {
         model.rebind(worn.graph.clone())?;
         let put = put_of(model.aim());
         let start = Instant::now();
-        let warped = staged.warped(self.start)?;
+        let posed = staged.posed_for(model.aim())?;
+        let warped = staged.warped(self.start, &posed)?;
         let warp = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let mut positions = predicted(model, &warped, &worn.body, &staged.posed)?;
+        let mut positions = predicted(model, &warped, &worn.body, &posed)?;
         let network = start.elapsed().as_secs_f64();
         let mut settle = None;
         if let Some((frames, teachers)) = &mut self.settle {
             let teacher = teachers.of(staged)?;
             let start = Instant::now();
-            let skin = staged.posed.skin().positions();
-            match teacher.settled(skin, &positions, put, *frames, &AtomicBool::new(false)) {
+            let stop = AtomicBool::new(false);
+            let result = if put == Put::Midway {
+                teacher.resumed(&staged.seen_path(), &positions, *frames, &stop)
+            } else {
+                let skin = staged.posed.skin().positions();
+                teacher.settled(skin, &positions, put, *frames, &stop)
+            };
+            match result {
                 Ok(settled) => {
                     positions = settled;
                     settle = Some(start.elapsed().as_secs_f64());
                 }
-                // As in `garnet drape`: cloth that flies apart stays where it was put.
-                Err(DataError::Sim(_)) => {}
+                // As in `garnet drape`: cloth that flies apart stays where it was put, if that is on the body.
+                Err(DataError::Sim(_)) if put != Put::Midway => {}
+                Err(DataError::Sim(_)) => {
+                    let nodes = worn.garment.warped(&staged.posed, warp_of(self.start))?;
+                    positions = worn.garment.weld().scatter(&nodes);
+                }
                 Err(error) => return Err(error.into()),
             }
         }

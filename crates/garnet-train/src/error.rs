@@ -128,16 +128,16 @@ pub enum TrainError {
         /// The split.
         split: Split,
     },
-    /// A scene does not tell where the cloth was when the body came to its last place.
-    #[error("{scene} does not say where the garment was when its body arrived")]
-    NoArrival {
+    /// A scene does not tell where the cloth was on the way of the body.
+    #[error("{scene} does not say where the garment was when {when}")]
+    NotKept {
         /// The scene.
         scene: SceneName,
+        /// `its body arrived` or `its body was midway`.
+        when: &'static str,
     },
     /// The cloth of a data set has not settled.
-    #[error(
-        "the data set of `{garment}` was simulated until arrival only: its cloth has not settled"
-    )]
+    #[error("the data set of `{garment}` was not simulated until its cloth settled")]
     NotSettled {
         /// The garment.
         garment: String,

@@ -49,7 +49,7 @@ impl Candidate {
         let settled = settle.unwrap_or(put.frames());
         let mut frames = match put {
             Put::AtRest => vec![0, settled],
-            Put::AtArrival => vec![settled],
+            Put::AtArrival | Put::Midway => vec![settled],
         };
         frames.dedup();
         let of = |settle| Self::Model {
@@ -275,7 +275,7 @@ fn scene(
         entrant.times[0].push(draped.warp);
         entrant.times[1].extend(draped.network);
         entrant.times[2].extend(draped.settle);
-        let settles = entrant.contender.settle_frames() > 0;
+        let settles = entrant.contender.is_simulated();
         entrant.unsettled += usize::from(settles && draped.settle.is_none());
         let Errors { distances, angles } =
             measure.add(&mut entrant.tally, staged, &draped.positions)?;

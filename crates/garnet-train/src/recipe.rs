@@ -1,7 +1,7 @@
 //! What the names of the paper's variants stand for.
 
 use garnet_net::losses::LossConfig;
-use garnet_net::{ARRIVAL, Aim, POSE_SPACE, Variant};
+use garnet_net::{ARRIVAL, Aim, MIDWAY, POSE_SPACE, Variant};
 
 use crate::{Choice, TrainConfig, TrainError};
 
@@ -37,7 +37,7 @@ pub struct Recipe {
 impl Recipe {
     /// Reads a name: `naive`, `global`, `local` or `global-params` start anew; `<variant>-rq`,
     /// `-mc`, `-mcrq` and `-umc` fine-tune `<variant>` with curvature losses (*Gundogdu et al.
-    /// 2020, section 3.4*); `pose-space` and `arrival` are pose-space deformations; any other name stands for itself.
+    /// 2020, section 3.4*); `pose-space`, `arrival` and `midway` are pose-space deformations; any other name stands for itself.
     ///
     /// # Errors
     ///
@@ -66,6 +66,7 @@ impl Recipe {
         match self.name.as_str() {
             POSE_SPACE => Some(Aim::Rest),
             ARRIVAL => Some(Aim::Arrival),
+            MIDWAY => Some(Aim::Midway),
             _ => None,
         }
     }
@@ -97,8 +98,9 @@ mod tests {
         let expected = ("local".to_owned(), LossConfig::fine_tune_mcrq());
         assert_eq!((tuned.kind, tuned.fine_tuned), (None, Some(expected)));
         let aim = |name| Recipe::of_name(name).unwrap().pose_space();
-        let aims = [POSE_SPACE, ARRIVAL, "local"].map(aim);
-        assert_eq!(aims, [Some(Aim::Rest), Some(Aim::Arrival), None]);
+        let aims = [POSE_SPACE, ARRIVAL, MIDWAY, "local"].map(aim);
+        let known = [Aim::Rest, Aim::Arrival, Aim::Midway].map(Some);
+        assert_eq!((&aims[..3], aims[3]), (&known[..], None));
         let own = Recipe::of_name("my_shirt.2").unwrap();
         assert_eq!((own.kind, own.fine_tuned), (None, None));
         for name in ["", "../x", "a b", ".hidden"] {

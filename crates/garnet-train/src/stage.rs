@@ -1,10 +1,12 @@
 //! From the records of a data set to garments that are warped to posed bodies.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use garnet_body::shape::ParametricBody;
 use garnet_data::{
-    BodyPath, BodyRecord, Dataset, GarmentPackage, Posed, SceneRecord, Shard, Sizing, Split,
+    BodyPath, BodyRecord, Dataset, GarmentPackage, MIDWAY, Posed, SceneRecord, Shard, Sizing,
+    Split, Until,
 };
 use garnet_mesh::{Point3, TriMesh};
 use garnet_net::{Aim, GarmentGraph, Start};
@@ -64,6 +66,8 @@ pub struct StagedScene {
     pub draped: Vec<Point3>,
     /// Where the garment was when the body came to its last place `[vertex]`, in metres, if the data set has it.
     pub arrived: Option<Vec<Point3>>,
+    /// Where the garment was when the body was [midway](MIDWAY) `[vertex]`, in metres, if the data set has it.
+    pub midway: Option<Vec<Point3>>,
     /// The body of the data set at rest and its pose; none of those made elsewhere.
     pub own: Option<(Arc<Body>, Pose)>,
 }
@@ -72,24 +76,52 @@ pub struct StagedScene {
 pub const fn warp_of(start: Start) -> Warp {
     match start {
         Start::DualQuaternion => Warp::DualQuaternion,
-        Start::Shape | Start::PoseSpace | Start::Arrival => Warp::Shape,
+        Start::Shape | Start::PoseSpace | Start::Arrival | Start::Midway => Warp::Shape,
     }
 }
 
 impl StagedScene {
-    /// The garment, warped to the body.
+    /// The garment, warped to a body that [`StagedScene::posed_for`] gives.
     ///
     /// # Errors
     ///
     /// [`TrainError::Skin`].
-    pub fn warped(&self, start: Start) -> Result<WarpedGarment, TrainError> {
+    pub fn warped(&self, start: Start, posed: &PosedBody) -> Result<WarpedGarment, TrainError> {
         let Worn { garment, body, .. } = &*self.worn;
-        Ok(WarpedGarment::new(
-            garment,
-            body,
-            &self.posed,
-            warp_of(start),
-        )?)
+        Ok(WarpedGarment::new(garment, body, posed, warp_of(start))?)
+    }
+
+    /// The body where a model tells of the cloth: in its pose, or midway.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Skin`].
+    pub fn posed_for(&self, aim: Aim) -> Result<Cow<'_, PosedBody>, TrainError> {
+        if aim == Aim::Midway {
+            let path = self.seen_path();
+            return Ok(Cow::Owned(path.posed(&self.worn.body, MIDWAY)?));
+        }
+        Ok(Cow::Borrowed(&self.posed))
+    }
+
+    /// How a drape moves the body from rest, which knows of it what is [posed](Self::posed).
+    pub fn seen_path(&self) -> BodyPath {
+        BodyPath::to_posed(&self.worn.body, &self.posed)
+    }
+
+    /// What a model is to tell `[vertex]`, in metres.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::NotKept`] if the data set does not have it.
+    pub fn told(&self, aim: Aim) -> Result<&[Point3], TrainError> {
+        let (told, when) = match aim {
+            Aim::Rest => return Ok(&self.draped),
+            Aim::Arrival => (&self.arrived, "its body arrived"),
+            Aim::Midway => (&self.midway, "its body was midway"),
+        };
+        let scene = self.name;
+        told.as_deref().ok_or(TrainError::NotKept { scene, when })
     }
 
     /// How the teacher moved the body from rest.
@@ -101,20 +133,25 @@ impl StagedScene {
         let body = &self.worn.body;
         match &self.own {
             Some((own, pose)) => Ok(BodyPath::to_shape(body, own, pose)?),
-            None => Ok(BodyPath::to_posed(body, &self.posed)),
+            None => Ok(self.seen_path()),
         }
     }
 }
 
 impl Stage {
-    /// Refuses a data set whose cloth has not settled for all but arrivals.
+    /// Refuses a data set whose cloth has not settled for all but what it was simulated for.
     ///
     /// # Errors
     ///
     /// [`TrainError::NotSettled`].
     pub fn check_aim(&self, aim: Aim) -> Result<(), TrainError> {
         let manifest = &self.dataset.manifest;
-        if aim == Aim::Arrival || manifest.until.is_rest() {
+        let fits = match manifest.until {
+            Until::Rest => true,
+            Until::Arrival => aim == Aim::Arrival,
+            Until::Midway => aim == Aim::Midway,
+        };
+        if fits {
             return Ok(());
         }
         Err(TrainError::NotSettled {
@@ -330,7 +367,7 @@ impl Stage {
             is_cut_to_measure: own.is_some() && record.worn.is_some(),
             own: own.map(Arc::new),
             worn,
-            until_arrival: !self.dataset.manifest.until.is_rest(),
+            until: self.dataset.manifest.until,
         })
     }
 }
@@ -342,16 +379,23 @@ struct Dressed {
     worn: Arc<Worn>,
     /// Whether the garment was cut for the body.
     is_cut_to_measure: bool,
-    /// Whether drapes end where the body arrives.
-    until_arrival: bool,
+    /// How far scenes were simulated.
+    until: Until,
 }
 
 impl Dressed {
     fn staged(&self, scene: &SceneRecord, name: SceneName) -> Result<StagedScene, TrainError> {
         let expected = self.worn.garment.mesh().num_vertices();
         check("garment vertices", &scene.garment, expected, name)?;
-        if let Some(arrived) = &scene.arrived {
-            check("vertices of the arrived garment", arrived, expected, name)?;
+        let on_way = [
+            ("vertices of the arrived garment", &scene.arrived),
+            ("vertices of the garment midway", &scene.midway),
+        ];
+        for (what, places) in on_way {
+            let places = places.iter();
+            places
+                .map(|places| check(what, places, expected, name))
+                .collect::<Result<(), _>>()?;
         }
         let posed = self.posed(scene, name).map_err(|source| match source {
             TrainError::Count { .. } | TrainError::NotFinite { .. } => source,
@@ -366,10 +410,13 @@ impl Dressed {
             worn: Arc::clone(&self.worn),
             posed,
             draped: scene.garment.clone(),
-            arrived: if self.until_arrival {
-                Some(scene.garment.clone())
-            } else {
-                scene.arrived.clone()
+            arrived: match self.until {
+                Until::Arrival => Some(scene.garment.clone()),
+                _ => scene.arrived.clone(),
+            },
+            midway: match self.until {
+                Until::Midway => Some(scene.garment.clone()),
+                _ => scene.midway.clone(),
             },
             own: match (&self.own, &scene.posed) {
                 (Some(own), Posed::Pose(pose)) => Some((Arc::clone(own), pose.clone())),

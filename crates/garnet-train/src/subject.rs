@@ -89,6 +89,7 @@ impl Subject {
     pub(crate) fn example(&self, staged: &StagedScene) -> Result<Example, TrainError> {
         let worn = &staged.worn;
         let graph = worn.graph.clone();
+        let posed = staged.posed_for(self.aim)?;
         Ok(Example {
             scene: staged.name,
             sequence: staged.sequence.clone(),
@@ -97,16 +98,10 @@ impl Subject {
                 0 => graph.with_sewing_parameters(&[])?,
                 _ => graph,
             },
-            warped: staged.warped(self.config.start)?,
-            body: staged.posed.skin().positions().to_vec(),
-            parameters: worn.body.pose_and_shape(&staged.posed),
-            draped: match self.aim {
-                Aim::Rest => staged.draped.clone(),
-                Aim::Arrival => {
-                    let arrived = staged.arrived.clone();
-                    arrived.ok_or(TrainError::NoArrival { scene: staged.name })?
-                }
-            },
+            warped: staged.warped(self.config.start, &posed)?,
+            body: posed.skin().positions().to_vec(),
+            parameters: worn.body.pose_and_shape(&posed),
+            draped: staged.told(self.aim)?.to_vec(),
             neighbors: OnceLock::new(),
         })
     }

@@ -55,8 +55,10 @@ impl Network {
         })
     }
 
-    /// What it tells: where the cloth rests, or, as [`Aim::Arrival`], where it is when the body comes to its last
-    /// place. The latter has to settle yet, by [`Teacher::settled`](crate::data::Teacher::settled).
+    /// What it tells: where the cloth rests; as [`Aim::Arrival`], where it is when the body comes to its last
+    /// place; or as [`Aim::Midway`], where it is when the body is halfway. The second has to settle yet, by
+    /// [`Teacher::settled`](crate::data::Teacher::settled); the last takes the [body halfway](crate::data::BodyPath::posed)
+    /// and goes on by [`Teacher::resumed`](crate::data::Teacher::resumed).
     pub fn aim(&self) -> Aim {
         self.model.aim()
     }
@@ -84,7 +86,7 @@ impl Network {
     pub fn warp(&self) -> Warp {
         match self.model.start() {
             Start::DualQuaternion => Warp::DualQuaternion,
-            Start::Shape | Start::PoseSpace | Start::Arrival => Warp::Shape,
+            Start::Shape | Start::PoseSpace | Start::Arrival | Start::Midway => Warp::Shape,
         }
     }
 

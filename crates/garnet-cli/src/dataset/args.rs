@@ -88,6 +88,8 @@ pub(crate) enum UntilName {
     Rest,
     /// Until the body comes to its last place, a third of the work: more scenes for `train --variant arrival --more`.
     Arrival,
+    /// Until the body is halfway to it, an eighth of the work: more scenes for `train --variant midway --more`.
+    Midway,
 }
 
 /// Who wears what.
@@ -114,6 +116,7 @@ impl UntilName {
         match self {
             Self::Rest => Until::Rest,
             Self::Arrival => Until::Arrival,
+            Self::Midway => Until::Midway,
         }
     }
 }

@@ -202,8 +202,13 @@ fn by_budget(
             way.learned = Some(*learned);
         }
         let settling = (way.learned.as_ref()).map_or(of_warp, Learned::settling);
-        // What arrives is no drape before it has settled.
-        if settling.put == Put::AtArrival && !candidate.settles && job.settle.is_none() {
+        // What arrives is no drape before it has settled, and what is midway is not on the body.
+        let is_drape = match settling.put {
+            Put::AtRest => true,
+            Put::AtArrival => candidate.settles || job.settle.is_some(),
+            Put::Midway => candidate.settles,
+        };
+        if !is_drape {
             continue;
         }
         let taken = settler.take_if(|_| candidate.settles);

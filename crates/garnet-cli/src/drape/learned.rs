@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use garnet::{
     BoundGarment, Draper, Moved, Network, PosedBody, Warped,
-    data::{GarmentPackage, Manifest, Put, Variant},
+    data::{BodyPath, GarmentPackage, MIDWAY, Manifest, Put, Variant},
     train::{put_of, weights_of},
 };
 
@@ -82,7 +82,7 @@ impl Learned {
         let gains = variant.is_some_and(Variant::gains_by_settling);
         Ok(Found::Network(Box::new(Self {
             network,
-            settles: gains || put == Put::AtArrival,
+            settles: gains || put != Put::AtRest,
             settling: Settling {
                 put,
                 frames: frames.unwrap_or(put.frames()),
@@ -115,6 +115,11 @@ impl Learned {
         self.settling
     }
 
+    /// Whether it puts cloth where it is halfway, which is not on the body.
+    pub(super) fn is_midway(&self) -> bool {
+        self.settling.put == Put::Midway
+    }
+
     /// Whether its drapes come nearer to the teacher when they settle, or are none before.
     pub(super) fn settles(&self) -> bool {
         self.settles
@@ -133,6 +138,20 @@ impl Learned {
         bound: &Bound,
         posed: &PosedBody,
     ) -> anyhow::Result<(Moved, f64)> {
+        if !self.is_midway() {
+            return self.drape_on(bound, posed);
+        }
+        let path = BodyPath::to_posed(&bound.body, posed);
+        let midway = path.posed(&bound.body, MIDWAY)?;
+        let (mut moved, seconds) = self.drape_on(bound, &midway)?;
+        if moved.fallback.is_some() {
+            moved.garment = Draper::new().warp(&bound.garment, posed)?;
+        }
+        Ok((moved, seconds))
+    }
+
+    /// As [`Learned::drape`], of a body where the network tells of the cloth.
+    fn drape_on(&mut self, bound: &Bound, posed: &PosedBody) -> anyhow::Result<(Moved, f64)> {
         let Some(refit) = &bound.refit else {
             return self.moved(&bound.garment, posed);
         };

@@ -386,6 +386,7 @@ fn drape_timed(
         learned,
         settler,
     } = way;
+    let is_midway = learned.as_ref().is_some_and(Learned::is_midway);
     let (mut network, mut fallback) = (0.0, None);
     let (brought, mut warp) = timed(|| match (&bound.teacher, learned) {
         (Some(teaching), _) => teaching.drape(bound, &posed, console),
@@ -405,6 +406,9 @@ fn drape_timed(
             Ok(settled) => (warped, settle) = settled,
             Err(error) => unsettled = Some(format!("{error:#}")),
         }
+    }
+    if is_midway && fallback.is_none() && (unsettled.is_some() || settler.is_none()) {
+        warped = draper.warp(&bound.garment, &posed).with_context(cannot)?;
     }
     let (drape, untangle) = timed(|| draper.finish(&bound.garment, &posed, &warped));
     let drape = drape.with_context(cannot)?;

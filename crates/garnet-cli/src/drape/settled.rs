@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use anyhow::Context;
 use garnet::{
     PosedBody, Warped,
-    data::{Put, Teacher},
+    data::{BodyPath, Put, Teacher},
 };
 
 use super::{Bound, args::Job, simulated::teacher_of, timing::timed};
@@ -36,13 +36,15 @@ pub(super) struct Settler {
 }
 
 impl Settler {
-    /// Cloth that settles as is said, or for as long as was asked for; none if for no time.
+    /// Cloth that settles as is said, or for as long as was asked for; none if for no time, but where the body has to
+    /// go on first.
     pub(super) fn find(
         bound: &Bound,
         job: &Job,
         settling: Settling,
     ) -> anyhow::Result<Option<Self>> {
-        if job.settle.unwrap_or(settling.frames) == 0 {
+        let frames = job.settle.unwrap_or(settling.frames);
+        if frames == 0 && settling.put != Put::Midway {
             return Ok(None);
         }
         let (teacher, _) = teacher_of(bound, None, &job.source)?;
@@ -71,11 +73,16 @@ impl Settler {
         put: &Warped,
     ) -> anyhow::Result<(Warped, f64)> {
         let from = put.positions(&bound.garment);
-        let skin = posed.skin().positions();
         let stop = AtomicBool::new(false);
         let Settling { put, frames } = self.settling;
         let (settled, seconds) = timed(|| {
-            let settled = self.teacher.settled(skin, &from, put, frames, &stop);
+            let settled = if put == Put::Midway {
+                let path = BodyPath::to_posed(&bound.body, posed);
+                self.teacher.resumed(&path, &from, frames, &stop)
+            } else {
+                let skin = posed.skin().positions();
+                self.teacher.settled(skin, &from, put, frames, &stop)
+            };
             settled.context("the cloth does not settle")
         });
         Ok((Warped::at(&bound.garment, &settled?), seconds))

@@ -3,7 +3,7 @@
 use std::{fmt, time::Duration};
 
 use garnet::train::{
-    Aim, Curves, Evaluation, GarNetConfig, Row, Scores, Stage, StageSeconds, Untangled,
+    Curves, Evaluation, GarNetConfig, Row, Scores, Stage, StageSeconds, Untangled,
 };
 use serde::Serialize;
 
@@ -74,7 +74,7 @@ impl From<&Row> for MethodReport {
         Self {
             name: row.name.clone(),
             settle_frames: row.settle,
-            has_to_settle: row.aim == Aim::Arrival,
+            has_to_settle: !row.aim.is_rest(),
             unsettled: row.unsettled,
             weights: is_network.then_some(row.parameters),
             flop: is_network.then_some(row.flops),

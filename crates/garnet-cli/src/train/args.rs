@@ -39,8 +39,8 @@ pub(crate) struct TrainArgs {
     /// Start from these weights.
     #[arg(long, value_name = "WEIGHTS", conflicts_with = "resume")]
     from: Option<PathBuf>,
-    /// Learn from the training bodies of this data set, too: for `--variant arrival`, from `garnet dataset --until
-    /// arrival` with another seed. May be given several times.
+    /// Learn from the training bodies of this data set, too: for `--variant arrival` or `midway`, from
+    /// `garnet dataset --until` that with another seed. May be given several times.
     #[arg(long, value_name = "DATASET")]
     more: Vec<PathBuf>,
     /// Go on with a training that was interrupted.

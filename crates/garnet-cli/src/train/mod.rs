@@ -80,15 +80,17 @@ fn advice(error: &TrainError) -> Option<String> {
             "train that network anew before it is fine-tuned".to_owned()
         }
         TrainError::NotSettled { .. } => {
-            "such a data set is for `--variant arrival`; for all else make one without `--until arrival`".to_owned()
+            "data sets made with `--until arrival` or `midway` are for that variant alone; for all else make one \
+             without"
+                .to_owned()
         }
         TrainError::MoreScenes { .. } => {
-            "`--more` is for `--variant arrival`, which networks tell; leave it out".to_owned()
+            "`--more` is for `--variant arrival` and `midway`, which networks tell; leave it out".to_owned()
         }
         TrainError::CannotLeaveOut { .. } => {
             "fit it with `told_by = \"scenes\"` under `[pose_space]` of its configuration".to_owned()
         }
-        TrainError::NoArrival { .. } => {
+        TrainError::NotKept { .. } => {
             "make the data set anew: those of earlier versions and imported ones have drapes alone; or fit \
              `--variant pose-space`"
                 .to_owned()

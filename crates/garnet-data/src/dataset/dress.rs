@@ -180,6 +180,7 @@ impl Dressed {
             .and_then(|path| match options.until {
                 Until::Rest => teacher.drape(&path, options.quality, stop, &mut |_| {}),
                 Until::Arrival => teacher.arrived(&path, options.quality, stop),
+                Until::Midway => teacher.midway(&path, options.quality, stop),
             });
         let drape = match draped {
             Ok(drape) => drape,
@@ -188,7 +189,7 @@ impl Dressed {
         let report = SceneReport::from(&drape.report);
         let limits = match options.until {
             Until::Rest => options.limits,
-            Until::Arrival => options.limits.of_arrivals(),
+            Until::Arrival | Until::Midway => options.limits.of_arrivals(),
         };
         if let Some((kind, reason)) = limits.violation(&report) {
             return rejected(sound.sequence, kind, reason);
@@ -198,8 +199,12 @@ impl Dressed {
             pose: 0,
             sequence: sound.sequence.to_owned(),
             posed: Posed::Pose(sound.pose),
-            garment: drape.positions,
+            garment: match options.until {
+                Until::Midway => drape.midway.clone(),
+                Until::Rest | Until::Arrival => drape.positions,
+            },
             arrived: options.until.is_rest().then_some(drape.arrived),
+            midway: options.until.is_rest().then_some(drape.midway),
             report: Some(report),
         }))
     }

@@ -263,6 +263,7 @@ impl Reader<'_> {
             posed: Posed::Mesh(self.points(&scene.body_mesh, num_body, "rest body")?),
             garment: self.points(&scene.garment_mesh, num_garment, "template")?,
             arrived: None,
+            midway: None,
             report: None,
         })
     }

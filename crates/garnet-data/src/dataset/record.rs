@@ -110,11 +110,13 @@ pub struct SceneRecord {
     /// The posed body.
     pub posed: Posed,
     /// Positions of the draped garment `[vertex]`, in metres; in a data set [until](crate::DatasetManifest::until)
-    /// arrival those when the body came to its last place.
+    /// arrival those when the body came to its last place, until midway those when it was there.
     pub garment: Vec<Point3>,
     /// Positions of the garment when the body came to its last place, before it settled `[vertex]`, in metres;
     /// none for drapes made elsewhere or by earlier versions.
     pub arrived: Option<Vec<Point3>>,
+    /// Positions of the garment when the body was [midway](garnet_sim::MIDWAY) `[vertex]`, in metres; none as there.
+    pub midway: Option<Vec<Point3>>,
     /// What the simulation measured; none for drapes made elsewhere.
     pub report: Option<SceneReport>,
 }

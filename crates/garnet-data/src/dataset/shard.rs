@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use garnet_mesh::{Fingerprint, write_atomically};
+use garnet_mesh::{Fingerprint, Point3, write_atomically};
 use garnet_skin::Pose;
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +21,7 @@ const SCHEMA: &str = "garnet.shard/1";
 /// |---|---|---|
 /// | `garment` | `[n, V, 3]` | draped garment, metres |
 /// | `arrived` | `[n, V, 3]` | the garment when the body came to its last place, metres |
+/// | `midway` | `[n, V, 3]` | the garment when the body was midway, metres |
 /// | `rotations` | `[n, J, 4]` | local rotation of each joint, x y z w |
 /// | `root_translation` | `[n, 3]` | shift of the root, metres |
 /// | `worn` | `[b, V, 3]` | the garment cut for each body, on the body at rest, metres |
@@ -122,10 +123,15 @@ impl Shard {
             let garments = self.scenes.iter().map(|scene| scene.garment.as_slice());
             arrays.push(("garment", Array::of_points(garments, first.garment.len())));
             // Of all scenes or of none: an earlier version may have made some of a set.
-            let arrived = self.scenes.iter().map(|scene| scene.arrived.as_deref());
-            if let Some(arrived) = arrived.collect::<Option<Vec<_>>>() {
-                let arrived = Array::of_points(arrived.into_iter(), first.garment.len());
-                arrays.push(("arrived", arrived));
+            let on_way: [(&str, fn(&SceneRecord) -> Option<&[Point3]>); 2] = [
+                ("arrived", |scene| scene.arrived.as_deref()),
+                ("midway", |scene| scene.midway.as_deref()),
+            ];
+            for (name, places) in on_way {
+                let all = self.scenes.iter().map(places);
+                if let Some(all) = all.collect::<Option<Vec<_>>>() {
+                    arrays.push((name, Array::of_points(all.into_iter(), first.garment.len())));
+                }
             }
         }
         let poses: Vec<&Pose> = self.scenes.iter().filter_map(SceneRecord::pose).collect();
@@ -204,6 +210,7 @@ impl Reading<'_> {
         let num_scenes = text.scenes.len();
         let garments = self.array("garment", num_scenes, 3)?;
         let arrived = self.array("arrived", num_scenes, 3)?;
+        let midway = self.array("midway", num_scenes, 3)?;
         let rotations = self.array("rotations", num_scenes, 4)?;
         let shifts = self.array("root_translation", num_scenes, 3)?;
         let meshes = self.array("body", num_scenes, 3)?;
@@ -227,6 +234,7 @@ impl Reading<'_> {
                 posed,
                 garment: garment.points(row),
                 arrived: arrived.as_ref().map(|arrived| arrived.points(row)),
+                midway: midway.as_ref().map(|midway| midway.points(row)),
                 report: scene.report,
             });
         }
@@ -270,7 +278,7 @@ impl SceneRecord {
     }
 
     /// The posed mesh, for bodies made elsewhere.
-    pub fn mesh(&self) -> Option<&[garnet_mesh::Point3]> {
+    pub fn mesh(&self) -> Option<&[Point3]> {
         match &self.posed {
             Posed::Pose(_) => None,
             Posed::Mesh(positions) => Some(positions),

@@ -40,6 +40,9 @@ pub const POSE_SPACE: &str = "pose-space";
 /// The name of the pose-space deformation that tells where cloth is when its body arrives.
 pub const ARRIVAL: &str = "arrival";
 
+/// The name of the pose-space deformation that tells where cloth is when its body is halfway to its pose.
+pub const MIDWAY: &str = "midway";
+
 /// What a model tells of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -50,6 +53,9 @@ pub enum Aim {
     /// Where it is when the body comes to its last place; it has to settle yet. Until then the cloth
     /// follows the body, which is easier to tell than the folds that it falls into.
     Arrival,
+    /// Where it is when the body is halfway to its last place, seen from there: the second half of the motion has to
+    /// be simulated yet.
+    Midway,
 }
 
 impl Aim {

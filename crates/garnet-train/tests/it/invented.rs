@@ -202,6 +202,7 @@ fn scene(package: &GarmentPackage, number: u32) -> SceneRecord {
         posed: Posed::Pose(pose),
         garment: rippled.collect(),
         arrived: None,
+        midway: None,
         report: None,
     }
 }

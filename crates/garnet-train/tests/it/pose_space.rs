@@ -173,7 +173,7 @@ fn arrivals_are_learned_where_the_data_set_has_them() {
     let job = invented.job(ARRIVAL, by_scenes());
     let error = run(&job).unwrap_err();
     assert!(
-        matches!(error, TrainError::NoArrival { scene } if scene.split == Split::Train),
+        matches!(error, TrainError::NotKept { scene, .. } if scene.split == Split::Train),
         "{error}"
     );
     assert!(!invented.package().join("arrival.safetensors").exists());
