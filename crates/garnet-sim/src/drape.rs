@@ -222,6 +222,10 @@ fn run<'a>(
                 skin.begin_frame(frame)?;
                 let wind = skin.wind(frame)?;
                 solver.set_wind(&wind);
+                // The body is on its way already, and the cloth on it.
+                if frame == 0 && schedule.motion_part[0] > 0.0 {
+                    solver.set_off();
+                }
             }
             for refresh in 0..schedule.refreshes_per_frame {
                 if let (0, Some(skin)) = (index, &mut skin) {

@@ -130,6 +130,11 @@ impl<'a> Solver<'a> {
         }));
     }
 
+    /// Gives the cloth the velocity of the air that goes along with the body, where that is known.
+    pub(crate) fn set_off(&mut self) {
+        self.particles.set_off(&self.wind);
+    }
+
     /// Looks for contacts anew. `frame` counts from the start of the run.
     pub(crate) fn refresh(&mut self, skin: Option<&Skin>, frame: u64) {
         self.particles.rebase();

@@ -100,6 +100,14 @@ impl Particles {
         self.hold_pins();
     }
 
+    /// Gives vertices the velocities of the air `[vertex]`, as displacements a substep, m.
+    pub(crate) fn set_off(&mut self, wind: &[Quad]) {
+        let vertices = self.offsets.iter().zip(&mut self.last);
+        for ((offset, last), wind) in vertices.zip(wind) {
+            *last = *offset - wind.vector();
+        }
+    }
+
     /// Changes the length of the substep: displacements of the old become those of the new.
     pub(crate) fn rescale(&mut self, new_over_old: f32) {
         for (offset, last) in self.offsets.iter().zip(&mut self.last) {

@@ -34,9 +34,9 @@ fn arm() -> Body {
     Body::new(arm, Skeleton::new(joints).unwrap(), weights).unwrap()
 }
 
-fn pose(number: u32) -> Pose {
+fn pose(number: f32) -> Pose {
     let mut pose = Pose::rest(2);
-    let angle = 0.25 * number as f32;
+    let angle = 0.25 * number;
     pose.rotations[1] = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
     pose
 }
@@ -180,27 +180,31 @@ fn manifest(package: &GarmentPackage) -> DatasetManifest {
     }
 }
 
-/// The warp, with a ripple that grows as the arm bends.
-fn scene(package: &GarmentPackage, number: u32) -> SceneRecord {
+/// The warp, with a ripple that grows as the arm bends `[vertex]`.
+pub(crate) fn rippled(package: &GarmentPackage, number: f32) -> Vec<Point3> {
     let body = &package.body;
     let pose = pose(number);
     let garment = Garment::new(package.mesh.clone()).bind(body).unwrap();
     let posed = body.posed(&pose).unwrap();
     let warped = WarpedGarment::new(&garment, body, &posed, Warp::Shape).unwrap();
     let places = warped.positions.iter().zip(&warped.rotations);
-    let rippled = places
+    places
         .zip(package.mesh.positions())
         .map(|((place, turn), rest)| {
             let outward = Vector3::new(rest.x, 0.0, rest.z).normalize();
-            let ripple = 0.006 + 0.004 * (25.0 * rest.y).sin() * (1.0 + 0.2 * number as f32);
+            let ripple = 0.006 + 0.004 * (25.0 * rest.y).sin() * (1.0 + 0.2 * number);
             place + turn * outward * ripple
-        });
+        })
+        .collect()
+}
+
+fn scene(package: &GarmentPackage, number: u32) -> SceneRecord {
     SceneRecord {
         body: 0,
         pose: number,
         sequence: "bend".to_owned(),
-        posed: Posed::Pose(pose),
-        garment: rippled.collect(),
+        posed: Posed::Pose(pose(number as f32)),
+        garment: rippled(package, number as f32),
         arrived: None,
         midway: None,
         report: None,

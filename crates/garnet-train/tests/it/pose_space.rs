@@ -4,13 +4,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_data::{Dataset, DatasetManifest, GarmentPackage, Put, Split, Until};
 use garnet_mesh::Vector3;
-use garnet_net::{ARRIVAL, Aim, POSE_SPACE, PoseSpace};
+use garnet_net::{ARRIVAL, Aim, MIDWAY, POSE_SPACE, PoseSpace};
 use garnet_train::{
     Candidate, Finish, PoseSpaceConfig, Precision, Stage, ToldBy, TrainConfig, TrainError,
     TrainEvent, TrainJob, evaluate, train,
 };
 
-use crate::invented::{Invented, run, tiny};
+use crate::invented::{Invented, rippled, run, tiny};
 
 /// Arrivals that scenes tell.
 fn by_scenes() -> TrainConfig {
@@ -199,6 +199,66 @@ fn arrivals_are_learned_where_the_data_set_has_them() {
     });
     assert!((arrives - 0.005).abs() < 3e-4, "{arrives}");
     assert!(rests < 3e-4, "{rests}");
+}
+
+/// Tells where the garment is midway: as where the arm is bent half as far.
+fn with_midways(invented: &Invented) {
+    let package = GarmentPackage::read(&invented.package()).unwrap();
+    for split in Split::ALL {
+        let mut shard = invented.read(split);
+        for scene in &mut shard.scenes {
+            scene.midway = Some(rippled(&package, 0.5 * scene.pose as f32));
+        }
+        invented.write(&shard);
+    }
+}
+
+#[test]
+fn where_cloth_is_midway_is_learned_on_the_body_midway() {
+    let invented = Invented::new();
+    let job = invented.job(MIDWAY, by_scenes());
+    let error = run(&job).unwrap_err();
+    let told = error.to_string();
+    assert!(told.ends_with("when its body was midway"), "{told}");
+    with_midways(&invented);
+    let fitted = run(&job).unwrap();
+    let valid = fitted.best.valid.distance;
+    assert!(valid < 2e-4, "{valid}");
+    assert_eq!(PoseSpace::load(&fitted.weights).unwrap().aim, Aim::Midway);
+    let manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
+    assert_eq!(manifest.variant(MIDWAY).unwrap().distance_error, None);
+
+    // What is measured is on the body in its pose, however briefly it settles.
+    for asked in [None, Some(0)] {
+        let candidates = Candidate::of_weights("it", &fitted.weights, asked).unwrap();
+        let frames = asked.unwrap_or(Put::Midway.frames());
+        assert!(
+            matches!(candidates[..], [Candidate::Model { settle, .. }] if settle == frames),
+            "{candidates:?}"
+        );
+        let stage = stage(&invented);
+        let found = evaluate(&stage, Split::Test, &candidates, Finish::None, &mut |_| {});
+        let distance = found.unwrap().rows[0].scores.distance;
+        println!("{asked:?}: {distance}");
+        assert!(distance < 0.012, "{distance}");
+    }
+
+    // A data set that ends there is for nothing else.
+    let path = invented.dataset().join("dataset.json");
+    let mut shards = Split::ALL.map(|split| invented.read(split));
+    let mut manifest = DatasetManifest::read(&path).unwrap();
+    manifest.until = Until::Midway;
+    manifest.write(&path).unwrap();
+    for shard in &mut shards {
+        for scene in &mut shard.scenes {
+            scene.garment = scene.midway.take().unwrap();
+        }
+        invented.write(shard);
+    }
+    let error = run(&invented.job(ARRIVAL, by_scenes())).unwrap_err();
+    assert!(matches!(error, TrainError::NotSettled { .. }), "{error}");
+    let again = run(&job).unwrap();
+    assert_eq!(again.best.valid.distance.to_bits(), valid.to_bits());
 }
 
 #[test]
