@@ -143,6 +143,36 @@ fn networks_are_chosen_by_error_and_by_time() {
 }
 
 #[test]
+fn a_tolerance_takes_what_simulates_least() {
+    let fixture = prepared();
+    let shirt = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/tshirt");
+    let drape = |limit: &str| -> serde_json::Value {
+        let report = done(
+            &fixture,
+            &format!("drape {shirt} --pose wave -o shirt.obj --report - {limit}"),
+        );
+        serde_json::from_str(&report).unwrap()
+    };
+    for (limit, method) in [
+        ("--tolerance 6.2", "arrival"),
+        ("--tolerance 5.8", "midway"),
+    ] {
+        let within = drape(limit);
+        assert_eq!(within["method"], method);
+        assert_eq!(within["choice"]["is_met"], true);
+        assert_eq!(within["settle_frames"], 24);
+        assert_eq!(within["drapes"][0]["untangle"]["inside"], 0);
+    }
+    // The way is simulated in any case: halfway the cloth is not on the body.
+    let settled = fixture.read("shirt.obj");
+    let on_way = drape("--method midway --settle 0");
+    assert_eq!(on_way["settle_frames"], 0);
+    assert!(on_way["drapes"][0]["seconds"]["settle"].as_f64().unwrap() > 0.0);
+    assert_eq!(on_way["drapes"][0]["untangle"]["inside"], 0);
+    assert_ne!(fixture.read("shirt.obj"), settled);
+}
+
+#[test]
 fn a_body_unlike_all_in_training_is_draped_by_the_warp() {
     let fixture = prepared();
     done(&fixture, "train net scenes --preset tiny --epochs 1 -q");

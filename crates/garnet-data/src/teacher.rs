@@ -46,6 +46,14 @@ impl Put {
         }
     }
 
+    /// How many frames of a sixtieth of a second of the motion are still to be simulated.
+    pub const fn motion_frames(self) -> u32 {
+        match self {
+            Self::AtRest | Self::AtArrival => 0,
+            Self::Midway => 30,
+        }
+    }
+
     fn schedule(self, edge_length: f32, frames: u32) -> Schedule {
         match self {
             Self::AtRest => Schedule::settling(edge_length, frames),

@@ -88,7 +88,7 @@ pub(crate) enum UntilName {
     Rest,
     /// Until the body comes to its last place, a third of the work: more scenes for `train --variant arrival --more`.
     Arrival,
-    /// Until the body is halfway to it, an eighth of the work: more scenes for `train --variant midway --more`.
+    /// Until the body is halfway to it, a fifth of the work: more scenes for `train --variant midway --more`.
     Midway,
 }
 

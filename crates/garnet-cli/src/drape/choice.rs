@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use garnet::{
     Draper,
     data::{GarmentPackage, Put, Variant},
+    train::{chart::header_of, put_of},
 };
 use serde::Serialize;
 
@@ -49,6 +50,9 @@ struct CandidateReport {
     /// For how many frames of a sixtieth of a second, if it does.
     #[serde(skip)]
     settle_frames: u32,
+    /// For how many such frames the body moves before, if it does.
+    #[serde(skip)]
+    motion_frames: u32,
     /// Mean distance to the teacher on the test scenes of its training.
     error_m: Option<f64>,
     flop: Option<f64>,
@@ -57,14 +61,15 @@ struct CandidateReport {
 }
 
 impl CandidateReport {
-    fn of(variant: &Variant, settles: bool) -> Self {
+    fn of(variant: &Variant, put: Put, settles: bool) -> Self {
         Self {
+            motion_frames: if settles { put.motion_frames() } else { 0 },
             variant: variant.name.clone(),
             settles,
             settle_frames: match variant.settle_frames {
                 _ if !settles => 0,
                 Some(frames) => frames,
-                None => Put::AtRest.frames(),
+                None => put.frames(),
             },
             error_m: if settles {
                 variant.settled_error
@@ -109,7 +114,10 @@ pub(super) fn choose(
         Some(frames) => vec![frames > 0],
     };
     let both = variants.iter().flat_map(|variant| {
-        let of = |&settles: &bool| CandidateReport::of(variant, settles);
+        // What cannot be read is told of when it is loaded.
+        let header = header_of(&folder.join(&variant.weights));
+        let put = header.map_or(Put::AtRest, |header| put_of(header.aim));
+        let of = move |&settles: &bool| CandidateReport::of(variant, put, settles);
         ways.iter().map(of)
     });
     let mut candidates: Vec<CandidateReport> = both.collect();
@@ -134,8 +142,8 @@ fn by_tolerance(
     mut candidates: Vec<CandidateReport>,
     tolerance: f64,
 ) -> anyhow::Result<(Found, ChoiceReport)> {
-    // Settling costs more than any network.
-    let frames = |candidate: &CandidateReport| candidate.settle_frames;
+    // Simulation costs more than any network.
+    let frames = |candidate: &CandidateReport| candidate.settle_frames + candidate.motion_frames;
     candidates.sort_by(|a, b| (frames(a).cmp(&frames(b))).then(ascending(a.flop, b.flop)));
     let error = |candidate: &&CandidateReport| candidate.error_m.unwrap_or(f64::INFINITY);
     let within = candidates.iter().find(|found| error(found) <= tolerance);

@@ -54,7 +54,7 @@ pub enum Until {
     /// Until the body comes to its last place, a third of the work: the cloth has yet to settle. Such drapes are
     /// for models of arrivals alone.
     Arrival,
-    /// Until the body is [midway](garnet_sim::MIDWAY), an eighth of the work. Such drapes are for models of that alone.
+    /// Until the body is [midway](garnet_sim::MIDWAY), a fifth of the work. Such drapes are for models of that alone.
     Midway,
 }
 

@@ -17,6 +17,7 @@ pub(crate) fn cloth_of(mesh: &TriMesh, fabric: &Fabric) -> Cloth {
 pub(crate) fn undamped(frames: u32, rate: f32) -> Schedule {
     Schedule {
         frame_seconds: 1.0 / 60.0,
+        motion_part: [0.0, 1.0],
         motion_frames: 0,
         motion_rate: rate,
         motion_friction: 1.0,
