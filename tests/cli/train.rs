@@ -145,7 +145,7 @@ fn networks_are_chosen_by_error_and_by_time() {
 #[test]
 fn a_tolerance_takes_what_simulates_least() {
     let fixture = prepared();
-    let shirt = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/tshirt");
+    let shirt = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/tshirt");
     let drape = |limit: &str| -> serde_json::Value {
         let report = done(
             &fixture,
