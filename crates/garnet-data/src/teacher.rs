@@ -283,11 +283,12 @@ impl Teacher {
     /// Simulates a garment that something else has put where it is when the body is [midway](crate::MIDWAY): the body
     /// goes on along its path, and the cloth settles for about so many frames of a sixtieth of a second.
     ///
-    /// `from` and the result are the positions of the garment's mesh `[vertex]`, in metres.
+    /// `from` and the result are the positions of the garment's mesh `[vertex]`, in metres. Without frames the result is where
+    /// the cloth arrives.
     ///
     /// # Errors
     ///
-    /// As there.
+    /// As [`Teacher::settled`].
     ///
     /// # Panics
     ///
@@ -311,8 +312,9 @@ impl Teacher {
     /// Simulates a garment that something else has put on a body, a network say, for some frames of a
     /// sixtieth of a second: it gives way where it is strained, leaves the skin, and finds its finer folds.
     ///
-    /// `skin` are the positions `[vertex]` of the body, which stands still (for [`Put::Midway`] see [`Teacher::resumed`]); `from` and the result those of the
-    /// garment's mesh `[vertex]`, in metres; `put` tells how far `from` is on its way. Without frames the result is `from`.
+    /// `skin` are the positions `[vertex]` of the body, which stands still; `from` and the result those of the
+    /// garment's mesh `[vertex]`, in metres; `put` tells how far `from` is on its way (for [`Put::Midway`] see
+    /// [`Teacher::resumed`]). Without frames the result is `from`.
     ///
     /// # Examples
     ///
