@@ -4,7 +4,7 @@ use std::{path::Path, sync::atomic::AtomicBool};
 
 use garnet::{
     Aim, Draper, Garment, Network, Warped,
-    data::{GarmentPackage, Put, Teacher},
+    data::{BodyPath, GarmentPackage, MIDWAY, Put, Teacher},
     edge_stretch, io,
     train::{put_of, weights_of},
 };
@@ -55,4 +55,36 @@ fn the_shirt_settles_from_where_it_arrives_and_is_free() {
     let [arrived, rested] = [arrived, rested].map(|drape| stretch(&drape.positions));
     println!("stretch p99 {arrived:.3}, settled {rested:.3}");
     assert!(rested < 1.08 && rested < arrived, "{arrived} {rested}");
+}
+
+#[test]
+fn the_shirt_goes_on_from_where_it_is_midway() {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let folder = models.join("tshirt");
+    let package = GarmentPackage::read(&folder).unwrap();
+    let weights = weights_of(&folder, &package.manifest, "midway").unwrap();
+    let garment = Garment::new(package.mesh.clone())
+        .bind(&package.body)
+        .unwrap();
+    let mut network = Network::load(weights, &garment, &package.body, &[]).unwrap();
+    let put = put_of(network.aim());
+    assert_eq!((network.aim(), put), (Aim::Midway, Put::Midway));
+
+    let reach = io::ObjFile::read(models.join("demo/reach.obj")).unwrap();
+    let target = package.body.fitted(reach.positions()).unwrap();
+    let path = BodyPath::to_posed(&package.body, &target);
+    let halfway = path.posed(&package.body, MIDWAY).unwrap();
+    let warped = network.warped(&garment, &halfway).unwrap();
+    let moved = network.moved(&garment, &halfway, &warped).unwrap();
+    assert!(moved.fallback.is_none());
+    let from = moved.garment.positions(&garment);
+    let (teacher, stop) = (Teacher::new(&package).unwrap(), AtomicBool::new(false));
+    let settled = teacher.resumed(&path, &from, put.frames(), &stop).unwrap();
+    let put = Warped::at(&garment, &settled);
+    let drape = Draper::new().finish(&garment, &target, &put).unwrap();
+    assert_eq!(drape.report.as_ref().unwrap().inside, 0);
+    let edges = garnet_mesh::Topology::new(package.mesh.num_vertices(), package.mesh.faces());
+    let rest = package.mesh.positions();
+    let stretch = edge_stretch(rest, &drape.positions, edges.edges()).unwrap();
+    assert!(stretch.p99 < 1.08, "{}", stretch.p99);
 }

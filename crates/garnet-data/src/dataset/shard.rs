@@ -13,6 +13,9 @@ use crate::{DataError, SceneReport};
 /// What this version writes and reads.
 const SCHEMA: &str = "garnet.shard/1";
 
+/// Places of a garment that a scene may have.
+type PlacesOf = fn(&SceneRecord) -> Option<&[Point3]>;
+
 /// Some bodies of one split with their scenes: a file of its own.
 ///
 /// Tensors, all `f32`, with `n` scenes, `b` bodies, `V` vertices of the garment, `J` joints:
@@ -123,7 +126,7 @@ impl Shard {
             let garments = self.scenes.iter().map(|scene| scene.garment.as_slice());
             arrays.push(("garment", Array::of_points(garments, first.garment.len())));
             // Of all scenes or of none: an earlier version may have made some of a set.
-            let on_way: [(&str, fn(&SceneRecord) -> Option<&[Point3]>); 2] = [
+            let on_way: [(&str, PlacesOf); 2] = [
                 ("arrived", |scene| scene.arrived.as_deref()),
                 ("midway", |scene| scene.midway.as_deref()),
             ];
