@@ -4,7 +4,7 @@ use std::{path::Path, sync::atomic::AtomicBool};
 
 use garnet::{
     Aim, Draper, Garment, Network, Warped,
-    data::{BodyPath, GarmentPackage, MIDWAY, Put, Teacher},
+    data::{BodyPath, GarmentPackage, MIDWAY, Put, Settling, Teacher},
     edge_stretch, io,
     train::{put_of, weights_of},
 };
@@ -34,9 +34,9 @@ fn the_shirt_settles_from_where_it_arrives_and_is_free() {
     assert!(moved.fallback.is_none());
     let from = moved.garment.positions(&garment);
     let teacher = Teacher::new(&package).unwrap();
-    let (skin, stop) = (target.skin().positions(), AtomicBool::new(false));
+    let (settling, stop) = (Settling::of(put), AtomicBool::new(false));
     let settled = teacher
-        .settled(skin, &from, put, put.frames(), &stop)
+        .settled(&package.body, &target, &from, settling, &stop)
         .unwrap();
     let draper = Draper::new();
     let drape = |places: &[garnet::Point3]| {
@@ -79,7 +79,9 @@ fn the_shirt_goes_on_from_where_it_is_midway() {
     assert!(moved.fallback.is_none());
     let from = moved.garment.positions(&garment);
     let (teacher, stop) = (Teacher::new(&package).unwrap(), AtomicBool::new(false));
-    let settled = teacher.resumed(&path, &from, put.frames(), &stop).unwrap();
+    let settled = teacher
+        .settled(&package.body, &target, &from, Settling::of(put), &stop)
+        .unwrap();
     let put = Warped::at(&garment, &settled);
     let drape = Draper::new().finish(&garment, &target, &put).unwrap();
     assert_eq!(drape.report.as_ref().unwrap().inside, 0);

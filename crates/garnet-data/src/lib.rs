@@ -13,6 +13,7 @@ mod noise;
 mod package;
 mod parts;
 mod rest_file;
+mod settling;
 mod tailor;
 mod teacher;
 mod tensors;
@@ -33,6 +34,7 @@ pub use package::{
     GarmentPackage, MANIFEST_FILE, Manifest, PACKAGE_SCHEMA, PackageParts, StoredFabric,
     StoredPattern, StoredRestBody, Variant,
 };
+pub use settling::{Put, Settling};
 pub use tailor::{Tailor, Worn, usual_fabric};
-pub use teacher::{Put, Quality, Teacher, quality_name, quality_of};
+pub use teacher::{Quality, Teacher, quality_name, quality_of};
 pub use wearer::{default_rest_body, wearer_of};

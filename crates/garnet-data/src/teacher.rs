@@ -5,63 +5,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_mesh::Point3;
 use garnet_sim::{
-    Cloth, Collider, Drape, Event, Fabric, MovingBody, RestShape, Scene, Schedule, Wind, drape,
-    settle,
+    Cloth, Collider, Drape, Event, Fabric, MovingBody, RestShape, Scene, Schedule, SimError, Wind,
+    drape, settle,
 };
-use garnet_skin::{Body, BoundGarment, Garment};
+use garnet_skin::{Body, BoundGarment, Garment, PosedBody};
 
 pub use garnet_sim::Quality;
 
 use crate::parts::{allowed_parts, collider};
-use crate::{BodyPath, DataError, GarmentPackage};
+use crate::{BodyPath, DataError, GarmentPackage, Settling, Until};
 
 /// Distances from the skin at rest from which on air carries cloth along, a little and wholly, in
 /// metres. With air between skin and the tightest cloth, too, more dresses do not come to rest.
 const LOOSE: [f32; 2] = [0.002, 0.006];
-
-/// Where something else has put cloth that is to settle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Put {
-    /// Where it would rest, but for its strain and finer folds.
-    #[default]
-    AtRest,
-    /// Where it is when the body comes to its last place ([`Drape::arrived`]): its folds are still to be found.
-    AtArrival,
-    /// Where it is when the body is [midway](crate::MIDWAY) ([`Drape::midway`]): the second half of the motion is still
-    /// to be simulated ([`Teacher::resumed`]).
-    Midway,
-}
-
-impl Put {
-    /// For how many frames of a sixtieth of a second such cloth settles by default, after the motion if there is one.
-    ///
-    /// Put where they rest, 3, 6, 8 and 12 frames bring T-shirts of a pose-space deformation from 9.3 mm to 8.3,
-    /// 7.6, 7.7 and 7.7 mm (155 validation scenes). Put where networks tell that they arrive, 4.8 mm off, 20, 24, 30, 45 and 60 frames
-    /// end at 6.3, 6.2, 6.2, 6.2 and 6.3 mm (the same scenes; see [`Schedule::after_arrival`]
-    /// and [`Schedule::after_midway`]).
-    pub const fn frames(self) -> u32 {
-        match self {
-            Self::AtRest => 6,
-            Self::AtArrival | Self::Midway => 24,
-        }
-    }
-
-    /// How many frames of a sixtieth of a second of the motion are still to be simulated.
-    pub const fn motion_frames(self) -> u32 {
-        match self {
-            Self::AtRest | Self::AtArrival => 0,
-            Self::Midway => 30,
-        }
-    }
-
-    fn schedule(self, edge_length: f32, frames: u32) -> Schedule {
-        match self {
-            Self::AtRest => Schedule::settling(edge_length, frames),
-            Self::AtArrival => Schedule::after_arrival(edge_length, frames),
-            Self::Midway => Schedule::after_midway(edge_length, frames),
-        }
-    }
-}
 
 /// More of the vertices inside the body at rest than this, and the garment does not lie on it.
 const MAX_SHARE_INSIDE: f64 = 0.3;
@@ -209,36 +165,26 @@ impl Teacher {
         self.follow(path, schedule, stop, observer)
     }
 
-    /// Simulates the garment until the body comes to its last place: both positions of the result are
-    /// [`Drape::arrived`] of [`Teacher::drape`].
+    /// Simulates the garment as far as is said: until the body comes to its last place, both positions of the result are
+    /// [`Drape::arrived`] of [`Teacher::drape`]; until it is [midway](crate::MIDWAY), [`Drape::midway`] is that of it.
     ///
     /// # Errors
     ///
     /// As [`Teacher::drape`].
-    pub fn arrived(
+    pub fn until(
         &self,
         path: &BodyPath,
         quality: Quality,
+        until: Until,
         stop: &AtomicBool,
     ) -> Result<Drape, DataError> {
         let schedule = Schedule::for_quality(quality, self.cloth.mean_edge_length());
-        self.follow(path, schedule.until_arrival(), stop, &mut |_| {})
-    }
-
-    /// Simulates the garment until the body is [midway](crate::MIDWAY): [`Drape::midway`] of the result is that of
-    /// [`Teacher::drape`].
-    ///
-    /// # Errors
-    ///
-    /// As [`Teacher::drape`].
-    pub fn midway(
-        &self,
-        path: &BodyPath,
-        quality: Quality,
-        stop: &AtomicBool,
-    ) -> Result<Drape, DataError> {
-        let schedule = Schedule::for_quality(quality, self.cloth.mean_edge_length());
-        self.follow(path, schedule.until_midway(), stop, &mut |_| {})
+        let schedule = match until {
+            Until::Rest => schedule,
+            Until::Arrival => schedule.until_arrival(),
+            Until::Midway => schedule.until_midway(),
+        };
+        self.follow(path, schedule, stop, &mut |_| {})
     }
 
     fn follow(
@@ -280,55 +226,27 @@ impl Teacher {
         })
     }
 
-    /// Simulates a garment that something else has put where it is when the body is [midway](crate::MIDWAY): the body
-    /// goes on along its path, and the cloth settles for about so many frames of a sixtieth of a second.
+    /// Simulates a garment that something else has put on its way to a posed body, a network say, until the body has
+    /// arrived and the cloth has settled for a while: it gives way where it is strained, leaves the skin, and finds its finer folds.
     ///
-    /// `from` and the result are the positions of the garment's mesh `[vertex]`, in metres. Without frames the result is where
-    /// the cloth arrives.
-    ///
-    /// # Errors
-    ///
-    /// As [`Teacher::settled`].
-    ///
-    /// # Panics
-    ///
-    /// As there.
-    pub fn resumed(
-        &self,
-        path: &BodyPath,
-        from: &[Point3],
-        frames: u32,
-        stop: &AtomicBool,
-    ) -> Result<Vec<Point3>, DataError> {
-        let schedule = self.layered(Put::Midway.schedule(self.cloth.mean_edge_length(), frames));
-        let at_nodes = self.garment.weld().gather(from);
-        let start = self.simulated(&at_nodes);
-        let run = |scene: &Scene<'_>| settle(scene, &schedule, &mut stopping(stop, &mut |_| {}));
-        let result = self.on_way(path, &start, run);
-        check_stop(stop)?;
-        Ok(self.moved(&at_nodes, &result?))
-    }
-
-    /// Simulates a garment that something else has put on a body, a network say, for some frames of a
-    /// sixtieth of a second: it gives way where it is strained, leaves the skin, and finds its finer folds.
-    ///
-    /// `skin` are the positions `[vertex]` of the body, which stands still; `from` and the result those of the
-    /// garment's mesh `[vertex]`, in metres; `put` tells how far `from` is on its way (for [`Put::Midway`] see
-    /// [`Teacher::resumed`]). Without frames the result is `from`.
+    /// `body` is that which the garment was bound to, `posed` the same in its last place; `from` and the result are the positions
+    /// of the garment's mesh `[vertex]`, in metres. Where nothing [takes time](Settling::takes_time) the result is `from`.
     ///
     /// # Examples
     ///
     /// ```no_run
     /// # use std::{path::Path, sync::atomic::AtomicBool};
-    /// use garnet_data::{GarmentPackage, Put, Teacher};
+    /// # use garnet_skin::PosedBody;
+    /// use garnet_data::{GarmentPackage, Put, Settling, Teacher};
     ///
+    /// # fn posed(package: &GarmentPackage) -> PosedBody { unimplemented!() }
     /// # fn places(package: &GarmentPackage) -> Vec<garnet_mesh::Point3> { package.mesh.positions().to_vec() }
     /// let package = GarmentPackage::read(Path::new("models/tshirt"))?;
     /// let teacher = Teacher::new(&package)?;
-    /// let skin = package.body.rest().positions();
+    /// let (target, from) = (posed(&package), places(&package));
     /// let stop = AtomicBool::new(false);
-    /// let put = Put::AtRest;
-    /// let settled = teacher.settled(skin, &places(&package), put, put.frames(), &stop)?;
+    /// let settling = Settling::of(Put::AtRest);
+    /// let settled = teacher.settled(&package.body, &target, &from, settling, &stop)?;
     /// # Ok::<(), garnet_data::DataError>(())
     /// ```
     ///
@@ -341,32 +259,35 @@ impl Teacher {
     /// If there are fewer positions than vertices.
     pub fn settled(
         &self,
-        skin: &[Point3],
+        body: &Body,
+        posed: &PosedBody,
         from: &[Point3],
-        put: Put,
-        frames: u32,
+        settling: Settling,
         stop: &AtomicBool,
     ) -> Result<Vec<Point3>, DataError> {
-        if frames == 0 {
+        if !settling.takes_time() {
             return Ok(from.to_vec());
         }
-        let schedule = put.schedule(self.cloth.mean_edge_length(), frames);
+        let Settling { put, frames } = settling;
+        let schedule = self.layered(put.schedule(self.cloth.mean_edge_length(), frames));
         let at_nodes = self.garment.weld().gather(from);
-        let scene = Scene {
-            cloth: &self.cloth,
-            start: &self.simulated(&at_nodes),
-            body: Some(MovingBody {
-                collider: &self.collider,
-                motion: &|_| skin.to_vec(),
-                wind: None,
-                allowed_parts: self.allowed.as_deref(),
-            }),
+        let start = self.simulated(&at_nodes);
+        let run = |scene: &Scene<'_>| settled(scene, &schedule, stop);
+        let result = if put.motion_frames() > 0 {
+            let path = BodyPath::to_posed(body, posed);
+            self.on_way(&path, &start, run)
+        } else {
+            run(&Scene {
+                cloth: &self.cloth,
+                start: &start,
+                body: Some(MovingBody {
+                    collider: &self.collider,
+                    motion: &|_| posed.skin().positions().to_vec(),
+                    wind: None,
+                    allowed_parts: self.allowed.as_deref(),
+                }),
+            })
         };
-        let result = settle(
-            &scene,
-            &self.layered(schedule),
-            &mut stopping(stop, &mut |_| {}),
-        );
         check_stop(stop)?;
         Ok(self.moved(&at_nodes, &result?))
     }
@@ -404,6 +325,16 @@ impl Teacher {
         }
         self.garment.weld().scatter(&at_nodes)
     }
+}
+
+/// Where the cloth of a scene comes to, unless it is stopped.
+fn settled(
+    scene: &Scene<'_>,
+    schedule: &Schedule,
+    stop: &AtomicBool,
+) -> Result<Vec<Point3>, SimError> {
+    // On a thread of rayon's: another thread would wait to be woken each time that all of them have looked for contacts.
+    rayon::scope(|_| settle(scene, schedule, &mut stopping(stop, &mut |_| {})))
 }
 
 /// An observer that ends the simulation once `stop` is set.

@@ -7,7 +7,7 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use garnet_body::poses::{Poser, key_pose};
-use garnet_data::{BodyPath, DataError, GarmentPackage, Put, Quality, Teacher};
+use garnet_data::{BodyPath, DataError, GarmentPackage, Put, Quality, Settling, Teacher};
 use garnet_mesh::{Point3, Topology, edge_stretch};
 use garnet_sim::{Drape, Event};
 use garnet_skin::{Garment, PosedBody, Warp};
@@ -49,9 +49,9 @@ impl Scene {
 
     fn settled_from(&self, from: &[Point3], put: Put, frames: u32) -> Vec<Point3> {
         let stop = AtomicBool::new(false);
-        let skin = self.posed.skin().positions();
+        let (body, settling) = (&self.package.body, Settling { put, frames });
         self.teacher
-            .settled(skin, from, put, frames, &stop)
+            .settled(body, &self.posed, from, settling, &stop)
             .unwrap()
     }
 
@@ -161,22 +161,21 @@ fn cloth_put_where_it_arrives_finds_the_folds_of_the_teacher() {
 fn cloth_put_where_it_is_midway_goes_on_with_the_body_into_the_folds_of_the_teacher() {
     // Coarser T-shirts find other folds for any change.
     let scene = Scene::of(common::tshirt_of(2000), "wave");
-    let path = BodyPath::to_posed(&scene.package.body, &scene.posed);
-    let stop = AtomicBool::new(false);
     let simulated = scene.simulated(Quality::Teacher);
     let frames = Put::Midway.frames();
-    let resumed = |frames: u32| {
-        let from = &simulated.midway;
-        scene.teacher.resumed(&path, from, frames, &stop).unwrap()
-    };
+    let resumed = |frames: u32| scene.settled_from(&simulated.midway, Put::Midway, frames);
     let end = resumed(frames);
     assert_eq!(end, resumed(frames));
     let midway = mean_distance(&simulated.midway, &simulated.positions);
     let missed = mean_distance(&end, &simulated.positions);
     assert!(missed < 0.006 && missed < 0.1 * midway, "{missed} {midway}");
-    let stopped = scene
-        .teacher
-        .resumed(&path, &end, frames, &AtomicBool::new(true));
+    let stopped = scene.teacher.settled(
+        &scene.package.body,
+        &scene.posed,
+        &end,
+        Settling::of(Put::Midway),
+        &AtomicBool::new(true),
+    );
     assert!(matches!(stopped, Err(DataError::Stopped)));
     assert_ne!(resumed(0), end);
 }
@@ -184,12 +183,11 @@ fn cloth_put_where_it_is_midway_goes_on_with_the_body_into_the_folds_of_the_teac
 #[test]
 fn settling_can_be_stopped_and_refuses_places_that_are_none() {
     let scene = Scene::new("wave");
-    let skin = scene.posed.skin().positions();
     let settled = |from: &[Point3], is_stopped: bool| {
         let stop = AtomicBool::new(is_stopped);
-        let settled = scene
-            .teacher
-            .settled(skin, from, Put::AtRest, FRAMES, &stop);
+        let (body, settling) = (&scene.package.body, Settling::of(Put::AtRest));
+        let teacher = &scene.teacher;
+        let settled = teacher.settled(body, &scene.posed, from, settling, &stop);
         settled.unwrap_err()
     };
     assert!(matches!(settled(&scene.warped, true), DataError::Stopped));

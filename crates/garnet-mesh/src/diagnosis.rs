@@ -41,6 +41,13 @@ impl Bounds {
         self.extent().norm()
     }
 
+    /// How far a point is from the box, along the axis where it is farthest; 0 inside.
+    pub fn distance(&self, point: Point3) -> f32 {
+        let before = (self.min - point).max();
+        let behind = (point - self.max).max();
+        before.max(behind).max(0.0)
+    }
+
     /// The middle.
     pub fn center(&self) -> Point3 {
         nalgebra::center(&self.min, &self.max)

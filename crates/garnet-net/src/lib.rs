@@ -63,7 +63,7 @@ pub use config::{
 pub use cost::Cost;
 pub use error::{CheckpointError, NetError};
 pub use garment_graph::GarmentGraph;
-pub use model::{Model, ModelHeader};
+pub use model::{Model, ModelFile, ModelHeader};
 pub use network::{GarNet, surrogate};
 pub use pose_space::{ARRIVAL, Aim, MIDWAY, POSE_SPACE, PoseSpace};
 pub use predictor::Predictor;

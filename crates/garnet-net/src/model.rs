@@ -20,6 +20,41 @@ pub struct Model {
     range: Option<TrainedRange>,
 }
 
+/// The file of a model, read and checked, not yet bound to a garment: for those who bind the garment meanwhile.
+#[derive(Debug)]
+pub struct ModelFile {
+    path: PathBuf,
+    content: Content,
+}
+
+#[derive(Debug)]
+enum Content {
+    PoseSpace(Box<PoseSpace>),
+    /// The bytes of a network.
+    Network(Vec<u8>),
+}
+
+impl ModelFile {
+    /// Reads a file of weights.
+    ///
+    /// # Errors
+    ///
+    /// [`CheckpointError`] by name: the file is truncated, altered, foreign or of another version; a network may say so
+    /// only when it is [bound](Model::bind).
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
+        let path = path.as_ref();
+        let bytes = weight_file::read(path)?;
+        Ok(Self {
+            path: path.to_path_buf(),
+            content: if weight_file::schema(path, &bytes)? == SCHEMA {
+                Content::PoseSpace(Box::new(PoseSpace::from_bytes(path, &bytes)?))
+            } else {
+                Content::Network(bytes)
+            },
+        })
+    }
+}
+
 /// What the file of a model says about itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelHeader {
@@ -94,16 +129,32 @@ impl Model {
         template: &[Point3],
         rest_body: &[Point3],
     ) -> Result<Self, CheckpointError> {
-        let path = path.as_ref();
-        let bytes = weight_file::read(path)?;
-        if weight_file::schema(path, &bytes)? == SCHEMA {
-            let space = fitting(path, PoseSpace::from_bytes(path, &bytes)?, &garment)?;
-            return Ok(Self {
-                range: Some(space.range.clone()),
-                pose_space: Some(space),
-                network: None,
-            });
-        }
+        Self::bind(ModelFile::read(path)?, garment, template, rest_body)
+    }
+
+    /// Binds a file that was read to a garment that lies on a body at rest, in metres.
+    ///
+    /// # Errors
+    ///
+    /// As [`Model::load`].
+    pub fn bind(
+        file: ModelFile,
+        garment: GarmentGraph,
+        template: &[Point3],
+        rest_body: &[Point3],
+    ) -> Result<Self, CheckpointError> {
+        let path = file.path.as_path();
+        let bytes = match file.content {
+            Content::PoseSpace(space) => {
+                let space = fitting(path, *space, &garment)?;
+                return Ok(Self {
+                    range: Some(space.range.clone()),
+                    pose_space: Some(space),
+                    network: None,
+                });
+            }
+            Content::Network(bytes) => bytes,
+        };
         let checkpoint = Checkpoint::from_bytes(path, bytes, &Device::flex())?;
         let start = checkpoint.model.config().start.deformation();
         let start = start.map(|name| start_of(path, name, &checkpoint, &garment));

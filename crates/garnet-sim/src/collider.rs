@@ -23,7 +23,7 @@ pub const MAX_PARTS: u8 = 32;
 ///
 /// It is asked at equal steps, 0 first, and has to be continuous. A collider that stands still is
 /// `&|_| positions.clone()`.
-pub type Motion<'a> = dyn Fn(f32) -> Vec<Point3> + 'a;
+pub type Motion<'a> = dyn Fn(f32) -> Vec<Point3> + Sync + 'a;
 
 impl Collider {
     /// A collider without parts.

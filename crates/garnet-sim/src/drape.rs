@@ -2,14 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use crate::contact::Skin;
+use crate::body_on_way::BodyOnWay;
 use crate::reference::{Balance, balance};
 use crate::report::{Penetration, SelfIntersections, Speeds, Strain, free};
-use crate::rest_shape::check_count;
 use crate::solver::Solver;
-use crate::{
-    Cloth, DrapeReport, Energy, MovingBody, Point3, Scene, Schedule, SimError, Stage, Vector3,
-};
+use crate::{Cloth, DrapeReport, Energy, Point3, Scene, Schedule, SimError, Stage};
 
 /// A draped garment.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,15 +55,9 @@ const TORN: f32 = 10.0;
 /// Speeds are measured over the frames of the last so many seconds.
 const SPEED_SECONDS: f32 = 0.1;
 
-/// The farthest that the body may move in a frame, in metres.
-const MAX_BODY_TRAVEL: f32 = 0.25;
-
-/// While the body moves, folds of its skin are looked for in every so many frames.
-const FRAMES_OF_FOLDS: u32 = 3;
-
 /// Simulates a scene.
 ///
-/// Substeps run on one thread; contacts are looked for on those that rayon has. The same scene and schedule give
+/// Substeps run on one thread, while another one that rayon has moves the body; contacts are looked for on all of them. The same scene and schedule give
 /// the same bytes on any number of them. The motion of the body is asked at equal frames of a time that starts and ends gently. The observer hears of each
 /// frame, and may break off.
 ///
@@ -144,7 +135,7 @@ pub fn drape(
         balance,
         num_freed,
         penetration: skin.as_ref().map_or_else(Penetration::default, |body| {
-            Penetration::of(&positions, body.skin.surface())
+            Penetration::of(&positions, body.skin().surface())
         }),
         self_intersections: SelfIntersections::of(scene.cloth, &positions, solver.is_trapped()),
         energy: Energy::of(scene.cloth, &positions, schedule.gravity),
@@ -197,11 +188,9 @@ fn run<'a>(
 ) -> Result<Run<'a>, SimError> {
     scene.check()?;
     schedule.check()?;
-    let mut skin = scene
-        .body
-        .map(|body| BodyOnWay::new(body, schedule))
-        .transpose()?;
-    let mut solver = Solver::new(scene, schedule);
+    let body = || scene.body.map(|body| BodyOnWay::new(body, schedule));
+    let (body, mut solver) = rayon::join(body, || Solver::new(scene, schedule));
+    let mut skin = body.transpose()?;
     let mut clock = Clock::new(schedule);
     let (mut arrived, mut midway) = (Vec::new(), Vec::new());
     let motion = Stage {
@@ -217,23 +206,27 @@ fn run<'a>(
         if index > 1 {
             solver.keep_contacts();
         }
+        let moves = index == 0;
+        if let Some(body) = skin.as_mut().filter(|_| moves) {
+            body.begin(stage.frames)?;
+        }
         for frame in 0..stage.frames {
-            if let (0, Some(skin)) = (index, &mut skin) {
-                skin.begin_frame(frame)?;
-                let wind = skin.wind(frame)?;
-                solver.set_wind(&wind);
+            if let Some(body) = skin.as_ref().filter(|_| moves) {
+                solver.set_wind(body.wind());
                 // The body is on its way already, and the cloth on it.
                 if frame == 0 && schedule.motion_part[0] > 0.0 {
                     solver.set_off();
                 }
             }
             for refresh in 0..schedule.refreshes_per_frame {
-                if let (0, Some(skin)) = (index, &mut skin) {
-                    skin.begin_interval(refresh)?;
-                }
-                solver.refresh(skin.as_ref().map(|skin| &skin.skin), clock.frames_done);
-                for _ in 0..num_substeps {
-                    solver.substep();
+                solver.refresh(skin.as_ref().map(BodyOnWay::skin), clock.frames_done);
+                let mut step = || (0..num_substeps).for_each(|_| solver.substep());
+                match &mut skin {
+                    // Meanwhile another thread, if there is one, looks where the body goes next.
+                    Some(body) if moves => {
+                        rayon::join(&mut step, || body.advance(frame, refresh)).1?
+                    }
+                    _ => step(),
                 }
                 clock.substeps_done += u64::from(num_substeps);
             }
@@ -246,22 +239,19 @@ fn run<'a>(
                     seconds: clock.seconds(),
                 });
             }
-            if index == 0 && frame + 1 == schedule.midway_frame() {
+            if moves && frame + 1 == schedule.midway_frame() {
                 midway.clone_from(&positions);
-                if let Some(skin) = &skin {
-                    skin.free_at_end(&mut midway)?;
+                if let Some(body) = &skin {
+                    free(&mut midway, body.skin().surface());
                 }
             }
             clock.remember(positions);
         }
-        if index == 0 {
+        if moves {
             arrived = solver.positions();
-            if let Some(skin) = &mut skin {
-                solver.set_wind(&[]);
-                skin.arrive()?;
-                if stage.frames > 0 {
-                    free(&mut arrived, skin.skin.surface());
-                }
+            solver.set_wind(&[]);
+            if let Some(body) = skin.as_ref().filter(|_| stage.frames > 0) {
+                free(&mut arrived, body.skin().surface());
             }
         }
     }
@@ -292,7 +282,7 @@ impl Run<'_> {
             })
         };
         let contacts = || self.solver.contacts().clone();
-        let ground = (self.skin.as_ref()).map(|skin| (&skin.skin, contacts()));
+        let ground = (self.skin.as_ref()).map(|skin| (skin.skin(), contacts()));
         let (positions, found) = balance(scene, schedule, ground, &self.positions, &mut watch)
             .map_err(|error| match error {
                 SimError::Stopped { .. } => SimError::Stopped {
@@ -307,7 +297,7 @@ impl Run<'_> {
     /// Moves vertices out of the skin; returns how many.
     fn free(&mut self) -> usize {
         let Some(body) = &self.skin else { return 0 };
-        free(&mut self.positions, body.skin.surface())
+        free(&mut self.positions, body.skin().surface())
     }
 
     /// How much the edges are strained, if none is torn.
@@ -322,145 +312,6 @@ impl Run<'_> {
         }
         Ok(strain)
     }
-}
-
-/// The body between two frames of its motion.
-struct BodyOnWay<'a> {
-    body: MovingBody<'a>,
-    skin: Skin,
-    from: Vec<Point3>,
-    to: Vec<Point3>,
-    motion_frames: u32,
-    motion_part: [f32; 2],
-    refreshes: u32,
-    /// From one refresh to the next, in seconds.
-    interval: f32,
-    time: f32,
-}
-
-impl<'a> BodyOnWay<'a> {
-    fn new(body: MovingBody<'a>, schedule: &Schedule) -> Result<Self, SimError> {
-        let time = if schedule.motion_frames == 0 {
-            1.0
-        } else {
-            eased(schedule.motion_part[0])
-        };
-        let from = (body.motion)(time);
-        Ok(Self {
-            body,
-            skin: Skin::new(body.collider, from.clone())?,
-            to: from.clone(),
-            from,
-            motion_frames: schedule.motion_frames,
-            motion_part: schedule.motion_part,
-            refreshes: schedule.refreshes_per_frame,
-            interval: schedule.frame_seconds / schedule.refreshes_per_frame as f32,
-            time,
-        })
-    }
-
-    /// Asks the motion where the body is at the end of a frame.
-    fn begin_frame(&mut self, frame: u32) -> Result<(), SimError> {
-        if frame > 0 && frame.is_multiple_of(FRAMES_OF_FOLDS) {
-            self.skin.find_folds();
-        }
-        self.time = self.time_of(frame + 1);
-        std::mem::swap(&mut self.from, &mut self.to);
-        self.to = (self.body.motion)(self.time);
-        if self.to.len() != self.from.len() {
-            return Err(SimError::Count {
-                what: "positions of the collider",
-                found: self.to.len(),
-                expected: self.from.len(),
-            });
-        }
-        for (vertex, (from, to)) in self.from.iter().zip(&self.to).enumerate() {
-            let distance = (to - from).norm();
-            if distance > MAX_BODY_TRAVEL {
-                return Err(SimError::MotionTooFast {
-                    vertex,
-                    distance,
-                    max: MAX_BODY_TRAVEL,
-                });
-            }
-        }
-        Ok(())
-    }
-
-    /// How far the air next to each garment vertex moves in a frame, in metres, and how loose the cloth
-    /// is there `[vertex]`; empty if the air stands still.
-    fn wind(&self, frame: u32) -> Result<Vec<(Vector3, f32)>, SimError> {
-        let Some(wind) = self.body.wind else {
-            return Ok(Vec::new());
-        };
-        let [from, to] = [frame, frame + 1].map(|frame| (wind.motion)(self.time_of(frame)));
-        for positions in [&from, &to] {
-            check_count(
-                "positions of the air",
-                positions.len(),
-                wind.looseness.len(),
-            )?;
-        }
-        let moves = from.iter().zip(&to).map(|(from, to)| to - from);
-        Ok(moves.zip(wind.looseness.iter().copied()).collect())
-    }
-
-    /// The time of the motion at the beginning of a frame.
-    fn time_of(&self, frame: u32) -> f32 {
-        let [from, to] = self.motion_part;
-        let share = frame as f32 / self.motion_frames as f32;
-        eased(from + (to - from) * share)
-    }
-
-    /// Moves the skin to the beginning of an interval of the frame.
-    fn begin_interval(&mut self, refresh: u32) -> Result<(), SimError> {
-        let start = self.between(refresh);
-        let end = self.between(refresh + 1);
-        self.move_skin(&start)?;
-        self.skin.head_for(&end, self.interval);
-        Ok(())
-    }
-
-    /// Moves the skin to its last place.
-    fn arrive(&mut self) -> Result<(), SimError> {
-        let last = std::mem::take(&mut self.to);
-        self.move_skin(&last)?;
-        self.to = last;
-        self.skin.stand();
-        if self.motion_frames > 0 {
-            self.skin.find_folds();
-        }
-        Ok(())
-    }
-
-    /// Moves vertices out of the skin where it is at the end of the frame.
-    fn free_at_end(&self, points: &mut [Point3]) -> Result<(), SimError> {
-        let time = self.time;
-        let skin = self.skin.surface().moved(self.to.clone());
-        free(
-            points,
-            &skin.map_err(|source| SimError::Motion { time, source })?,
-        );
-        Ok(())
-    }
-
-    fn move_skin(&mut self, positions: &[Point3]) -> Result<(), SimError> {
-        let time = self.time;
-        self.skin
-            .move_to(positions)
-            .map_err(|source| SimError::Motion { time, source })
-    }
-
-    fn between(&self, refresh: u32) -> Vec<Point3> {
-        let share = refresh as f32 / self.refreshes as f32;
-        let pairs = self.from.iter().zip(&self.to);
-        pairs.map(|(from, to)| from + (to - from) * share).collect()
-    }
-}
-
-/// A time from 0 to 1 that starts and ends gently: 3 t² − 2 t³.
-fn eased(time: f32) -> f32 {
-    time * time * (3.0 - 2.0 * time)
 }
 
 /// Where the run is.

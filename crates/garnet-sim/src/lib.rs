@@ -4,6 +4,7 @@
 //! it from where it lies on a body at rest to the body's last place, along a [`Schedule`] of fixed
 //! steps, and reports how it lies there.
 
+mod body_on_way;
 mod cloth;
 mod collider;
 mod contact;

@@ -77,7 +77,6 @@ impl Garment {
         let screening = transfer_screening(&graph, &skin, &pieces.is_piece, self.transfer);
         let transfer_system = ScreenedPoisson::new(&graph, screening)?;
         let body_faces = body.rest().faces();
-        let weights = transferred_weights(body.weights(), body_faces, &skin, &transfer_system)?;
         let shape_screening = (0..rest.len())
             .map(|node| {
                 let length = if pieces.is_piece[node] {
@@ -88,7 +87,10 @@ impl Garment {
                 areas[node] / (length * length)
             })
             .collect();
-        let shape_system = transfer_system.rescreened(&graph, shape_screening)?;
+        let (weights, shape_system) = rayon::join(
+            || transferred_weights(body.weights(), body_faces, &skin, &transfer_system),
+            || transfer_system.rescreened(&graph, shape_screening),
+        );
         Ok(BoundGarment {
             mesh: self.mesh,
             weld,
@@ -98,8 +100,8 @@ impl Garment {
             graph,
             is_piece: pieces.is_piece,
             skin,
-            weights,
-            shape_system,
+            weights: weights?,
+            shape_system: shape_system?,
             rest_skin: body.skin().clone(),
         })
     }

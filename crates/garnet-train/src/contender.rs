@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::{DataError, Put};
+use garnet_data::{DataError, Put, Settling};
 use garnet_mesh::Point3;
 use garnet_net::{Aim, Cost, GarNetConfig, Model, Start};
 
@@ -150,13 +150,9 @@ impl<'a> Contender<'a> {
             let teacher = teachers.of(staged)?;
             let start = Instant::now();
             let stop = AtomicBool::new(false);
-            let result = if put == Put::Midway {
-                teacher.resumed(&staged.seen_path(), &positions, *frames, &stop)
-            } else {
-                let skin = staged.posed.skin().positions();
-                teacher.settled(skin, &positions, put, *frames, &stop)
-            };
-            match result {
+            let (own, frames) = (&worn.body, *frames);
+            let settling = Settling { put, frames };
+            match teacher.settled(own, &staged.posed, &positions, settling, &stop) {
                 Ok(settled) => {
                     positions = settled;
                     settle = Some(start.elapsed().as_secs_f64());

@@ -1,7 +1,7 @@
 //! What untangling needs of a bound garment and computes once.
 
 use garnet_knn::{ClosestPoint, KnnError, Surface, VertexTree};
-use garnet_mesh::{MeshError, Point3, TriMesh, Vector3, face_normals, vertex_normals};
+use garnet_mesh::{Bounds, MeshError, Point3, TriMesh, Vector3, face_normals, vertex_normals};
 use garnet_skin::{BoundGarment, ScreenedPoisson, SkinError};
 use rayon::prelude::*;
 
@@ -112,25 +112,26 @@ impl Binding {
             Point3::from((a + b + c) / 3.0)
         };
         let face_centers: Vec<Point3> = body.faces().iter().map(center).collect();
-        let tree = VertexTree::new(&skin_points)?;
-        let is_covered = face_centers
-            .par_iter()
-            .map(|&center| {
-                let nearest = tree.nearest(center);
+        let is_covered = || {
+            let tree = VertexTree::new(&skin_points)?;
+            // To ask for the nearest point is dear from far away.
+            let bounds = Bounds::of(&skin_points);
+            let covered = face_centers.par_iter().map(|&center| {
+                let is_near = bounds.is_some_and(|bounds| bounds.distance(center) < COVER_DISTANCE);
+                let nearest = is_near.then(|| tree.nearest(center)).flatten();
                 nearest.is_some_and(|n| n.distance_squared < COVER_DISTANCE * COVER_DISTANCE)
-            })
-            .collect();
-        let screening = garment
-            .graph()
-            .node_areas()
-            .iter()
-            .map(|&area| f64::from(area) / (RELAX_LENGTH * RELAX_LENGTH));
-        let relax_system = garment
-            .system()
-            .rescreened(garment.graph(), screening.collect())?;
+            });
+            Ok::<Vec<bool>, KnnError>(covered.collect())
+        };
+        let relax_system = || {
+            let areas = garment.graph().node_areas().iter();
+            let screening = areas.map(|&area| f64::from(area) / (RELAX_LENGTH * RELAX_LENGTH));
+            (garment.system()).rescreened(garment.graph(), screening.collect())
+        };
+        let (is_covered, relax_system) = rayon::join(is_covered, relax_system);
         Ok(Self {
             surface: Surface::new(&mesh),
-            relax_system,
+            relax_system: relax_system?,
             orientation,
             rest,
             rest_normals,
@@ -139,7 +140,7 @@ impl Binding {
             skin_normals,
             face_centers,
             face_normals: body_normals,
-            is_covered,
+            is_covered: is_covered?,
         })
     }
 

@@ -56,7 +56,7 @@ pub use garnet_mesh::{
     Vector3, diagnose, edge_stretch, edge_stretches, guess_body_unit, guess_up_axis, primitives,
     vertex_distances,
 };
-pub use garnet_net::{Aim, CheckpointError, CheckpointHeader, NetError};
+pub use garnet_net::{Aim, CheckpointError, CheckpointHeader, ModelFile, NetError};
 #[cfg(feature = "train")]
 pub use garnet_pattern as pattern;
 #[cfg(feature = "train")]

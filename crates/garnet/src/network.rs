@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use garnet_net::{Aim, BodySampling, GarNetConfig, GarmentGraph, Model, SceneInput, Start};
+use garnet_net::{
+    Aim, BodySampling, GarNetConfig, GarmentGraph, Model, ModelFile, SceneInput, Start,
+};
 use garnet_skin::{Body, PosedBody, Warp, WarpedGarment};
 
 use crate::unfamiliar::{moving_joints, torn, unfamiliar};
@@ -45,11 +47,25 @@ impl Network {
         body: &Body,
         sewing_parameters: &[f32],
     ) -> Result<Self, Error> {
+        Self::bind(ModelFile::read(weights)?, garment, body, sewing_parameters)
+    }
+
+    /// The same for weights that were [read](ModelFile::read) while the garment was bound.
+    ///
+    /// # Errors
+    ///
+    /// As [`Network::load`].
+    pub fn bind(
+        weights: ModelFile,
+        garment: &BoundGarment,
+        body: &Body,
+        sewing_parameters: &[f32],
+    ) -> Result<Self, Error> {
         let mesh = garment.mesh();
         let graph = GarmentGraph::new(mesh, sewing_parameters)?;
         let rest = body.rest().positions();
         Ok(Self {
-            model: Model::load(weights, graph, mesh.positions(), rest)?,
+            model: Model::bind(weights, graph, mesh.positions(), rest)?,
             body: body.clone(),
             moves: moving_joints(&garment.cloth, body.skeleton().num_joints()),
         })

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use garnet::{
     Draper,
-    data::{GarmentPackage, Put, Variant},
+    data::{GarmentPackage, Put, Settling, Variant},
     train::{chart::header_of, put_of},
 };
 use serde::Serialize;
@@ -14,7 +14,7 @@ use super::{
     args::{Job, Limit, NetworkChoice, Source},
     drape_timed,
     learned::{Found, Learned},
-    settled::{Settler, Settling},
+    settled::Settler,
 };
 use crate::{console::Console, failure::refused};
 

@@ -1,11 +1,11 @@
 //! A trained network as a way to drape.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context;
 use garnet::{
-    BoundGarment, Draper, Moved, Network, PosedBody, Warped,
-    data::{BodyPath, GarmentPackage, MIDWAY, Manifest, Put, Variant},
+    BoundGarment, Draper, ModelFile, Moved, Network, PosedBody, Warped,
+    data::{BodyPath, GarmentPackage, MIDWAY, Manifest, Put, Settling, Variant},
     train::{put_of, weights_of},
 };
 
@@ -13,7 +13,6 @@ use super::{
     Bound,
     args::{NetworkChoice, Source},
     report::NetworkReport,
-    settled::Settling,
     timing::timed,
 };
 use crate::failure::{Hint, refused};
@@ -31,22 +30,26 @@ pub(super) struct Learned {
 }
 
 /// Whether a network drapes.
-pub(super) enum Found {
+pub(super) enum Found<T = Learned> {
     /// This one.
-    Network(Box<Learned>),
+    Network(Box<T>),
     /// None was asked for.
     NotAsked,
     /// The package has none, and none was asked for by name.
     NoneInPackage,
 }
 
-impl Learned {
+/// A network that was read, for a garment that need not be bound yet.
+pub(super) struct Unbound {
+    manifest: Manifest,
+    name: String,
+    weights: PathBuf,
+    file: ModelFile,
+}
+
+impl Unbound {
     /// The network that was chosen.
-    pub(super) fn find(
-        bound: &Bound,
-        choice: &NetworkChoice,
-        source: &Source,
-    ) -> anyhow::Result<Found> {
+    pub(super) fn find(choice: &NetworkChoice, source: &Source) -> anyhow::Result<Found<Self>> {
         let package = match source {
             Source::Files(files) => files.package.as_deref(),
             Source::Scene(_) => None,
@@ -74,26 +77,18 @@ impl Learned {
              adds variants"
                 .to_owned()
         })?;
-        let network = Self::load(bound, &manifest, &weights);
-        let network = network.with_context(|| format!("cannot use the network `{name}`"))?;
-        let put = put_of(network.aim());
-        let variant = manifest.variant(&name);
-        let frames = variant.and_then(|variant| variant.settle_frames);
-        let gains = variant.is_some_and(Variant::gains_by_settling);
+        let file = ModelFile::read(&weights).with_context(|| cannot_use(&name))?;
         Ok(Found::Network(Box::new(Self {
-            network,
-            settles: gains || put != Put::AtRest,
-            settling: Settling {
-                put,
-                frames: frames.unwrap_or(put.frames()),
-            },
+            manifest,
             name,
             weights,
+            file,
         })))
     }
 
-    fn load(bound: &Bound, manifest: &Manifest, weights: &Path) -> anyhow::Result<Network> {
-        let pattern = manifest.pattern.as_ref();
+    /// The network for the garment that is draped.
+    fn bound_to(self, bound: &Bound) -> anyhow::Result<Learned> {
+        let pattern = self.manifest.pattern.as_ref();
         let parameters = pattern.map(|pattern| pattern.parameters.values());
         let parameters: Vec<f32> = (parameters.into_iter().flatten())
             .map(|&value| value as f32)
@@ -102,7 +97,48 @@ impl Learned {
             Some(refit) => (refit.garment(), refit.own()),
             None => (&bound.garment, &bound.body),
         };
-        Ok(Network::load(weights, garment, body, &parameters)?)
+        let network = Network::bind(self.file, garment, body, &parameters);
+        let network = network.with_context(|| cannot_use(&self.name))?;
+        let put = put_of(network.aim());
+        let variant = self.manifest.variant(&self.name);
+        let frames = variant.and_then(|variant| variant.settle_frames);
+        let gains = variant.is_some_and(Variant::gains_by_settling);
+        Ok(Learned {
+            network,
+            settles: gains || put != Put::AtRest,
+            settling: Settling {
+                put,
+                frames: frames.unwrap_or(put.frames()),
+            },
+            name: self.name,
+            weights: self.weights,
+        })
+    }
+}
+
+impl Found<Unbound> {
+    /// The same for the garment that is draped.
+    pub(super) fn bound_to(self, bound: &Bound) -> anyhow::Result<Found> {
+        Ok(match self {
+            Self::Network(network) => Found::Network(Box::new(network.bound_to(bound)?)),
+            Self::NotAsked => Found::NotAsked,
+            Self::NoneInPackage => Found::NoneInPackage,
+        })
+    }
+}
+
+fn cannot_use(name: &str) -> String {
+    format!("cannot use the network `{name}`")
+}
+
+impl Learned {
+    /// The network that was chosen.
+    pub(super) fn find(
+        bound: &Bound,
+        choice: &NetworkChoice,
+        source: &Source,
+    ) -> anyhow::Result<Found> {
+        Unbound::find(choice, source)?.bound_to(bound)
     }
 
     /// What the report names the method.

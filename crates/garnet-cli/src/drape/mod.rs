@@ -22,7 +22,7 @@ use anyhow::Context;
 use garnet::{
     Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, Point3, PosedBody, Refit, TriMesh,
     Warp,
-    data::{Put, SceneReport},
+    data::{Put, SceneReport, Settling},
     edge_stretch, io,
 };
 
@@ -30,7 +30,7 @@ pub(crate) use args::DrapeArgs;
 pub(crate) use args::{InputArgs, Job, Simulation};
 use choice::ChoiceReport;
 pub(crate) use frame::Frame;
-use learned::{Found, Learned};
+use learned::{Found, Learned, Unbound};
 use prepared::{Prepared, RestBody, Target};
 use report::{
     BodyReport, DrapeOutput, DrapeReport, DrapeSeconds, GarmentReport, OnceSeconds,
@@ -38,7 +38,7 @@ use report::{
 };
 pub(crate) use rest_body::rest_body_of;
 pub(crate) use rest_mesh::{Frames, RestMesh};
-use settled::{Settler, Settling};
+use settled::Settler;
 use simulated::Teaching;
 use timing::timed;
 use warning::{Problem, Warning};
@@ -66,13 +66,17 @@ pub(crate) fn do_job(
         for note in &prepared.notes {
             console.summary(&format_args!("note: {note}"));
         }
-        let (bound, bind) = timed(|| Bound::new(prepared));
+        let read_network = || match job.limit {
+            None => Unbound::find(&job.network, &job.source),
+            Some(_) => Ok(Found::NotAsked),
+        };
+        let ((bound, bind), unbound) = rayon::join(|| timed(|| Bound::new(prepared)), read_network);
         let mut bound = bound?;
         if let Some(simulation) = &job.simulation {
             bound.teacher = Some(Teaching::new(&bound, simulation, &job.source)?);
         }
         let found = match job.limit {
-            None => Learned::find(&bound, &job.network, &job.source)?,
+            None => unbound?.bound_to(&bound)?,
             Some(limit) => {
                 let (found, choice) = choice::choose(&bound, &job, limit, console)?;
                 if choice.is_met {

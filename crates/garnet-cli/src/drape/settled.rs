@@ -5,29 +5,10 @@ use std::sync::atomic::AtomicBool;
 use anyhow::Context;
 use garnet::{
     PosedBody, Warped,
-    data::{BodyPath, Put, Teacher},
+    data::{Settling, Teacher},
 };
 
 use super::{Bound, args::Job, simulated::teacher_of, timing::timed};
-
-/// How cloth settles.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Settling {
-    /// Where it was put.
-    pub(super) put: Put,
-    /// For how many frames of a sixtieth of a second.
-    pub(super) frames: u32,
-}
-
-impl Settling {
-    /// For as long as cloth does by default that was put so.
-    pub(super) const fn of(put: Put) -> Self {
-        Self {
-            put,
-            frames: put.frames(),
-        }
-    }
-}
 
 /// A garment that settles.
 pub(super) struct Settler {
@@ -43,19 +24,18 @@ impl Settler {
         job: &Job,
         settling: Settling,
     ) -> anyhow::Result<Option<Self>> {
-        let frames = job.settle.unwrap_or(settling.frames);
-        if frames == 0 && settling.put != Put::Midway {
+        let settling = asked(settling, job);
+        if !settling.takes_time() {
             return Ok(None);
         }
         let (teacher, _) = teacher_of(bound, None, &job.source)?;
-        Ok(Some(Self { teacher, settling }.of(settling, job)))
+        Ok(Some(Self { teacher, settling }))
     }
 
     /// The same cloth where it settles as is said, or for as long as was asked for.
     pub(super) fn of(self, settling: Settling, job: &Job) -> Self {
-        let frames = job.settle.unwrap_or(settling.frames);
         Self {
-            settling: Settling { frames, ..settling },
+            settling: asked(settling, job),
             ..self
         }
     }
@@ -74,17 +54,18 @@ impl Settler {
     ) -> anyhow::Result<(Warped, f64)> {
         let from = put.positions(&bound.garment);
         let stop = AtomicBool::new(false);
-        let Settling { put, frames } = self.settling;
         let (settled, seconds) = timed(|| {
-            let settled = if put == Put::Midway {
-                let path = BodyPath::to_posed(&bound.body, posed);
-                self.teacher.resumed(&path, &from, frames, &stop)
-            } else {
-                let skin = posed.skin().positions();
-                self.teacher.settled(skin, &from, put, frames, &stop)
-            };
+            let settled = (self.teacher).settled(&bound.body, posed, &from, self.settling, &stop);
             settled.context("the cloth does not settle")
         });
         Ok((Warped::at(&bound.garment, &settled?), seconds))
+    }
+}
+
+/// For as long as was asked for, or as is said.
+fn asked(settling: Settling, job: &Job) -> Settling {
+    Settling {
+        frames: job.settle.unwrap_or(settling.frames),
+        ..settling
     }
 }

@@ -177,11 +177,7 @@ impl Dressed {
         };
         let draped = BodyPath::to_shape(from, &ready.body, &sound.pose)
             .map_err(DataError::from)
-            .and_then(|path| match options.until {
-                Until::Rest => teacher.drape(&path, options.quality, stop, &mut |_| {}),
-                Until::Arrival => teacher.arrived(&path, options.quality, stop),
-                Until::Midway => teacher.midway(&path, options.quality, stop),
-            });
+            .and_then(|path| teacher.until(&path, options.quality, options.until, stop));
         let drape = match draped {
             Ok(drape) => drape,
             Err(error) => return rejected(sound.sequence, "simulation", error.to_string()),

@@ -51,25 +51,9 @@ const MAX_STEPS: usize = 24;
 
 impl Skin {
     pub(crate) fn new(collider: &Collider, positions: Vec<Point3>) -> Result<Self, SimError> {
-        let surface = collider.surface(positions)?;
-        let topology = Topology::new(collider.num_vertices(), collider.faces());
-        let mut across: Vec<[u32; 3]> = (0..collider.faces().len() as u32)
-            .map(|face| [face; 3])
-            .collect();
-        for (edge, vertices) in topology.edges().iter().enumerate() {
-            let &[first, second] = topology.edge_faces(edge) else {
-                continue;
-            };
-            for (face, other) in [(first, second), (second, first)] {
-                let corners = collider.faces()[face as usize];
-                for side in 0..3 {
-                    let ends = [corners[side], corners[(side + 1) % 3]];
-                    if vertices.contains(&ends[0]) && vertices.contains(&ends[1]) {
-                        across[face as usize][side] = other;
-                    }
-                }
-            }
-        }
+        let (surface, (topology, across)) =
+            rayon::join(|| collider.surface(positions), || adjacency(collider));
+        let surface = surface?;
         let mut skin = Self {
             surface,
             across,
@@ -298,6 +282,29 @@ impl Skin {
             *normal = unit(*normal);
         }
     }
+}
+
+/// The topology of a collider, and the face across each side `[face][side]`; see [`Skin::across`].
+fn adjacency(collider: &Collider) -> (Topology, Vec<[u32; 3]>) {
+    let topology = Topology::new(collider.num_vertices(), collider.faces());
+    let mut across: Vec<[u32; 3]> = (0..collider.faces().len() as u32)
+        .map(|face| [face; 3])
+        .collect();
+    for (edge, vertices) in topology.edges().iter().enumerate() {
+        let &[first, second] = topology.edge_faces(edge) else {
+            continue;
+        };
+        for (face, other) in [(first, second), (second, first)] {
+            let corners = collider.faces()[face as usize];
+            for side in 0..3 {
+                let ends = [corners[side], corners[(side + 1) % 3]];
+                if vertices.contains(&ends[0]) && vertices.contains(&ends[1]) {
+                    across[face as usize][side] = other;
+                }
+            }
+        }
+    }
+    (topology, across)
 }
 
 /// The direction of a vector; zero for zero.

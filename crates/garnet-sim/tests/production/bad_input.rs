@@ -18,7 +18,7 @@ fn sheet() -> (Cloth, Vec<Point3>) {
     )
 }
 
-fn on_ball(motion: &dyn Fn(f32) -> Vec<Point3>) -> Result<garnet_sim::Drape, SimError> {
+fn on_ball(motion: &garnet_sim::Motion<'_>) -> Result<garnet_sim::Drape, SimError> {
     let (cloth, start) = sheet();
     let ball = icosphere(2, 0.1);
     let collider = Collider::new(ball.faces(), ball.num_vertices())?;

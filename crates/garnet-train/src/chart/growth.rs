@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::{BodyPath, Put, Quality, Rung, Split};
+use garnet_data::{BodyPath, Put, Quality, Rung, Settling, Split};
 use garnet_mesh::Point3;
 use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Model, ModelHeader};
 use garnet_skin::{PosedBody, Warp, WarpedGarment};
@@ -133,7 +133,7 @@ pub fn cost_at(
         warp,
         untangle,
         networks: names.map(|name| (name, next())).collect(),
-        settle: settled(&rung, bodies, options.repeats)?,
+        settle: settled(stage, &rung, bodies, options.repeats)?,
         simulation: (mesh.num_vertices() <= options.most_simulated)
             .then(|| simulated(stage, &rung, bodies.first()?))
             .flatten(),
@@ -168,17 +168,22 @@ fn drape(
 }
 
 /// Median time of settling the warp on the bodies where it can; a warp may tear fine cloth beyond that.
-fn settled(rung: &Rung, bodies: &[PosedBody], repeats: usize) -> Result<Option<f64>, TrainError> {
+fn settled(
+    stage: &Stage,
+    rung: &Rung,
+    bodies: &[PosedBody],
+    repeats: usize,
+) -> Result<Option<f64>, TrainError> {
     let stop = AtomicBool::new(false);
-    let put = Put::AtRest;
+    let settling = Settling::of(Put::AtRest);
+    let own = &stage.package.body;
     let mut times = Vec::new();
     for body in bodies {
         let warped = rung.garment.warped(body, Warp::Shape)?;
         let from = rung.garment.weld().scatter(&warped);
         for _ in 0..repeats.max(1) {
             let start = Instant::now();
-            let skin = body.skin().positions();
-            let settled = rung.teacher.settled(skin, &from, put, put.frames(), &stop);
+            let settled = (rung.teacher).settled(own, body, &from, settling, &stop);
             if settled.is_err() {
                 break;
             }
