@@ -3,7 +3,7 @@
 use std::{path::Path, sync::atomic::AtomicBool};
 
 use garnet::{
-    Aim, Draper, Garment, Network, Warped,
+    Aim, Draper, Garment, Network, PackagedGarment, Pose, UnitQuaternion, Vector3, Warped,
     data::{BodyPath, GarmentPackage, MIDWAY, Put, Settling, Teacher},
     edge_stretch, io,
     train::{put_of, weights_of},
@@ -14,8 +14,8 @@ fn the_shirt_settles_from_where_it_arrives_and_is_free() {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     let folder = models.join("tshirt");
     let package = GarmentPackage::read(&folder).unwrap();
-    let variant = package.manifest.default_variant().unwrap();
-    let weights = weights_of(&folder, &package.manifest, &variant.name).unwrap();
+    let variant = package.manifest.variant("arrival").unwrap();
+    let weights = weights_of(&folder, &package.manifest, "arrival").unwrap();
     let garment = Garment::new(package.mesh.clone())
         .bind(&package.body)
         .unwrap();
@@ -89,4 +89,27 @@ fn the_shirt_goes_on_from_where_it_is_midway() {
     let rest = package.mesh.positions();
     let stretch = edge_stretch(rest, &drape.positions, edges.edges()).unwrap();
     assert!(stretch.p99 < 1.08, "{}", stretch.p99);
+
+    let mut packaged = PackagedGarment::open(&folder, None).unwrap();
+    let same = packaged.drape(&target).unwrap();
+    assert!(same.fallback.is_none() && same.unsettled.is_none());
+    assert_eq!(same.drape.positions, drape.positions, "it is the default");
+}
+
+#[test]
+fn a_packaged_shirt_takes_the_warp_where_it_knows_no_better() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/tshirt");
+    let mut shirt = PackagedGarment::open(&folder, None).unwrap();
+    let num_joints = shirt.body().skeleton().num_joints();
+    let mut pose = Pose::rest(num_joints);
+    let bent = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.6);
+    pose.rotations = vec![bent; num_joints];
+    let target = shirt.body().posed(&pose).unwrap();
+    let draped = shirt.drape(&target).unwrap();
+    assert!(draped.fallback.is_some());
+    let warped = Draper::new().drape(shirt.garment(), &target).unwrap();
+    assert_eq!(draped.drape.positions, warped.positions);
+
+    let error = PackagedGarment::open(&folder, Some("best")).unwrap_err();
+    assert!(error.to_string().contains("`best`"), "{error}");
 }

@@ -206,6 +206,20 @@ mod tests {
     }
 
     #[test]
+    fn the_distance_of_bounds_is_along_the_farthest_axis_and_none_inside() {
+        let bounds = Bounds::of(cuboid([2.0, 4.0, 6.0]).positions()).unwrap();
+        let middle = bounds.center();
+        let distance = |x, y, z| bounds.distance(middle + Vector3::new(x, y, z));
+        let distances = [
+            distance(0.0, 1.9, -2.9),
+            distance(3.0, 0.0, 0.0),
+            distance(0.0, -3.0, 4.5),
+            distance(-2.0, 2.5, 0.0),
+        ];
+        assert_eq!(distances, [0.0, 2.0, 1.5, 1.0]);
+    }
+
+    #[test]
     fn every_fault_is_found() {
         let rows = [
             [0.0, 0.0, 0.0],

@@ -220,14 +220,13 @@ fn run<'a>(
             }
             for refresh in 0..schedule.refreshes_per_frame {
                 solver.refresh(skin.as_ref().map(BodyOnWay::skin), clock.frames_done);
-                let mut step = || (0..num_substeps).for_each(|_| solver.substep());
-                match &mut skin {
-                    // Meanwhile another thread, if there is one, looks where the body goes next.
-                    Some(body) if moves => {
-                        rayon::join(&mut step, || body.advance(frame, refresh)).1?
+                let mut advanced = Ok(());
+                solver.step(|| {
+                    if let Some(body) = skin.as_mut().filter(|_| moves) {
+                        advanced = body.advance(frame, refresh);
                     }
-                    _ => step(),
-                }
+                });
+                advanced?;
                 clock.substeps_done += u64::from(num_substeps);
             }
             clock.frames_done += 1;

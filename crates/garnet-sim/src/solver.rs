@@ -1,12 +1,12 @@
 //! The production solver: XPBD in small steps on a moving skin.
 
-use crate::contact::{self, Contacts, Interval, Skin};
+use crate::contact::{Contacts, Interval, Skin};
 use crate::layers::Layers;
-use crate::xpbd::bending::Bending;
 use crate::xpbd::pairs::Pairs;
 use crate::xpbd::particles::{Particles, Push};
+use crate::xpbd::patch::Pace;
+use crate::xpbd::patchwork::Patchwork;
 use crate::xpbd::quad::Quad;
-use crate::xpbd::springs::Springs;
 use crate::{Cloth, Point3, Scene, Schedule, SelfContact, SimError, Stage, Vector3};
 
 /// The state of one run.
@@ -16,8 +16,8 @@ pub(crate) struct Solver<'a> {
     schedule: &'a Schedule,
     inverse_masses: Vec<f32>,
     particles: Particles,
-    springs: Springs,
-    bending: Bending,
+    /// The same in patches, from a refresh to the next.
+    patchwork: Patchwork,
     contacts: Contacts,
     pairs: Option<Pairs>,
     /// Lengths of the springs at the start, m; empty if they do not matter.
@@ -34,9 +34,8 @@ pub(crate) struct Solver<'a> {
     /// Share of the friction against skin that acts.
     friction_share: f32,
     may_change: bool,
-    /// Substeps since the stage began, and since the contacts were refreshed.
+    /// Substeps since the stage began.
     substep: u32,
-    substep_of_refresh: u32,
 }
 
 /// Garments this far from where they started are lost, in metres.
@@ -56,16 +55,16 @@ impl<'a> Solver<'a> {
                 .map(|spring| length(spring.vertices))
                 .collect()
         };
-        let mut springs = Springs::new(cloth);
-        springs.set_lengths(|spring| cloth.springs()[spring].rest_length);
+        let particles = Particles::new(cloth, scene.start);
+        let mut patchwork = Patchwork::new(cloth, &particles, schedule.patches);
+        patchwork.set_lengths(|spring| cloth.springs()[spring].rest_length);
         let sum: nalgebra::Vector3<f64> = scene.start.iter().map(|p| p.coords.cast::<f64>()).sum();
         Self {
             cloth,
             schedule,
             inverse_masses: cloth.inverse_masses(),
-            particles: Particles::new(cloth, scene.start),
-            springs,
-            bending: Bending::new(cloth),
+            particles,
+            patchwork,
             contacts: Contacts::new(scene.masks(), cloth.grips(), cloth.fabric().thickness),
             pairs: match schedule.self_contact {
                 SelfContact::Off => None,
@@ -82,7 +81,6 @@ impl<'a> Solver<'a> {
             friction_share: 1.0,
             may_change: true,
             substep: 0,
-            substep_of_refresh: 0,
         }
     }
 
@@ -112,10 +110,8 @@ impl<'a> Solver<'a> {
         self.drag = self.schedule.drag + stage.extra_drag;
         self.friction_share = stage.friction;
         self.substep = 0;
-        self.springs
-            .set_step(self.cloth, &self.inverse_masses, step);
         let every = self.schedule.bending_interval;
-        self.bending
+        self.patchwork
             .set_step(self.cloth, &self.inverse_masses, step, every);
     }
 
@@ -138,8 +134,6 @@ impl<'a> Solver<'a> {
     /// Looks for contacts anew. `frame` counts from the start of the run.
     pub(crate) fn refresh(&mut self, skin: Option<&Skin>, frame: u64) {
         self.particles.rebase();
-        self.springs.rebase(&self.particles.bases);
-        self.bending.rebase(&self.particles.bases);
         self.contract(frame);
         if let Some(skin) = skin {
             let faces = self.cloth.faces();
@@ -159,7 +153,9 @@ impl<'a> Solver<'a> {
             let is_out = &self.contacts.is_squeezed;
             pairs.refresh(&self.particles, is_out, max_rise, self.num_substeps);
         }
-        self.substep_of_refresh = 0;
+        let pairs = self.pairs.as_ref().map_or(&[][..], Pairs::near);
+        let planes = &self.contacts.planes;
+        (self.patchwork).load(&self.particles, &self.wind, pairs, planes);
     }
 
     /// Sets rest lengths on their way from the start to those of the cloth.
@@ -168,7 +164,7 @@ impl<'a> Solver<'a> {
         if frame <= num_frames && !self.start_lengths.is_empty() {
             let share = frame as f32 / num_frames as f32;
             let (start, springs) = (&self.start_lengths, self.cloth.springs());
-            self.springs.set_lengths(|spring| {
+            self.patchwork.set_lengths(|spring| {
                 start[spring] + (springs[spring].rest_length - start[spring]) * share
             });
         }
@@ -180,26 +176,21 @@ impl<'a> Solver<'a> {
         &self.contacts.is_squeezed
     }
 
-    pub(crate) fn substep(&mut self) {
+    /// Takes the substeps from a refresh to the next; another thread, if there is one, does something else meanwhile.
+    pub(crate) fn step(&mut self, meanwhile: impl FnOnce() + Send) {
         let (schedule, step) = (self.schedule, self.step);
-        let push = Push {
-            gravity: schedule.gravity * step * step,
-            keep: (-self.drag * step).exp(),
-            max_travel: schedule.max_speed * step,
+        let pace = Pace {
+            push: Push {
+                gravity: schedule.gravity * step * step,
+                keep: (-self.drag * step).exp(),
+                max_travel: schedule.max_speed * step,
+            },
+            friction: self.cloth.fabric().friction,
+            bending_interval: schedule.bending_interval,
         };
-        let friction = self.cloth.fabric().friction;
-        self.particles.fly(push, &self.wind);
-        self.springs.project(&mut self.particles.offsets);
-        if self.substep.is_multiple_of(schedule.bending_interval) {
-            self.bending.project(&mut self.particles.offsets);
-        }
-        self.substep += 1;
-        self.substep_of_refresh += 1;
-        let substep = self.substep_of_refresh as f32;
-        if let Some(pairs) = &self.pairs {
-            pairs.project(&mut self.particles, &self.inverse_masses, friction, substep);
-        }
-        contact::project(&self.contacts.planes, &mut self.particles, substep);
+        (self.patchwork).step(self.num_substeps, self.substep, &pace, meanwhile);
+        self.substep += self.num_substeps;
+        self.patchwork.store(&mut self.particles);
     }
 
     /// Refuses to go on with a garment that is nowhere.

@@ -186,11 +186,7 @@ impl Stage {
                 });
             }
         }
-        let pattern = package.manifest.pattern.as_ref();
-        let parameters = pattern.map(|pattern| pattern.parameters.values());
-        let parameters: Vec<f32> = (parameters.into_iter().flatten())
-            .map(|&value| value as f32)
-            .collect();
+        let parameters = package.manifest.sewing_parameters();
         let garment = Garment::new(package.mesh.clone()).bind(&package.body)?;
         let template = Worn::new(garment, package.body.clone(), &parameters)?;
         Ok(Self {

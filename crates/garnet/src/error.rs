@@ -34,6 +34,14 @@ pub enum Error {
     /// A network cannot be run.
     #[error(transparent)]
     Net(#[from] NetError),
+    /// A garment package cannot be read, or its garment not simulated.
+    #[cfg(feature = "train")]
+    #[error(transparent)]
+    Data(Box<garnet_data::DataError>),
+    /// A garment package does not have what was asked for.
+    #[cfg(feature = "train")]
+    #[error(transparent)]
+    Train(Box<garnet_train::TrainError>),
     /// The garment does not lie on the body.
     #[error(
         "the garment is {distance:.3} m from the rest body at its nearest vertex and does not lie \
@@ -63,5 +71,19 @@ pub enum Error {
 impl From<CheckpointError> for Error {
     fn from(source: CheckpointError) -> Self {
         Self::Weights(Box::new(source))
+    }
+}
+
+#[cfg(feature = "train")]
+impl From<garnet_data::DataError> for Error {
+    fn from(source: garnet_data::DataError) -> Self {
+        Self::Data(Box::new(source))
+    }
+}
+
+#[cfg(feature = "train")]
+impl From<garnet_train::TrainError> for Error {
+    fn from(source: garnet_train::TrainError) -> Self {
+        Self::Train(Box::new(source))
     }
 }

@@ -40,6 +40,8 @@ mod draper;
 mod error;
 mod garment;
 mod network;
+#[cfg(feature = "train")]
+mod packaged;
 mod penetration;
 mod refit;
 mod unfamiliar;
@@ -70,6 +72,8 @@ pub use garnet_train as train;
 pub use garnet_untangle::{UntangleOptions, UntangleReport};
 pub use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 pub use network::{Moved, Network};
+#[cfg(feature = "train")]
+pub use packaged::{PackagedDrape, PackagedGarment};
 pub use penetration::{Penetration, penetration};
 pub use refit::Refit;
 pub use unfamiliar::Unfamiliar;

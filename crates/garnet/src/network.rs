@@ -72,9 +72,9 @@ impl Network {
     }
 
     /// What it tells: where the cloth rests; as [`Aim::Arrival`], where it is when the body comes to its last
-    /// place; or as [`Aim::Midway`], where it is when the body is halfway. The second has to settle yet, by
-    /// [`Teacher::settled`](crate::data::Teacher::settled); the last takes the [body halfway](crate::data::BodyPath::posed)
-    /// and goes on by [`Teacher::resumed`](crate::data::Teacher::resumed).
+    /// place; or as [`Aim::Midway`], where it is when the body is halfway, of which it takes the
+    /// [place](crate::data::BodyPath::posed). From the last two
+    /// [`Teacher::settled`](crate::data::Teacher::settled) has to go on.
     pub fn aim(&self) -> Aim {
         self.model.aim()
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use garnet::{
     BoundGarment, Draper, ModelFile, Moved, Network, PosedBody, Warped,
-    data::{BodyPath, GarmentPackage, MIDWAY, Manifest, Put, Settling, Variant},
+    data::{BodyPath, GarmentPackage, MIDWAY, Manifest, Put, Settling},
     train::{put_of, weights_of},
 };
 
@@ -88,11 +88,7 @@ impl Unbound {
 
     /// The network for the garment that is draped.
     fn bound_to(self, bound: &Bound) -> anyhow::Result<Learned> {
-        let pattern = self.manifest.pattern.as_ref();
-        let parameters = pattern.map(|pattern| pattern.parameters.values());
-        let parameters: Vec<f32> = (parameters.into_iter().flatten())
-            .map(|&value| value as f32)
-            .collect();
+        let parameters = self.manifest.sewing_parameters();
         let (garment, body) = match &bound.refit {
             Some(refit) => (refit.garment(), refit.own()),
             None => (&bound.garment, &bound.body),
@@ -102,10 +98,10 @@ impl Unbound {
         let put = put_of(network.aim());
         let variant = self.manifest.variant(&self.name);
         let frames = variant.and_then(|variant| variant.settle_frames);
-        let gains = variant.is_some_and(Variant::gains_by_settling);
+        let settles = variant.is_some_and(|variant| variant.settling(put).takes_time());
         Ok(Learned {
             network,
-            settles: gains || put != Put::AtRest,
+            settles,
             settling: Settling {
                 put,
                 frames: frames.unwrap_or(put.frames()),

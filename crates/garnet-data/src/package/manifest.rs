@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use garnet_sim::Fabric;
 use serde::{Deserialize, Serialize};
 
-use crate::StoredParameters;
+use crate::{Put, Settling, StoredParameters};
 
 /// What this version writes and reads.
 pub const PACKAGE_SCHEMA: &str = "garnet.garment/1";
@@ -50,6 +50,13 @@ impl Manifest {
     /// The variant of a name.
     pub fn variant(&self, name: &str) -> Option<&Variant> {
         self.variants.iter().find(|variant| variant.name == name)
+    }
+
+    /// The sewing parameters of the pattern, in the order of their names; none without a pattern.
+    pub fn sewing_parameters(&self) -> Vec<f32> {
+        let pattern = self.pattern.iter();
+        let values = pattern.flat_map(|pattern| pattern.parameters.values());
+        values.map(|&value| value as f32).collect()
     }
 
     /// The variant that is taken if none is asked for.
@@ -160,5 +167,15 @@ impl Variant {
     pub fn gains_by_settling(&self) -> bool {
         let left = self.distance_error.unwrap_or(f64::INFINITY);
         self.settled_error.is_some_and(|settled| settled < left)
+    }
+
+    /// How cloth settles that this variant has put so: not at all where that is known to bring nothing.
+    pub fn settling(&self, put: Put) -> Settling {
+        let settles = self.gains_by_settling() || put != Put::AtRest;
+        let frames = self.settle_frames.unwrap_or(put.frames());
+        Settling {
+            put,
+            frames: if settles { frames } else { 0 },
+        }
     }
 }

@@ -10,5 +10,5 @@ mod unrest;
 
 pub(crate) use contacts::{Contacts, Interval};
 pub(crate) use grounds::Grounds;
-pub(crate) use plane::project;
+pub(crate) use plane::{Plane, project};
 pub(crate) use skin::Skin;

@@ -7,7 +7,7 @@ use crate::xpbd::quad::Quad;
 /// A vertex that has to stay in front of a plane.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plane {
-    vertex: u32,
+    pub(crate) vertex: u32,
     brake: Brake,
     /// Unit normal away from the skin; the fourth number is the least normal component that the
     /// vertex's offset may have, m.
@@ -45,6 +45,11 @@ pub(crate) enum Brake {
 }
 
 impl Plane {
+    /// The same for a vertex by another number.
+    pub(crate) fn renamed(self, vertex: u32) -> Self {
+        Self { vertex, ..self }
+    }
+
     /// A plane for a vertex with an offset of zero.
     ///
     /// Where the vertex is too near or behind the skin, the plane starts at it and rises to the

@@ -2,6 +2,7 @@
 
 use crate::Cloth;
 use crate::xpbd::coloring::colors;
+use crate::xpbd::particles::Places;
 use crate::xpbd::quad::Quad;
 
 /// Hinges ordered by color.
@@ -32,14 +33,21 @@ struct Row {
 }
 
 impl Bending {
-    pub(crate) fn new(cloth: &Cloth) -> Self {
+    /// Some of the hinges of the cloth, all of whose vertices have places.
+    pub(crate) fn new(cloth: &Cloth, some: &[u32], places: Places<'_>) -> Self {
         let hinges = cloth.hinges();
-        let vertices = hinges.iter().map(|hinge| hinge.vertices);
-        let order: Vec<u32> = colors(cloth.num_vertices(), vertices).concat();
+        let vertices = some
+            .iter()
+            .map(|&hinge| places.of(hinges[hinge as usize].vertices));
+        let order = colors(places.number, vertices).concat();
+        let order: Vec<u32> = order
+            .into_iter()
+            .map(|index| some[index as usize])
+            .collect();
         let rows = order.iter().map(|&hinge| {
             let hinge = &hinges[hinge as usize];
             Row {
-                vertices: hinge.vertices,
+                vertices: places.of(hinge.vertices),
                 weights: Quad(hinge.weights),
                 responses: Quad::ZERO,
                 base: Quad::ZERO,

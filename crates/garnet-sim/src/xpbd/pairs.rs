@@ -16,9 +16,10 @@ pub(crate) struct Pairs {
     near: Vec<Pair>,
 }
 
+/// Two vertices that are near each other.
 #[derive(Debug, Clone, Copy)]
-struct Pair {
-    vertices: [u32; 2],
+pub(crate) struct Pair {
+    pub(crate) vertices: [u32; 2],
     /// The distance that they have to keep at first, m, and what it grows by a substep.
     reach: f32,
     rise: f32,
@@ -83,43 +84,61 @@ impl Pairs {
         self.near.extend(found.into_iter().flatten());
     }
 
-    /// Pushes the pairs that are too near apart and brakes their sliding, by Coulomb's coefficient.
+    /// The pairs that were found.
+    pub(crate) fn near(&self) -> &[Pair] {
+        &self.near
+    }
+}
+
+/// One vertex of a pair.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct End {
+    pub(crate) base: Quad,
+    pub(crate) offset: Quad,
+    /// Its offset before the substep, m.
+    pub(crate) last: Quad,
+    /// One over its mass, 1/kg.
+    pub(crate) inverse_mass: f32,
+}
+
+impl Pair {
+    /// The same for vertices by other numbers.
+    pub(crate) fn renamed(self, vertices: [u32; 2]) -> Self {
+        Self { vertices, ..self }
+    }
+
+    /// The offsets of its two vertices, pushed apart and their sliding braked by Coulomb's coefficient, if they are too near.
     ///
-    /// `substep` counts from the refresh that found the pairs.
-    #[inline(never)]
-    pub(crate) fn project(
+    /// `substep` counts from the refresh that found the pair.
+    #[expect(
+        clippy::inline_always,
+        reason = "the loop over pairs is half as fast with a call"
+    )]
+    #[inline(always)]
+    pub(crate) fn pushed(
         &self,
-        particles: &mut Particles,
-        inverse_masses: &[f32],
+        [a, b]: [End; 2],
         friction: f32,
         substep: f32,
-    ) {
-        for pair in &self.near {
-            let [a, b] = pair.vertices.map(|vertex| vertex as usize);
-            let (xa, xb) = (particles.offsets[a], particles.offsets[b]);
-            let across = (particles.bases[a] - particles.bases[b]) + (xa - xb);
-            let squared = across.dot3(across);
-            let reach = pair.reach + substep * pair.rise;
-            if squared >= reach * reach || squared <= f32::MIN_POSITIVE {
-                continue;
-            }
-            let total = inverse_masses[a] + inverse_masses[b];
-            if total == 0.0 {
-                continue;
-            }
-            let (share_a, share_b) = (inverse_masses[a] / total, inverse_masses[b] / total);
-            let distance = squared.sqrt();
-            let normal = across * (1.0 / distance);
-            let push = reach - distance;
-            let against = (xa - particles.last[a]) - (xb - particles.last[b]);
-            let sliding = against - normal * normal.dot3(against);
-            let length = sliding.dot3(sliding).sqrt();
-            let grip = friction * push;
-            let braked = sliding * if length <= grip { 1.0 } else { grip / length };
-            let change = normal * push - braked;
-            particles.offsets[a] = xa + change * share_a;
-            particles.offsets[b] = xb - change * share_b;
+    ) -> Option<[Quad; 2]> {
+        let across = (a.base - b.base) + (a.offset - b.offset);
+        let squared = across.dot3(across);
+        let reach = self.reach + substep * self.rise;
+        let total = a.inverse_mass + b.inverse_mass;
+        if squared >= reach * reach || squared <= f32::MIN_POSITIVE || total == 0.0 {
+            return None;
         }
+        let (share_a, share_b) = (a.inverse_mass / total, b.inverse_mass / total);
+        let distance = squared.sqrt();
+        let normal = across * (1.0 / distance);
+        let push = reach - distance;
+        let against = (a.offset - a.last) - (b.offset - b.last);
+        let sliding = against - normal * normal.dot3(against);
+        let length = sliding.dot3(sliding).sqrt();
+        let grip = friction * push;
+        let braked = sliding * if length <= grip { 1.0 } else { grip / length };
+        let change = normal * push - braked;
+        Some([a.offset + change * share_a, b.offset - change * share_b])
     }
 }
 

@@ -24,6 +24,21 @@ pub(crate) struct Particles {
     num_vertices: usize,
 }
 
+/// Where vertices are in a list of some of them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Places<'a> {
+    /// By vertex of the cloth; without meaning for those that are not in the list.
+    pub(crate) by_vertex: &'a [u32],
+    /// How many are in the list.
+    pub(crate) number: usize,
+}
+
+impl Places<'_> {
+    pub(crate) fn of<const N: usize>(self, vertices: [u32; N]) -> [u32; N] {
+        vertices.map(|vertex| self.by_vertex[vertex as usize])
+    }
+}
+
 /// Two places apart, so that a spring between them has a direction.
 const PADDING: [Quad; 2] = [Quad::ZERO, Quad([1.0, 0.0, 0.0, 0.0])];
 
@@ -52,6 +67,44 @@ impl Particles {
                 .filter(|&vertex| cloth.is_pinned()[vertex as usize])
                 .collect(),
             num_vertices,
+        }
+    }
+
+    /// Some of the vertices `[place]`, in that order.
+    pub(crate) fn some(&self, vertices: &[u32]) -> Self {
+        let bases = vertices.iter().map(|&vertex| self.bases[vertex as usize]);
+        let bases: Vec<Quad> = bases.chain(PADDING).collect();
+        let mut is_pinned = vec![false; self.num_vertices];
+        (self.pins.iter()).for_each(|&vertex| is_pinned[vertex as usize] = true);
+        let places = (0..).zip(vertices);
+        Self {
+            offsets: vec![Quad::ZERO; bases.len()],
+            last: vec![Quad::ZERO; bases.len()],
+            bases,
+            pins: places
+                .filter(|&(_, &vertex)| is_pinned[vertex as usize])
+                .map(|(place, _)| place)
+                .collect(),
+            num_vertices: vertices.len(),
+        }
+    }
+
+    /// Takes over the state of some of the vertices of others.
+    pub(crate) fn load(&mut self, from: &Self, vertices: &[u32]) {
+        for (place, &vertex) in vertices.iter().enumerate() {
+            let vertex = vertex as usize;
+            self.bases[place] = from.bases[vertex];
+            self.offsets[place] = from.offsets[vertex];
+            self.last[place] = from.last[vertex];
+        }
+    }
+
+    /// Gives the state of all vertices to others.
+    pub(crate) fn store(&self, to: &mut Self, vertices: &[u32]) {
+        for (place, &vertex) in vertices.iter().enumerate() {
+            let vertex = vertex as usize;
+            to.offsets[vertex] = self.offsets[place];
+            to.last[vertex] = self.last[place];
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::Cloth;
 use crate::xpbd::coloring::colors;
-use crate::xpbd::particles::Particles;
+use crate::xpbd::particles::{Particles, Places};
 use crate::xpbd::quad::Quad;
 
 /// Springs in blocks that share no vertex.
@@ -40,20 +40,18 @@ const WIDTH: usize = 16;
 const TINY_SQUARED: f32 = 1e-20;
 
 impl Springs {
-    pub(crate) fn new(cloth: &Cloth) -> Self {
-        let springs = cloth.springs();
-        let edges = springs.iter().map(|spring| spring.vertices);
-        let [end, other_end] = Particles::padding(cloth.num_vertices());
-        let mut slots = Vec::with_capacity(springs.len() + 64);
-        for color in colors(cloth.num_vertices(), edges) {
-            slots.extend(color.into_iter().map(Some));
+    /// Some of the springs of the cloth, all of whose ends have places.
+    pub(crate) fn new(cloth: &Cloth, some: &[u32], places: Places<'_>) -> Self {
+        let ends = |spring: u32| places.of(cloth.springs()[spring as usize].vertices);
+        let edges = some.iter().map(|&spring| ends(spring));
+        let padding = Particles::padding(places.number);
+        let mut slots = Vec::with_capacity(some.len() + 64);
+        for color in colors(places.number, edges) {
+            slots.extend(color.into_iter().map(|index| Some(some[index as usize])));
             slots.resize(slots.len().next_multiple_of(WIDTH), None);
         }
         let blocks = slots.chunks_exact(WIDTH).map(|slots| {
-            let vertex = |slot: usize, which: usize| match slots[slot] {
-                Some(spring) => springs[spring as usize].vertices[which],
-                None => [end, other_end][which],
-            };
+            let vertex = |slot: usize, which: usize| slots[slot].map_or(padding, ends)[which];
             Block {
                 first: std::array::from_fn(|slot| vertex(slot, 0)),
                 second: std::array::from_fn(|slot| vertex(slot, 1)),

@@ -71,6 +71,38 @@ fn a_sheet_lies_on_a_ball_and_the_same_bits_come_out_again() {
 }
 
 #[test]
+fn patches_lie_as_one_and_threads_do_not_show() {
+    let sheet = lying_sheet(24, 0.5, 0.155);
+    let cloth = cloth_of(&sheet, &Fabric::cotton());
+    let ball = icosphere(4, 0.15);
+    let collider = collider_of(&ball);
+    let shift = Vector3::new(0.1, 0.05, 0.0);
+    let motion = |time: f32| ball.positions().iter().map(|p| p + shift * time).collect();
+    let scene = scene(&cloth, sheet.positions(), &collider, &motion);
+    let draped = |patches: u32, threads: usize| {
+        let schedule = Schedule {
+            patches,
+            ..Schedule::for_quality(Quality::Fast, cloth.mean_edge_length())
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build()
+            .unwrap()
+            .install(|| run(&scene, &schedule).unwrap())
+    };
+    let whole = draped(1, 1);
+    for patches in [2, 3] {
+        let alone = draped(patches, 1);
+        assert_eq!(alone.report.penetration.num_inside, 0);
+        assert!(alone.report.strain.p99 < whole.report.strain.p99 + 0.005);
+        let (here, there) = (alone.report.energy.total(), whole.report.energy.total());
+        assert!((here - there).abs() < 0.02 * there.abs(), "{here} {there}");
+        for threads in [2, 3] {
+            assert_eq!(draped(patches, threads), alone, "{threads} threads");
+        }
+    }
+}
+
+#[test]
 fn cloth_sticks_to_a_gentle_slope_and_slides_down_a_steep_one() {
     let fabric = Fabric::cotton();
     // The angle of friction is atan 0.3 = 16.7°.

@@ -30,6 +30,7 @@ pub(crate) fn undamped(frames: u32, rate: f32) -> Schedule {
         }],
         refreshes_per_frame: 1,
         bending_interval: 2,
+        patches: 1,
         contraction_frames: 0,
         drag: 0.0,
         carry: 0.0,

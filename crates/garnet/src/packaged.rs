@@ -1,0 +1,134 @@
+//! A garment package that drapes by itself.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use garnet_data::{BodyPath, DataError, GarmentPackage, MIDWAY, Put, Settling, Teacher};
+use garnet_skin::{Body, PosedBody};
+use garnet_train::{put_of, weights_of};
+
+use crate::{BoundGarment, Drape, Draper, Error, Garment, Network, Unfamiliar, Warped};
+
+/// A garment of a package with one of its networks, ready for one body after another: what `garnet drape PACKAGE` does.
+///
+/// The network tells where the cloth is, the simulation lets it settle from there if that brings it nearer to the teacher, and
+/// it is freed of penetrations. The parts are [`Network`], [`Teacher`] and [`Draper`].
+///
+/// # Examples
+///
+/// ```no_run
+/// use garnet::{PackagedGarment, io};
+/// use std::path::Path;
+///
+/// let mut shirt = PackagedGarment::open(Path::new("models/tshirt"), None)?;
+/// let reach = io::ObjFile::read("models/demo/reach.obj")?;
+/// let target = shirt.body().fitted(reach.positions())?;
+/// let drape = shirt.drape(&target)?.drape;
+/// io::write_obj("draped.obj", &shirt.garment().mesh().with_positions(drape.positions)?)?;
+/// # Ok::<(), garnet::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct PackagedGarment {
+    body: Body,
+    garment: BoundGarment,
+    network: Network,
+    teacher: Teacher,
+    settling: Settling,
+    draper: Draper,
+}
+
+/// A drape by a network.
+#[derive(Debug)]
+pub struct PackagedDrape {
+    /// Where the garment is.
+    pub drape: Drape,
+    /// Why the network was not asked, and the garment warped by pose and shape.
+    pub fallback: Option<Unfamiliar>,
+    /// Why the cloth did not settle: it is where the network has put it, or, if that was on the way, warped.
+    pub unsettled: Option<DataError>,
+}
+
+impl PackagedGarment {
+    /// Reads a package, binds its garment to its body, and reads the weights of a variant; of the default one
+    /// if none is named.
+    ///
+    /// # Errors
+    ///
+    /// What [`GarmentPackage::read`], [`Garment::bind`] and [`Network::load`] refuse, and [`Error::Train`] for a variant that the package
+    /// does not have.
+    pub fn open(folder: &Path, variant: Option<&str>) -> Result<Self, Error> {
+        let package = GarmentPackage::read(folder)?;
+        let manifest = &package.manifest;
+        let default = manifest.default_variant();
+        let name = variant.or(default.map(|variant| variant.name.as_str()));
+        let name = name.unwrap_or("default");
+        let weights = weights_of(folder, manifest, name)?;
+        let garment = Garment::new(package.mesh.clone()).bind(&package.body)?;
+        let parameters = manifest.sewing_parameters();
+        let network = Network::load(weights, &garment, &package.body, &parameters)?;
+        let put = put_of(network.aim());
+        let settling = manifest.variant(name).map(|variant| variant.settling(put));
+        Ok(Self {
+            teacher: Teacher::new(&package)?,
+            settling: settling.unwrap_or(Settling::of(put)),
+            body: package.body,
+            garment,
+            network,
+            draper: Draper::new(),
+        })
+    }
+
+    /// The body that the garment lies on at rest; targets are this body, [posed](Body::posed) or [fitted](Body::fitted).
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// The garment on that body.
+    pub fn garment(&self) -> &BoundGarment {
+        &self.garment
+    }
+
+    /// How cloth settles; with another number of frames from now on.
+    pub fn settling_mut(&mut self) -> &mut Settling {
+        &mut self.settling
+    }
+
+    /// Drapes the garment on the body in another pose and shape.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Skin`] if `target` is not of [this body](Self::body); [`Error::Net`] or [`Error::Untangle`] for
+    /// coordinates out of any range. A simulation that fails is [no error](PackagedDrape::unsettled).
+    pub fn drape(&mut self, target: &PosedBody) -> Result<PackagedDrape, Error> {
+        let put = self.settling.put;
+        let on_way = match put {
+            Put::AtRest | Put::AtArrival => None,
+            Put::Midway => Some(BodyPath::to_posed(&self.body, target).posed(&self.body, MIDWAY)?),
+        };
+        let seen = on_way.as_ref().unwrap_or(target);
+        let warped = self.network.warped(&self.garment, seen)?;
+        let moved = self.network.moved(&self.garment, seen, &warped)?;
+        let (mut put, fallback) = (moved.garment, moved.fallback);
+        let mut unsettled = None;
+        if fallback.is_none() {
+            match self.settled(target, &put) {
+                Ok(settled) => put = settled,
+                Err(error) => unsettled = Some(error),
+            }
+        }
+        if on_way.is_some() && (fallback.is_some() || unsettled.is_some()) {
+            put = self.draper.warp(&self.garment, target)?;
+        }
+        Ok(PackagedDrape {
+            drape: self.draper.finish(&self.garment, target, &put)?,
+            fallback,
+            unsettled,
+        })
+    }
+
+    fn settled(&self, target: &PosedBody, put: &Warped) -> Result<Warped, DataError> {
+        let (from, never) = (put.positions(&self.garment), AtomicBool::new(false));
+        let settled = (self.teacher).settled(&self.body, target, &from, self.settling, &never)?;
+        Ok(Warped::at(&self.garment, &settled))
+    }
+}
