@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use garnet_data::{BodyPath, DataError, GarmentPackage, MIDWAY, Put, Settling, Teacher};
+use garnet_data::{BodyPath, GarmentPackage, MIDWAY, Put, Settling, Teacher};
 use garnet_skin::{Body, PosedBody};
 use garnet_train::{put_of, weights_of};
 
@@ -45,7 +45,7 @@ pub struct PackagedDrape {
     /// Why the network was not asked, and the garment warped by pose and shape.
     pub fallback: Option<Unfamiliar>,
     /// Why the cloth did not settle: it is where the network has put it, or, if that was on the way, warped.
-    pub unsettled: Option<DataError>,
+    pub unsettled: Option<Error>,
 }
 
 impl PackagedGarment {
@@ -126,7 +126,7 @@ impl PackagedGarment {
         })
     }
 
-    fn settled(&self, target: &PosedBody, put: &Warped) -> Result<Warped, DataError> {
+    fn settled(&self, target: &PosedBody, put: &Warped) -> Result<Warped, Error> {
         let (from, never) = (put.positions(&self.garment), AtomicBool::new(false));
         let settled = (self.teacher).settled(&self.body, target, &from, self.settling, &never)?;
         Ok(Warped::at(&self.garment, &settled))
