@@ -82,8 +82,8 @@ pub(crate) struct ChartArgs {
 
 const LONG_HELP: &str = "\
 Each way to drape is timed on single scenes in this process, on the threads of `--threads`, from a \
-posed body in memory to the drape; all ways drape a scene before the next one comes. Simulations run \
-on one thread and are not untangled. Distances are those to the drapes of the data set: a simulation \
+posed body in memory to the drape; all ways drape a scene before the next one comes. Simulations are not \
+untangled; the substeps of the teacher and of the reference run on one thread. Distances are those to the drapes of the data set: a simulation \
 of the quality that made them has none, and is drawn at the noise floor, which is how far its drapes \
 move when one shoulder turns by 0.001 rad.
 

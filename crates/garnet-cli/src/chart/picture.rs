@@ -59,7 +59,7 @@ fn subtitle(report: &ChartReport) -> String {
         count => format!(", {count} simulated"),
     };
     format!(
-        "{} vertices, {} test scenes{simulated}; {} threads, simulation 1; {}",
+        "{} vertices, {} test scenes{simulated}; {} threads; {}",
         report.vertices,
         report.scenes,
         report.threads,
@@ -157,7 +157,7 @@ pub(super) fn growth(report: &ChartReport, growth: &GrowthReport) -> LogLog {
     let mut chart = LogLog {
         title: format!("{}: what a drape costs with more vertices", report.garment),
         subtitle: format!(
-            "medians of {} test bodies; {} threads, simulation 1; {}; networks with random weights",
+            "medians of {} test bodies; {} threads; {}; networks with random weights",
             growth.scenes,
             report.threads,
             processor(&report.machine)

@@ -127,11 +127,11 @@ impl MethodReport {
     /// Of a method; none if there is no sample of it.
     fn new(method: &Method, stage: &Stage, scenes: &Chosen, record: &Record) -> Option<Self> {
         let known = record.find(&method.name)?;
-        let (chosen, threads, is_target) = match method.way {
-            Way::Drape(_) => (&scenes.drapes, record.setting.threads, false),
+        let (chosen, is_target) = match method.way {
+            Way::Drape(_) => (&scenes.drapes, false),
             Way::Simulation(quality) => {
                 let made = stage.dataset.manifest.quality.is_some();
-                (&scenes.simulations, 1, made && quality == teacher_of(stage))
+                (&scenes.simulations, made && quality == teacher_of(stage))
             }
         };
         let figures = Figures::of(known.of(chosen));
@@ -141,7 +141,7 @@ impl MethodReport {
             settle_frames: method.settle_frames,
             is_target,
             is_on_front: false,
-            threads,
+            threads: record.setting.threads,
             flop: known.cost.map(|cost| cost.flops),
             parameters: known.cost.map(|cost| cost.parameters),
             weight_bytes: method.weights.as_ref().map(|weights| weights.bytes),
