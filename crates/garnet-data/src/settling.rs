@@ -16,6 +16,8 @@ pub enum Put {
     /// Where it is when the body is [midway](crate::MIDWAY) ([`Drape::midway`]): the second half of the motion is still
     /// to be simulated.
     Midway,
+    /// Where it lies on the body at rest: the whole motion is still to be simulated.
+    OnRestBody,
 }
 
 impl Put {
@@ -28,7 +30,7 @@ impl Put {
     pub const fn frames(self) -> u32 {
         match self {
             Self::AtRest => 6,
-            Self::AtArrival | Self::Midway => 24,
+            Self::AtArrival | Self::Midway | Self::OnRestBody => 24,
         }
     }
 
@@ -43,6 +45,7 @@ impl Put {
             Self::AtRest => Schedule::settling(edge_length, frames),
             Self::AtArrival => Schedule::after_arrival(edge_length, frames),
             Self::Midway => Schedule::after_midway(edge_length, frames),
+            Self::OnRestBody => Schedule::from_rest(edge_length, frames),
         }
     }
 }
@@ -76,9 +79,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_cloth_put_midway_has_half_of_the_motion_before_it() {
-        let frames = [Put::AtRest, Put::AtArrival, Put::Midway].map(Put::motion_frames);
-        assert_eq!(frames, [0, 0, 30]);
+    fn cloth_has_as_much_of_the_motion_before_it_as_was_not_told() {
+        let puts = [Put::AtRest, Put::AtArrival, Put::Midway, Put::OnRestBody];
+        assert_eq!(puts.map(Put::motion_frames), [0, 0, 30, 60]);
         assert!(
             !Settling {
                 put: Put::AtArrival,

@@ -216,7 +216,9 @@ mod tests {
             distance(0.0, -3.0, 4.5),
             distance(-2.0, 2.5, 0.0),
         ];
-        assert_eq!(distances, [0.0, 2.0, 1.5, 1.0]);
+        for (distance, expected) in distances.into_iter().zip([0.0, 2.0, 1.5, 1.0]) {
+            assert!((distance - expected).abs() < 1e-6, "{distance} {expected}");
+        }
     }
 
     #[test]

@@ -312,17 +312,24 @@ impl Schedule {
     ///
     /// On 155 validation T-shirts that networks put 2.0 mm off, drapes are 5.6 mm from the teacher with 24 frames of settling,
     /// 5.3 with the fast quality's 58; with contacts looked for as often as by the teacher 5.5, 20 times a second 6.1; with a
-    /// rate of 24 or 48 in place of 34 6.1 and 6.0; put exactly where they are 4.6 mm. The fast quality's whole motion with
-    /// the same settling ends 5.2 mm off.
+    /// rate of 24 or 48 in place of 34 6.1 and 6.0; with a drag of 0 or 30 in place of 5 at first 5.7 and 6.0; put exactly where they are
+    /// 4.6 mm.
     pub fn after_midway(edge_length: f32, frames: u32) -> Self {
-        let fast = Self::for_quality(Quality::Fast, edge_length);
+        let whole = Self::from_rest(edge_length, frames);
+        Self {
+            motion_frames: whole.motion_frames - whole.midway_frame(),
+            motion_part: [MIDWAY, 1.0],
+            ..whole
+        }
+    }
+
+    /// The same for the whole motion of cloth on the body at rest: it ends 5.2 mm from the teacher.
+    pub fn from_rest(edge_length: f32, frames: u32) -> Self {
         let [fast_frames, frames_asked] = [FAST_FRAMES, TEACHER_FRAMES].map(|of| of[0] as f32);
         let frames = (frames as f32 * fast_frames / frames_asked).round() as u32;
         Self {
-            motion_frames: fast.motion_frames - fast.midway_frame(),
-            motion_part: [MIDWAY, 1.0],
             stages: Self::after_arrival(edge_length, frames).stages,
-            ..fast
+            ..Self::for_quality(Quality::Fast, edge_length)
         }
     }
 

@@ -4,10 +4,11 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use garnet_data::{BodyPath, GarmentPackage, MIDWAY, Put, Settling, Teacher};
+use garnet_mesh::Point3;
 use garnet_skin::{Body, PosedBody};
 use garnet_train::{put_of, weights_of};
 
-use crate::{BoundGarment, Drape, Draper, Error, Garment, Network, Unfamiliar, Warped};
+use crate::{BoundGarment, Drape, Draper, Error, Garment, Moved, Network, Unfamiliar, Warped};
 
 /// A garment of a package with one of its networks, ready for one body after another: what `garnet drape PACKAGE` does.
 ///
@@ -25,7 +26,7 @@ use crate::{BoundGarment, Drape, Draper, Error, Garment, Network, Unfamiliar, Wa
 /// let target = shirt.body().fitted(reach.positions())?;
 /// let drape = shirt.drape(&target)?.drape;
 /// io::write_obj("draped.obj", &shirt.garment().mesh().with_positions(drape.positions)?)?;
-/// # Ok::<(), garnet::Error>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
 pub struct PackagedGarment {
@@ -42,7 +43,8 @@ pub struct PackagedGarment {
 pub struct PackagedDrape {
     /// Where the garment is.
     pub drape: Drape,
-    /// Why the network was not asked, and the garment warped by pose and shape.
+    /// Why the network was not asked: the garment was warped by pose and shape, or, if the network tells where cloth is midway,
+    /// simulated all the way from the body at rest.
     pub fallback: Option<Unfamiliar>,
     /// Why the cloth did not settle: it is where the network has put it, or, if that was on the way, warped.
     pub unsettled: Option<Error>,
@@ -100,25 +102,32 @@ impl PackagedGarment {
     /// [`Error::Skin`] if `target` is not of [this body](Self::body); [`Error::Net`] or [`Error::Untangle`] for
     /// coordinates out of any range. A simulation that fails is [no error](PackagedDrape::unsettled).
     pub fn drape(&mut self, target: &PosedBody) -> Result<PackagedDrape, Error> {
-        let put = self.settling.put;
-        let on_way = match put {
-            Put::AtRest | Put::AtArrival => None,
+        let on_way = match self.settling.put {
             Put::Midway => Some(BodyPath::to_posed(&self.body, target).posed(&self.body, MIDWAY)?),
+            Put::AtRest | Put::AtArrival | Put::OnRestBody => None,
         };
         let seen = on_way.as_ref().unwrap_or(target);
         let warped = self.network.warped(&self.garment, seen)?;
-        let moved = self.network.moved(&self.garment, seen, &warped)?;
-        let (mut put, fallback) = (moved.garment, moved.fallback);
-        let mut unsettled = None;
-        if fallback.is_none() {
-            match self.settled(target, &put) {
-                Ok(settled) => put = settled,
-                Err(error) => unsettled = Some(error),
+        let Moved { garment, fallback } = self.network.moved(&self.garment, seen, &warped)?;
+        let from = match (&fallback, &on_way) {
+            (None, _) => Some((garment.positions(&self.garment), self.settling)),
+            (Some(_), Some(_)) => {
+                let settling = Settling {
+                    put: Put::OnRestBody,
+                    ..self.settling
+                };
+                Some((self.garment.mesh().positions().to_vec(), settling))
             }
-        }
-        if on_way.is_some() && (fallback.is_some() || unsettled.is_some()) {
-            put = self.draper.warp(&self.garment, target)?;
-        }
+            // What fell back to the warp is far from where cloth rests.
+            (Some(_), None) => None,
+        };
+        let settled = from.map(|(from, settling)| self.settled(target, &from, settling));
+        let (put, unsettled) = match settled {
+            Some(Ok(settled)) => (settled, None),
+            None => (garment, None),
+            Some(Err(error)) if on_way.is_none() => (garment, Some(error)),
+            Some(Err(error)) => (self.draper.warp(&self.garment, target)?, Some(error)),
+        };
         Ok(PackagedDrape {
             drape: self.draper.finish(&self.garment, target, &put)?,
             fallback,
@@ -126,9 +135,14 @@ impl PackagedGarment {
         })
     }
 
-    fn settled(&self, target: &PosedBody, put: &Warped) -> Result<Warped, Error> {
-        let (from, never) = (put.positions(&self.garment), AtomicBool::new(false));
-        let settled = (self.teacher).settled(&self.body, target, &from, self.settling, &never)?;
+    fn settled(
+        &self,
+        target: &PosedBody,
+        from: &[Point3],
+        settling: Settling,
+    ) -> Result<Warped, Error> {
+        let never = AtomicBool::new(false);
+        let settled = (self.teacher).settled(&self.body, target, from, settling, &never)?;
         Ok(Warped::at(&self.garment, &settled))
     }
 }

@@ -214,7 +214,7 @@ fn by_budget(
         let is_drape = match settling.put {
             Put::AtRest => true,
             Put::AtArrival => candidate.settles || job.settle.is_some(),
-            Put::Midway => candidate.settles,
+            Put::Midway | Put::OnRestBody => candidate.settles,
         };
         if !is_drape {
             continue;

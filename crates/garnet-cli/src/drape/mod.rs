@@ -303,7 +303,8 @@ fn drape_one(
     let stretch = edge_stretch(rest, &drape.positions, &free)?;
     let stretch_at_trapped = edge_stretch(rest, &drape.positions, &trapped)?;
     let mut problems: Vec<Problem> = warning::of_fit(posed.max_residual()).into_iter().collect();
-    problems.extend(fallback.clone().map(Problem::Fallback));
+    let is_from_rest = time.settle > 0.0;
+    problems.extend((fallback.clone()).map(|reason| Problem::Fallback(reason, is_from_rest)));
     problems.extend(unsettled.map(Problem::Unsettled));
     let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
     let failed = balance.filter(|balance| !balance.is_reached);
@@ -404,14 +405,20 @@ fn drape_timed(
     warp -= network;
     let (mut warped, simulated) = brought.with_context(cannot)?;
     let (mut settle, mut unsettled) = (0.0, None);
-    // What fell back to the warp is far from where cloth rests.
-    if let Some(settler) = settler.as_ref().filter(|_| fallback.is_none()) {
-        match settler.settled(bound, &posed, &warped) {
-            Ok(settled) => (warped, settle) = settled,
-            Err(error) => unsettled = Some(format!("{error:#}")),
-        }
+    let settled = settler.as_ref().and_then(|settler| match fallback {
+        None => Some(settler.settled(bound, &posed, &warped)),
+        // Of a motion that is simulated in any case the network has told the first half.
+        Some(_) if is_midway => Some(settler.from_rest(bound, &posed)),
+        // What fell back to the warp is far from where cloth rests.
+        Some(_) => None,
+    });
+    let is_settled = matches!(settled, Some(Ok(_)));
+    match settled {
+        Some(Ok(settled)) => (warped, settle) = settled,
+        Some(Err(error)) => unsettled = Some(format!("{error:#}")),
+        None => {}
     }
-    if is_midway && fallback.is_none() && (unsettled.is_some() || settler.is_none()) {
+    if is_midway && fallback.is_none() && !is_settled {
         warped = draper.warp(&bound.garment, &posed).with_context(cannot)?;
     }
     let (drape, untangle) = timed(|| draper.finish(&bound.garment, &posed, &warped));

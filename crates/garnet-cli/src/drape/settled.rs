@@ -4,8 +4,8 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::Context;
 use garnet::{
-    PosedBody, Warped,
-    data::{Settling, Teacher},
+    Point3, PosedBody, Warped,
+    data::{Put, Settling, Teacher},
 };
 
 use super::{Bound, args::Job, simulated::teacher_of, timing::timed};
@@ -52,10 +52,32 @@ impl Settler {
         posed: &PosedBody,
         put: &Warped,
     ) -> anyhow::Result<(Warped, f64)> {
-        let from = put.positions(&bound.garment);
+        self.run(bound, posed, &put.positions(&bound.garment), self.settling)
+    }
+
+    /// The garment simulated all the way from where it lies on the body at rest, and how long that took, in seconds.
+    pub(super) fn from_rest(
+        &self,
+        bound: &Bound,
+        posed: &PosedBody,
+    ) -> anyhow::Result<(Warped, f64)> {
+        let settling = Settling {
+            put: Put::OnRestBody,
+            ..self.settling
+        };
+        self.run(bound, posed, bound.garment.mesh().positions(), settling)
+    }
+
+    fn run(
+        &self,
+        bound: &Bound,
+        posed: &PosedBody,
+        from: &[Point3],
+        settling: Settling,
+    ) -> anyhow::Result<(Warped, f64)> {
         let stop = AtomicBool::new(false);
         let (settled, seconds) = timed(|| {
-            let settled = (self.teacher).settled(&bound.body, posed, &from, self.settling, &stop);
+            let settled = (self.teacher).settled(&bound.body, posed, from, settling, &stop);
             settled.context("the cloth does not settle")
         });
         Ok((Warped::at(&bound.garment, &settled?), seconds))

@@ -34,8 +34,8 @@ pub(crate) enum Problem {
     Inside(usize, f32),
     /// The target was fitted with this error, in metres.
     PoorFit(f32),
-    /// The network was not used, and why.
-    Fallback(String),
+    /// The network was not used, and why, and whether the whole motion was simulated in its place.
+    Fallback(String, bool),
     /// The cloth was left where the network put it, and why.
     Unsettled(String),
     /// The reference solver has not brought the cloth into balance in so many steps, and the largest
@@ -63,7 +63,7 @@ impl Problem {
             Self::CrossingFaces(_) => "crossing_faces",
             Self::Inside(..) => "inside",
             Self::PoorFit(_) => "poor_fit",
-            Self::Fallback(_) => "fallback",
+            Self::Fallback(..) => "fallback",
             Self::Unsettled(_) => "unsettled",
             Self::OutOfBalance(..) => "out_of_balance",
         }
@@ -87,7 +87,7 @@ impl Problem {
             | Self::BelowClearance(count, _)
             | Self::CrossingFaces(count)
             | Self::Inside(count, _) => Some(count),
-            Self::PoorFit(_) | Self::Fallback(_) | Self::Unsettled(_) | Self::OutOfBalance(..) => {
+            Self::PoorFit(_) | Self::Fallback(..) | Self::Unsettled(_) | Self::OutOfBalance(..) => {
                 None
             }
         }
@@ -161,9 +161,14 @@ impl fmt::Display for Warning {
                  where the skeleton puts it",
                 millimetres(residual)
             ),
-            Problem::Fallback(ref reason) => format!(
-                "the network is not used on `{path}`, and the warp by pose and shape is: {reason}"
-            ),
+            Problem::Fallback(ref reason, is_simulated) => {
+                let instead = if is_simulated {
+                    "the garment is simulated all the way from the body at rest"
+                } else {
+                    "the warp by pose and shape is"
+                };
+                format!("the network is not used on `{path}`, and {instead}: {reason}")
+            }
             Problem::Unsettled(ref reason) => {
                 format!("`{path}` is not settled by simulation: {reason}")
             }
