@@ -408,7 +408,7 @@ fn drape_timed(
     let settled = settler.as_ref().and_then(|settler| match fallback {
         None => Some(settler.settled(bound, &posed, &warped)),
         // Of a motion that is simulated in any case the network has told the first half.
-        Some(_) if is_midway => Some(settler.from_rest(bound, &posed)),
+        Some(_) if is_midway => Some(settler.whole_way(bound, &posed)),
         // What fell back to the warp is far from where cloth rests.
         Some(_) => None,
     });

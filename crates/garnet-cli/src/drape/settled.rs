@@ -56,7 +56,7 @@ impl Settler {
     }
 
     /// The garment simulated all the way from where it lies on the body at rest, and how long that took, in seconds.
-    pub(super) fn from_rest(
+    pub(super) fn whole_way(
         &self,
         bound: &Bound,
         posed: &PosedBody,

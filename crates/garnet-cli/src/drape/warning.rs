@@ -162,11 +162,7 @@ impl fmt::Display for Warning {
                 millimetres(residual)
             ),
             Problem::Fallback(ref reason, is_simulated) => {
-                let instead = if is_simulated {
-                    "the garment is simulated all the way from the body at rest"
-                } else {
-                    "the warp by pose and shape is"
-                };
+                let instead = in_place_of_network(is_simulated);
                 format!("the network is not used on `{path}`, and {instead}: {reason}")
             }
             Problem::Unsettled(ref reason) => {
@@ -178,6 +174,14 @@ impl fmt::Display for Warning {
             ),
         };
         formatter.write_str(&text)
+    }
+}
+
+fn in_place_of_network(is_simulated: bool) -> &'static str {
+    if is_simulated {
+        "the garment is simulated all the way from the body at rest"
+    } else {
+        "the warp by pose and shape is"
     }
 }
 
