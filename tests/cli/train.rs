@@ -173,6 +173,28 @@ fn a_tolerance_takes_what_simulates_least() {
 }
 
 #[test]
+fn a_pose_that_the_shirt_does_not_know_is_simulated_all_the_way() {
+    let fixture = prepared();
+    let shirt = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/tshirt");
+    // Bent backwards as nobody can: 69 degrees at each.
+    let bent = "[-0.5646, 0, 0, 0.8253]";
+    let joints = format!(r#"{{"spine1": {bent}, "spine2": {bent}, "spine3": {bent}}}"#);
+    let pose = format!(r#"{{"schema": "garnet.pose/1", "joints": {joints}}}"#);
+    fixture.text("bent.json", &pose);
+    let output = fixture.garnet(&format!(
+        "drape {shirt} --pose bent.json -o out.obj --report report.json"
+    ));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stderr(&output);
+    assert!(text.contains("simulated all the way"), "{text}");
+    let report: serde_json::Value = serde_json::from_slice(&fixture.read("report.json")).unwrap();
+    let drape = &report["drapes"][0];
+    assert!(drape["fallback"].is_string());
+    assert_eq!(drape["untangle"]["inside"], 0);
+    assert!(drape["seconds"]["settle"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
 fn a_body_unlike_all_in_training_is_draped_by_the_warp() {
     let fixture = prepared();
     done(&fixture, "train net scenes --preset tiny --epochs 1 -q");

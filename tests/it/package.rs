@@ -100,16 +100,22 @@ fn the_shirt_goes_on_from_where_it_is_midway() {
 fn a_packaged_shirt_does_without_its_network_where_that_knows_no_better() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/tshirt");
     let package = GarmentPackage::read(&folder).unwrap();
-    let mut pose = Pose::rest(package.body.skeleton().num_joints());
-    // Upside down.
-    pose.rotations[0] = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 3.0);
+    let skeleton = package.body.skeleton();
+    let mut pose = Pose::rest(skeleton.num_joints());
+    // Bent backwards as nobody can.
+    for (joint, rotation) in skeleton.joints().iter().zip(&mut pose.rotations) {
+        if joint.name.starts_with("spine") {
+            *rotation = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -1.2);
+        }
+    }
     let target = package.body.posed(&pose).unwrap();
     let edges = garnet_mesh::Topology::new(package.mesh.num_vertices(), package.mesh.faces());
     let mut stretch = Vec::new();
     for variant in ["pose-space", "midway"] {
         let mut shirt = PackagedGarment::open(&folder, Some(variant)).unwrap();
         let draped = shirt.drape(&target).unwrap();
-        assert!(draped.fallback.is_some() && draped.unsettled.is_none());
+        assert!(draped.unsettled.is_none(), "{:?}", draped.unsettled);
+        assert!(draped.fallback.is_some(), "{variant}");
         let drape = draped.drape;
         assert_eq!(drape.report.as_ref().unwrap().inside, 0);
         let rest = package.mesh.positions();
@@ -120,8 +126,11 @@ fn a_packaged_shirt_does_without_its_network_where_that_knows_no_better() {
             assert_eq!(drape.positions, warped.positions);
         }
     }
-    // What is simulated is cloth, and falls over the head.
-    assert!(stretch[1] < 1.15, "{stretch:?}");
+    println!(
+        "stretch p99 warped {:.2}, simulated {:.2}",
+        stretch[0], stretch[1]
+    );
+    assert!(stretch[1] < 0.9 * stretch[0], "{stretch:?}");
 
     let error = PackagedGarment::open(&folder, Some("best")).unwrap_err();
     assert!(error.to_string().contains("`best`"), "{error}");
