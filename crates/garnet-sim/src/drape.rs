@@ -57,8 +57,8 @@ const SPEED_SECONDS: f32 = 0.1;
 
 /// Simulates a scene.
 ///
-/// Substeps run on one thread, while another one that rayon has moves the body; contacts are looked for on all of them. The same scene and schedule give
-/// the same bytes on any number of them. The motion of the body is asked at equal frames of a time that starts and ends gently. The observer hears of each
+/// Each of the [patches](Schedule::patches) takes a substep on one of the threads that rayon has, while another one moves the body; contacts are looked for
+/// on all of them. The same scene and schedule give the same bytes on any number of them. The motion of the body is asked at equal frames of a time that starts and ends gently. The observer hears of each
 /// frame, and may break off.
 ///
 /// # Errors

@@ -138,6 +138,7 @@ impl Patchwork {
         };
         let rounds = Rounds::new(patches);
         let lead = || {
+            let _end = rounds.end();
             for substep in 0..number {
                 rounds.lead(substep, &work);
                 let mut patches: Vec<_> = patches.iter().map(locked).collect();
@@ -145,7 +146,6 @@ impl Patchwork {
                 seam.project(&mut patches, sources, pace, state);
             }
             rounds.lead(number, &work);
-            rounds.end();
         };
         rayon::join(lead, || {
             meanwhile();

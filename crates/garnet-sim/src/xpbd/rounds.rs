@@ -43,9 +43,9 @@ impl<'a, T> Rounds<'a, T> {
         wait(|| self.num_done.load(Ordering::Acquire) == num_things);
     }
 
-    /// Tells those who help that there are no more rounds.
-    pub(super) fn end(&self) {
-        self.ticket.store(OVER << TAKEN_BITS, Ordering::Release);
+    /// What tells those who help that there are no more rounds, when it is dropped: even if the leader panics.
+    pub(super) fn end(&self) -> impl Drop + '_ {
+        End(&self.ticket)
     }
 
     /// Helps until the end.
@@ -68,6 +68,14 @@ impl<'a, T> Rounds<'a, T> {
         let _done = Done(&self.num_done);
         work((round - 1) as u32, &mut locked(thing));
         Some(())
+    }
+}
+
+struct End<'a>(&'a AtomicU64);
+
+impl Drop for End<'_> {
+    fn drop(&mut self) {
+        self.0.store(OVER << TAKEN_BITS, Ordering::Release);
     }
 }
 
@@ -111,11 +119,27 @@ mod tests {
                 for _ in 0..num_helpers {
                     scope.spawn(|| rounds.help(&work));
                 }
+                let end = rounds.end();
                 (0..1000).for_each(|round| rounds.lead(round, &work));
-                rounds.end();
+                drop(end);
             });
             let all: Vec<u32> = (0..1000).collect();
             assert!(things.iter().all(|thing| *locked(thing) == all));
         }
+    }
+
+    #[test]
+    fn nobody_waits_for_a_leader_or_a_helper_that_panics() {
+        let things: Vec<Mutex<u32>> = (0..2).map(|_| Mutex::default()).collect();
+        let rounds = Rounds::new(&things);
+        let fails = |round: u32, _: &mut u32| assert!(round < 2, "as is to be tested");
+        let work = std::panic::AssertUnwindSafe(|| {
+            let lead = || {
+                let _end = rounds.end();
+                (0..9).for_each(|round| rounds.lead(round, &fails));
+            };
+            rayon::join(lead, || rounds.help(&fails));
+        });
+        assert!(std::panic::catch_unwind(work).is_err());
     }
 }
