@@ -11,9 +11,9 @@ pub enum Put {
     /// Where it would rest, but for its strain and finer folds.
     #[default]
     AtRest,
-    /// Where it is when the body comes to its last place ([`Drape::arrived`]): its folds are still to be found.
+    /// Where it is when the body comes to its last place ([`Drape::arrived`](garnet_sim::Drape::arrived)): its folds are still to be found.
     AtArrival,
-    /// Where it is when the body is [midway](crate::MIDWAY) ([`Drape::midway`]): the second half of the motion is still
+    /// Where it is when the body is [midway](crate::MIDWAY) ([`Drape::midway`](garnet_sim::Drape::midway)): the second half of the motion is still
     /// to be simulated.
     Midway,
     /// Where it lies on the body at rest: the whole motion is still to be simulated.
