@@ -90,11 +90,6 @@ impl PackagedGarment {
         &self.garment
     }
 
-    /// How cloth settles; with another number of frames from now on.
-    pub fn settling_mut(&mut self) -> &mut Settling {
-        &mut self.settling
-    }
-
     /// Drapes the garment on the body in another pose and shape.
     ///
     /// # Errors
