@@ -7,6 +7,11 @@ use crate::SimError;
 /// The membrane is isotropic with Poisson's ratio 1/3, which springs along the edges of a regular
 /// mesh give; warp, weft and shear are not told apart.
 ///
+/// Cloth that is pushed together gives way into folds at almost no force. Folds shorter than the edges of
+/// a mesh have no place in it, so that its edges stand for them: they resist being shortened by a small share of what they resist
+/// being stretched by (the immediate buckling of Choi and Ko 2002, "Stable but responsive cloth"; the relaxed membrane of Pipkin 1986). With
+/// all of it cloth that has too much room, over a raised shoulder say, crumples into folds of the mesh that are others on every way to the same pose.
+///
 /// # Examples
 ///
 /// ```
@@ -22,6 +27,8 @@ pub struct Fabric {
     pub density: f32,
     /// Young's modulus times thickness, N/m: the force a meter of width that doubles the length.
     pub membrane: f32,
+    /// The share of the membrane's stiffness that acts against being shortened, from 0 to 1: 1 for a sheet that the mesh is fine enough for.
+    pub compression: f32,
     /// Bending rigidity B, N m: the moment a meter of width over the curvature.
     pub bending: f32,
     /// Coulomb's coefficient, of cloth on skin and of cloth on cloth.
@@ -36,13 +43,17 @@ pub struct Fabric {
 /// (GarNet++, equation 5), which is wrong for a tenth of all points at 1 mm.
 pub const DEFAULT_THICKNESS: f32 = 0.003;
 
+/// What [`Fabric::compression`] is unless told otherwise.
+pub const USUAL_COMPRESSION: f32 = 0.01;
+
 /// The names that [`Fabric::named`] knows.
 pub const FABRIC_NAMES: [&str; 6] = ["silk", "jersey", "interlock", "cotton", "knit", "denim"];
 
 /// Smallest and largest value and unit of each constant.
-const LIMITS: [(&str, f32, f32, &str); 5] = [
+const LIMITS: [(&str, f32, f32, &str); 6] = [
     ("density", 0.01, 5.0, "kg/m²"),
     ("membrane stiffness", 1.0, 1e6, "N/m"),
+    ("share of the stiffness against compression", 0.0, 1.0, ""),
     ("bending rigidity", 0.0, 0.1, "N m"),
     ("friction", 0.0, 2.0, ""),
     ("thickness", 1e-4, 0.02, "m"),
@@ -108,6 +119,7 @@ impl Fabric {
         let values = [
             self.density,
             self.membrane,
+            self.compression,
             self.bending,
             self.friction,
             self.thickness,
@@ -130,6 +142,7 @@ impl Fabric {
         Self {
             density,
             membrane,
+            compression: USUAL_COMPRESSION,
             bending,
             friction,
             thickness: DEFAULT_THICKNESS,

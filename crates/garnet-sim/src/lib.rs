@@ -24,7 +24,7 @@ pub use cloth::{BENDING_FACTOR, BendingHinge, Cloth, Spring};
 pub use collider::{Collider, MAX_PARTS, Motion};
 pub use drape::{Drape, Event, drape, settle};
 pub use error::SimError;
-pub use fabric::{DEFAULT_THICKNESS, FABRIC_NAMES, Fabric};
+pub use fabric::{DEFAULT_THICKNESS, FABRIC_NAMES, Fabric, USUAL_COMPRESSION};
 pub use garnet_mesh::{Point3, Vector3};
 pub use report::{
     DrapeReport, Energy, Penetration, STILL_SPEED, SelfIntersections, Speeds, Strain,

@@ -92,7 +92,7 @@ impl Energy {
         for spring in cloth.springs() {
             let [a, b] = spring.vertices.map(at);
             let stretch = (a - b).norm() - f64::from(spring.rest_length);
-            energy.stretch += 0.5 * f64::from(spring.stiffness) * stretch * stretch;
+            energy.stretch += 0.5 * spring.stiffness_at(stretch) * stretch * stretch;
         }
         for hinge in cloth.hinges() {
             let places = hinge.vertices.map(at);

@@ -78,12 +78,24 @@ pub struct StoredFabric {
     pub density: f32,
     /// Young's modulus times thickness, N/m.
     pub membrane: f32,
+    /// The share of it that acts against being shortened; in files without it, of earlier versions, 1.
+    #[serde(default = "whole", skip_serializing_if = "is_whole")]
+    pub compression: f32,
     /// Bending rigidity, N m.
     pub bending: f32,
     /// Coulomb's coefficient.
     pub friction: f32,
     /// The distance that cloth keeps from skin, in metres.
     pub thickness: f32,
+}
+
+const fn whole() -> f32 {
+    1.0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+const fn is_whole(share: &f32) -> bool {
+    *share >= 1.0
 }
 
 impl StoredFabric {
@@ -93,6 +105,7 @@ impl StoredFabric {
             name: name.into(),
             density: fabric.density,
             membrane: fabric.membrane,
+            compression: fabric.compression,
             bending: fabric.bending,
             friction: fabric.friction,
             thickness: fabric.thickness,
@@ -104,6 +117,7 @@ impl StoredFabric {
         Fabric {
             density: self.density,
             membrane: self.membrane,
+            compression: self.compression,
             bending: self.bending,
             friction: self.friction,
             thickness: self.thickness,

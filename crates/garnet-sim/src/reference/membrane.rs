@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::blocks::{Blocks, Curvature};
-use crate::Cloth;
+use crate::{Cloth, Spring};
 use crate::rest_shape::RestFace;
 
 /// Shorter edges, in metres, have no direction.
@@ -11,41 +11,31 @@ const MIN_LENGTH: f64 = 1e-12;
 
 /// The springs of a [`Cloth`], in double precision.
 #[derive(Debug, Clone)]
-pub(super) struct Springs(Vec<SpringTerm>);
-
-#[derive(Debug, Clone, Copy)]
-struct SpringTerm {
-    vertices: [u32; 2],
-    rest_length: f64,
-    stiffness: f64,
-}
+pub(super) struct Springs(Vec<Spring>);
 
 impl Springs {
     pub(super) fn new(cloth: &Cloth) -> Self {
-        let terms = cloth.springs().iter().map(|spring| SpringTerm {
-            vertices: spring.vertices,
-            rest_length: f64::from(spring.rest_length),
-            stiffness: f64::from(spring.stiffness),
-        });
-        Self(terms.collect())
+        Self(cloth.springs().to_vec())
     }
 
     /// Energy, J.
     pub(super) fn energy(&self, x: &[Vector3<f64>]) -> f64 {
-        let energy = |term: &SpringTerm| {
-            let [a, b] = term.vertices.map(|vertex| x[vertex as usize]);
-            0.5 * term.stiffness * ((b - a).norm() - term.rest_length).powi(2)
+        let energy = |spring: &Spring| {
+            let [a, b] = spring.vertices.map(|vertex| x[vertex as usize]);
+            let stretch = (b - a).norm() - f64::from(spring.rest_length);
+            0.5 * spring.stiffness_at(stretch) * stretch * stretch
         };
         self.0.iter().map(energy).sum()
     }
 
     /// Adds the gradient of the energy, N.
     pub(super) fn add_gradient(&self, x: &[Vector3<f64>], gradient: &mut [Vector3<f64>]) {
-        for term in &self.0 {
-            let [a, b] = term.vertices.map(|vertex| vertex as usize);
+        for spring in &self.0 {
+            let [a, b] = spring.vertices.map(|vertex| vertex as usize);
             let along = x[b] - x[a];
             let length = along.norm().max(MIN_LENGTH);
-            let pull = along * (term.stiffness * (1.0 - term.rest_length / length));
+            let stretch = length - f64::from(spring.rest_length);
+            let pull = along * (spring.stiffness_at(stretch) * stretch / length);
             gradient[a] -= pull;
             gradient[b] += pull;
         }
@@ -58,14 +48,16 @@ impl Springs {
         curvature: Curvature,
         blocks: &mut Blocks,
     ) {
-        for term in &self.0 {
-            let [a, b] = term.vertices;
+        for spring in &self.0 {
+            let [a, b] = spring.vertices;
             let along = x[b as usize] - x[a as usize];
             let length = along.norm().max(MIN_LENGTH);
             let direction = along / length;
-            let across = curvature.of(term.stiffness * (1.0 - term.rest_length / length));
+            let stretch = length - f64::from(spring.rest_length);
+            let stiffness = spring.stiffness_at(stretch);
+            let across = curvature.of(stiffness * stretch / length);
             let axial = direction * direction.transpose();
-            let block = axial * (term.stiffness - across) + Matrix3::identity() * across;
+            let block = axial * (stiffness - across) + Matrix3::identity() * across;
             blocks.add(a, a, &block);
             blocks.add(b, b, &block);
             blocks.add(a, b, &-block);

@@ -13,6 +13,8 @@ use crate::xpbd::quad::Quad;
 /// ```text
 /// Δx₁ = −w₁ / (w₁ + w₂ + α) (|d| − l) d/|d|,   α = 1 / (k h²),   d = x₁ − x₂
 /// ```
+///
+/// with the compliance α of its k for a spring that is shorter than l.
 #[derive(Debug, Clone)]
 pub(crate) struct Springs {
     blocks: Vec<Block>,
@@ -31,6 +33,8 @@ struct Block {
     /// Share of the correction that each vertex takes.
     first_shares: [f32; WIDTH],
     second_shares: [f32; WIDTH],
+    /// What both are multiplied by where the spring is shorter than at rest.
+    compressions: [f32; WIDTH],
 }
 
 /// Springs of a block: loops over so many numbers become vector instructions.
@@ -59,6 +63,7 @@ impl Springs {
                 lengths: [1.0; WIDTH],
                 first_shares: [0.0; WIDTH],
                 second_shares: [0.0; WIDTH],
+                compressions: [1.0; WIDTH],
             }
         });
         Self {
@@ -72,13 +77,17 @@ impl Springs {
         for (index, slot) in self.slots.iter().enumerate() {
             let Some(spring) = *slot else { continue };
             let spring = &cloth.springs()[spring as usize];
-            let compliance = 1.0 / (spring.stiffness * step * step);
+            let compliance = |stiffness: f32| 1.0 / (stiffness * step * step);
             let [first, second] = spring
                 .vertices
                 .map(|vertex| inverse_masses[vertex as usize]);
+            let stretched = first + second + compliance(spring.stiffness);
             let block = &mut self.blocks[index / WIDTH];
-            block.first_shares[index % WIDTH] = first / (first + second + compliance);
-            block.second_shares[index % WIDTH] = second / (first + second + compliance);
+            block.first_shares[index % WIDTH] = first / stretched;
+            block.second_shares[index % WIDTH] = second / stretched;
+            // Without any stiffness the compliance is infinite, and the factor zero.
+            let shortened = first + second + compliance(spring.compression);
+            block.compressions[index % WIDTH] = stretched / shortened;
         }
     }
 
@@ -114,7 +123,8 @@ impl Springs {
             for (slot, stretch) in stretch.iter_mut().enumerate() {
                 let [x, y, z, _] = along[slot].0;
                 let length = (x * x + y * y + z * z + TINY_SQUARED).sqrt();
-                *stretch = 1.0 - block.lengths[slot] / length;
+                let relative = 1.0 - block.lengths[slot] / length;
+                *stretch = relative.max(0.0) + relative.min(0.0) * block.compressions[slot];
             }
             for slot in 0..WIDTH {
                 let [first, second] = [block.first[slot], block.second[slot]];
@@ -123,5 +133,64 @@ impl Springs {
                 offsets[second as usize] += correction * block.second_shares[slot];
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use garnet_mesh::primitives::grid;
+
+    use super::*;
+    use crate::{Fabric, Point3, RestShape};
+
+    /// Offsets after one projection of a sheet that is `scale` times as large as at rest.
+    fn projected(fabric: &Fabric, scale: f32) -> Vec<Quad> {
+        let mesh = grid(4, 3, [0.1, 0.1]);
+        let rest = RestShape::Worn(mesh.positions().to_vec());
+        let cloth = Cloth::new(mesh.faces(), mesh.num_vertices(), &rest, fabric).unwrap();
+        let scaled: Vec<Point3> = mesh.positions().iter().map(|p| p * scale).collect();
+        let mut particles = Particles::new(&cloth, &scaled);
+        let vertices: Vec<u32> = (0..cloth.num_vertices() as u32).collect();
+        let all: Vec<u32> = (0..cloth.springs().len() as u32).collect();
+        let places = Places {
+            by_vertex: &vertices,
+            number: vertices.len(),
+        };
+        let mut springs = Springs::new(&cloth, &all, places);
+        springs.set_step(&cloth, &cloth.inverse_masses(), 5e-4);
+        springs.set_lengths(|spring| cloth.springs()[spring].rest_length);
+        springs.rebase(&particles.bases);
+        springs.project(&mut particles.offsets);
+        particles.offsets
+    }
+
+    #[test]
+    fn a_shortened_spring_gives_way_as_one_of_its_share_of_the_stiffness_does() {
+        let half = Fabric {
+            compression: 0.5,
+            ..Fabric::cotton()
+        };
+        let weak = Fabric {
+            membrane: 0.5 * half.membrane,
+            compression: 1.0,
+            ..half
+        };
+        let whole = Fabric {
+            compression: 1.0,
+            ..half
+        };
+        let largest = |a: &[Quad], b: &[Quad]| {
+            let apart = a.iter().zip(b).map(|(a, b)| (*a - *b).dot3(*a - *b).sqrt());
+            apart.fold(0.0, f32::max)
+        };
+        let shortened = projected(&half, 0.9);
+        assert!(largest(&shortened, &projected(&weak, 0.9)) < 1e-8);
+        assert!(largest(&shortened, &projected(&whole, 0.9)) > 1e-5);
+        assert_eq!(projected(&half, 1.1), projected(&whole, 1.1));
+        let none = Fabric {
+            compression: 0.0,
+            ..half
+        };
+        assert!(projected(&none, 0.9).iter().all(|o| *o == Quad::ZERO));
     }
 }

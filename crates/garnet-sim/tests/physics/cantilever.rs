@@ -61,6 +61,7 @@ fn hang(mesh: &TriMesh, model: Model, gamma: f64) -> [f64; 2] {
     let fabric = Fabric {
         density: density as f32,
         membrane: 1000.0,
+        compression: 1.0,
         bending: match model {
             Model::Hinges(factor) => bending * factor / BENDING_FACTOR,
             Model::Material => bending,

@@ -84,6 +84,7 @@ fn pull_ratio(friction: f64, wrap: f64) -> f64 {
     let fabric = Fabric {
         density: 0.2,
         membrane: 1000.0,
+        compression: 1.0,
         bending: 0.0,
         friction: friction as f32,
         thickness: 0.003,

@@ -34,6 +34,7 @@ fn sink(mesh: &TriMesh, membrane: Membrane) -> [f64; 2] {
     let fabric = Fabric {
         density: 0.2,
         membrane: 1000.0,
+        compression: 1.0,
         bending: 1e-5,
         ..Fabric::default()
     };
@@ -112,6 +113,7 @@ fn sag(length_over_span: f64) -> f64 {
     let fabric = Fabric {
         density: 0.2,
         membrane: 1e6,
+        compression: 1.0,
         bending: 0.0,
         ..Fabric::default()
     };

@@ -10,7 +10,10 @@ use crate::stage::{center, cloth_of, run_free, undamped};
 const ROUNDING: f32 = 1e-6;
 
 /// What 2400 substeps may move the center by, in metres.
-const DRIFT: f64 = 2e-6;
+const DRIFT: f64 = 5e-6;
+
+/// What rounding may move vertices aside by while they fall, in metres: edges that are shortened by it hardly push back.
+const ASIDE: f32 = 3e-6;
 
 /// Sums of some hundred displacements in `f32`.
 const FALLING: f64 = 1e-4;
@@ -35,7 +38,8 @@ fn cloth_falls_as_everything_falls() {
         let draped = run_free(&cloth, mesh.positions(), &schedule, &mut |_| {});
         for (start, end) in mesh.positions().iter().zip(&draped.positions) {
             assert_relative_eq!(f64::from(start.y - end.y), fall, max_relative = FALLING);
-            assert!((start.x - end.x).abs() < ROUNDING && (start.z - end.z).abs() < ROUNDING);
+            let aside = (start.x - end.x).abs().max((start.z - end.z).abs());
+            assert!(aside < ASIDE, "{aside}");
         }
     }
 }

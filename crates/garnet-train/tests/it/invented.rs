@@ -57,6 +57,7 @@ impl Invented {
                 name: "cotton".to_owned(),
                 density: 0.2,
                 membrane: 1e3,
+                compression: 1.0,
                 bending: 1e-5,
                 friction: 0.3,
                 thickness: 2e-3,
