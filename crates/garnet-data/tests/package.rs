@@ -92,3 +92,24 @@ fn what_is_damaged_or_foreign_is_refused_by_name() {
         Err(DataError::Foreign { .. } | DataError::Obj(_))
     ));
 }
+
+#[test]
+fn edges_of_the_pattern_are_as_long_as_they_were_cut_and_ribs_apart() {
+    let package = common::tshirt();
+    let mesh = &package.mesh;
+    let topology = garnet_mesh::Topology::new(mesh.num_vertices(), mesh.faces());
+    let flat = package.flat_edges().unwrap();
+    // The rib of the neck has its own lengths.
+    assert!(flat.len() < topology.edges().len() && flat.len() > topology.edges().len() * 9 / 10);
+    let worn =
+        |[a, b]: [u32; 2]| (mesh.positions()[a as usize] - mesh.positions()[b as usize]).norm();
+    let mut stretches: Vec<f32> = flat
+        .iter()
+        .map(|&(ends, length)| worn(ends) / length)
+        .collect();
+    stretches.sort_unstable_by(f32::total_cmp);
+    assert!((stretches[stretches.len() / 2] - 1.0).abs() < 0.02);
+    let mut own = package.clone();
+    own.rest = garnet_sim::RestShape::Worn(mesh.positions().to_vec());
+    assert_eq!(own.flat_edges(), None);
+}

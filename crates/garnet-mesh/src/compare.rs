@@ -182,29 +182,35 @@ pub fn edge_stretch(
     posed: &[Point3],
     edges: &[[u32; 2]],
 ) -> Result<StretchSummary, MeshError> {
-    let mut stretches = edge_stretches(rest, posed, edges)?;
-    stretches.sort_unstable_by(f32::total_cmp);
-    let [min, .., max] = stretches[..] else {
-        let only = stretches.first().copied().unwrap_or_default();
-        return Ok(StretchSummary {
-            min: only,
-            p50: only,
-            p99: only,
-            max: only,
-            mean: f64::from(only),
+    Ok(StretchSummary::of(edge_stretches(rest, posed, edges)?))
+}
+
+impl StretchSummary {
+    /// The summary of some stretches; all zero if there are none.
+    pub fn of(mut stretches: Vec<f32>) -> Self {
+        stretches.sort_unstable_by(f32::total_cmp);
+        let [min, .., max] = stretches[..] else {
+            let only = stretches.first().copied().unwrap_or_default();
+            return Self {
+                min: only,
+                p50: only,
+                p99: only,
+                max: only,
+                mean: f64::from(only),
+                count: stretches.len(),
+            };
+        };
+        let last = stretches.len() - 1;
+        let percentile = |percent: usize| stretches[(last * percent).div_ceil(100)];
+        Self {
+            min,
+            p50: percentile(50),
+            p99: percentile(99),
+            max,
+            mean: Spread::of(&stretches).mean,
             count: stretches.len(),
-        });
-    };
-    let last = stretches.len() - 1;
-    let percentile = |percent: usize| stretches[(last * percent).div_ceil(100)];
-    Ok(StretchSummary {
-        min,
-        p50: percentile(50),
-        p99: percentile(99),
-        max,
-        mean: Spread::of(&stretches).mean,
-        count: stretches.len(),
-    })
+        }
+    }
 }
 
 fn check_counts(reference: &[Point3], predicted: &[Point3]) -> Result<(), MeshError> {

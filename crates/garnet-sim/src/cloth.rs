@@ -56,7 +56,11 @@ pub struct Spring {
 impl Spring {
     /// The stiffness of an edge that is longer than at rest by `stretch`, N/m.
     pub fn stiffness_at(&self, stretch: f64) -> f64 {
-        f64::from(if stretch < 0.0 { self.compression } else { self.stiffness })
+        f64::from(if stretch < 0.0 {
+            self.compression
+        } else {
+            self.stiffness
+        })
     }
 }
 

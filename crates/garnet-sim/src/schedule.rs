@@ -222,7 +222,11 @@ impl Schedule {
             motion_part: [0.0, 1.0],
             motion_rate: rate(34.0),
             motion_friction: SHAKEN,
-            stages: vec![stage(first, 34.0), settle(second, LAST_RATE), last(third, LAST_RATE)],
+            stages: vec![
+                stage(first, 34.0),
+                settle(second, LAST_RATE),
+                last(third, LAST_RATE),
+            ],
             balance_steps: match quality {
                 Quality::Fast | Quality::Teacher => 0,
                 Quality::Reference => BALANCE_STEPS,

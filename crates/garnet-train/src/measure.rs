@@ -1,6 +1,6 @@
 //! Drapes beside those of the teacher.
 
-use garnet_mesh::{Point3, Topology};
+use garnet_mesh::{Point3, Topology, edge_stretches};
 use garnet_net::NetError;
 use garnet_net::losses::{LossBody, LossConfig, Losses};
 
@@ -12,6 +12,8 @@ use crate::{Stage, StagedScene, TrainError};
 pub(crate) struct Measure {
     losses: Losses,
     edges: Vec<[u32; 2]>,
+    /// Edges and their lengths in the pattern that all wear, in metres.
+    pattern: Option<Vec<([u32; 2], f32)>>,
 }
 
 impl Measure {
@@ -21,6 +23,11 @@ impl Measure {
         Ok(Self {
             losses: Losses::new(mesh, &LossConfig::paper())?,
             edges: topology.edges().to_vec(),
+            pattern: if stage.is_made_to_measure() {
+                None
+            } else {
+                stage.package.flat_edges()
+            },
         })
     }
 
@@ -46,11 +53,21 @@ impl Measure {
         tally.add(&Compared {
             predicted,
             draped: &staged.draped,
-            rest: mesh.positions(),
             faces: mesh.faces(),
-            edges: &self.edges,
+            stretches: self.stretches(mesh.positions(), predicted)?,
             skin,
             losses: &losses,
         })
+    }
+
+    /// Length over rest length of the edges, those of ribs and waistbands apart where a pattern tells them.
+    fn stretches(&self, rest: &[Point3], predicted: &[Point3]) -> Result<Vec<f32>, TrainError> {
+        let Some(pattern) = &self.pattern else {
+            return Ok(edge_stretches(rest, predicted, &self.edges)?);
+        };
+        let stretch = |&([a, b], rest_length): &([u32; 2], f32)| {
+            (predicted[a as usize] - predicted[b as usize]).norm() / rest_length
+        };
+        Ok(pattern.iter().map(stretch).collect())
     }
 }

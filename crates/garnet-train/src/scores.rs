@@ -1,7 +1,7 @@
 //! What is measured of drapes (ARCHITECTURE.md has the definitions of the project).
 
 use garnet_knn::Surface;
-use garnet_mesh::{Point3, TriMesh, edge_stretch, normal_angles, vertex_distances};
+use garnet_mesh::{Point3, StretchSummary, TriMesh, normal_angles, vertex_distances};
 use garnet_net::losses::{LossReport, Term};
 use serde::{Deserialize, Serialize};
 
@@ -45,9 +45,9 @@ pub struct Scores {
 pub(crate) struct Compared<'a> {
     pub(crate) predicted: &'a [Point3],
     pub(crate) draped: &'a [Point3],
-    pub(crate) rest: &'a [Point3],
     pub(crate) faces: &'a [[u32; 3]],
-    pub(crate) edges: &'a [[u32; 2]],
+    /// Length over rest length of the edges.
+    pub(crate) stretches: Vec<f32>,
     pub(crate) skin: &'a Surface,
     pub(crate) losses: &'a LossReport,
 }
@@ -121,9 +121,8 @@ impl Tally {
         let Compared {
             predicted,
             draped,
-            rest,
             faces,
-            edges,
+            ref stretches,
             skin,
             losses,
         } = *compared;
@@ -135,7 +134,7 @@ impl Tally {
         for (sum, term) in self.terms.iter_mut().zip(TERMS) {
             *sum += losses.value(term).unwrap_or(0.0);
         }
-        let stretch = edge_stretch(rest, predicted, edges)?;
+        let stretch = StretchSummary::of(stretches.clone());
         self.stretch_p99 += f64::from(stretch.p99);
         self.stretch_max = self.stretch_max.max(f64::from(stretch.max));
         let is_inside = skin.contains_all(predicted);

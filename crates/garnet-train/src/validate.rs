@@ -2,7 +2,7 @@
 
 use garnet_knn::Surface;
 use garnet_mesh::Point3;
-use garnet_mesh::{Topology, TriMesh};
+use garnet_mesh::{Topology, TriMesh, edge_stretches};
 use garnet_net::{GarNet, NetError, Predictor};
 
 use crate::scores::{Compared, Tally};
@@ -73,9 +73,8 @@ pub(crate) fn validate_drapes(
         tally.add(&Compared {
             predicted: &predicted,
             draped: &example.draped,
-            rest: &example.rest,
             faces: mesh.faces(),
-            edges: topology.edges(),
+            stretches: edge_stretches(&example.rest, &predicted, topology.edges())?,
             skin: &skin,
             losses: &losses,
         })?;

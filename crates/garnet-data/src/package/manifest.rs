@@ -93,7 +93,10 @@ const fn whole() -> f32 {
     1.0
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes a reference"
+)]
 const fn is_whole(share: &f32) -> bool {
     *share >= 1.0
 }

@@ -5,7 +5,7 @@ mod manifest;
 use std::path::{Path, PathBuf};
 
 use garnet_mesh::{Fingerprint, ObjFile, TriMesh, write_atomically};
-use garnet_sim::RestShape;
+use garnet_sim::{Cloth, RestShape};
 use garnet_skin::{Body, Rig, read_rig, write_rig_npz};
 
 pub use manifest::{
@@ -87,6 +87,30 @@ impl GarmentPackage {
             rest: parts.rest,
             body: parts.body,
         })
+    }
+
+    /// The edges of the template and their lengths in its pattern, in metres, without those of ribs and waistbands; none without a pattern.
+    ///
+    /// On the body at rest edges are shorter where the cloth is pushed together, and longer where it hangs.
+    pub fn flat_edges(&self) -> Option<Vec<([u32; 2], f32)>> {
+        if !matches!(self.rest, RestShape::Flat { .. }) {
+            return None;
+        }
+        let fabric = self.manifest.fabric.fabric();
+        let cloth = Cloth::new(
+            self.mesh.faces(),
+            self.mesh.num_vertices(),
+            &self.rest,
+            &fabric,
+        )
+        .ok()?;
+        let edges = cloth.springs().iter().zip(cloth.is_shrunk());
+        let edges = edges.filter(|&(_, &is_shrunk)| !is_shrunk);
+        Some(
+            edges
+                .map(|(spring, _)| (spring.vertices, spring.rest_length))
+                .collect(),
+        )
     }
 
     /// Whether a path is a package: a folder with a manifest.

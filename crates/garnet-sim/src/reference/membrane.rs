@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::blocks::{Blocks, Curvature};
-use crate::{Cloth, Spring};
 use crate::rest_shape::RestFace;
+use crate::{Cloth, Spring};
 
 /// Shorter edges, in metres, have no direction.
 const MIN_LENGTH: f64 = 1e-12;
