@@ -154,8 +154,8 @@ fn a_tolerance_takes_what_simulates_least() {
         serde_json::from_str(&report).unwrap()
     };
     for (limit, method) in [
-        ("--tolerance 6.2", "arrival"),
-        ("--tolerance 5.8", "midway"),
+        ("--tolerance 7.9", "arrival"),
+        ("--tolerance 7.8", "midway"),
     ] {
         let within = drape(limit);
         assert_eq!(within["method"], method);
