@@ -119,7 +119,12 @@ impl Tailor {
         let cut = self.size.map_or(wearer.measures, Size::measures);
         let sewn = self.template.sewn(&self.parameters, &cut, wearer)?;
         let rest = rest_of(&sewn);
-        let fabric = self.fabric.fabric();
+        // A template has the edges of the pattern and its symmetry: a garment at rest is not to lie in the
+        // folds that cloth which gives way to compression falls into, on the one side or the other.
+        let fabric = Fabric {
+            compression: 1.0,
+            ..self.fabric.fabric()
+        };
         let cloth = Cloth::new(&sewn.faces, sewn.num_vertices(), &rest, &fabric)?;
         let positions = body.rest().positions();
         let scene = Scene {

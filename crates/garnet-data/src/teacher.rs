@@ -161,8 +161,12 @@ impl Teacher {
         stop: &AtomicBool,
         observer: &mut dyn FnMut(Event<'_>),
     ) -> Result<Drape, DataError> {
-        let schedule = Schedule::for_quality(quality, self.cloth.mean_edge_length());
-        self.follow(path, schedule, stop, observer)
+        self.drape_by(path, self.schedule(quality), stop, observer)
+    }
+
+    /// The schedule of a quality for this garment.
+    pub fn schedule(&self, quality: Quality) -> Schedule {
+        Schedule::for_quality(quality, self.cloth.mean_edge_length())
     }
 
     /// Simulates the garment as far as is said: until the body comes to its last place, both positions of the result are
@@ -178,16 +182,21 @@ impl Teacher {
         until: Until,
         stop: &AtomicBool,
     ) -> Result<Drape, DataError> {
-        let schedule = Schedule::for_quality(quality, self.cloth.mean_edge_length());
+        let schedule = self.schedule(quality);
         let schedule = match until {
             Until::Rest => schedule,
             Until::Arrival => schedule.until_arrival(),
             Until::Midway => schedule.until_midway(),
         };
-        self.follow(path, schedule, stop, &mut |_| {})
+        self.drape_by(path, schedule, stop, &mut |_| {})
     }
 
-    fn follow(
+    /// [`Teacher::drape`] by a schedule that is none of the qualities'.
+    ///
+    /// # Errors
+    ///
+    /// As [`Teacher::drape`], and [`DataError::Sim`] for a schedule that cannot be followed.
+    pub fn drape_by(
         &self,
         path: &BodyPath,
         schedule: Schedule,

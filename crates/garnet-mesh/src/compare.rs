@@ -157,19 +157,41 @@ pub fn edge_stretches(
     edges: &[[u32; 2]],
 ) -> Result<Vec<f32>, MeshError> {
     check_counts(rest, posed)?;
+    stretches(posed, edges, |edge| length(rest, edges[edge]))
+}
+
+/// The same of edges with rest lengths of their own, in metres: those of a sewing pattern, say.
+///
+/// # Errors
+///
+/// [`MeshError::FaceIndexOutOfRange`] with the number of the edge if one names a missing position.
+pub fn pattern_stretches(
+    posed: &[Point3],
+    edges: &[([u32; 2], f32)],
+) -> Result<Vec<f32>, MeshError> {
+    let vertices: Vec<[u32; 2]> = edges.iter().map(|&(vertices, _)| vertices).collect();
+    stretches(posed, &vertices, |edge| f64::from(edges[edge].1))
+}
+
+fn stretches(
+    posed: &[Point3],
+    edges: &[[u32; 2]],
+    rest_length: impl Fn(usize) -> f64,
+) -> Result<Vec<f32>, MeshError> {
     let mut stretches = Vec::with_capacity(edges.len());
-    for (edge, vertices) in edges.iter().enumerate() {
-        check_indices(edge, vertices, rest.len())?;
-        let length = |positions: &[Point3]| {
-            let [a, b] = vertices.map(|vertex| positions[vertex as usize].cast::<f64>());
-            (b - a).norm()
-        };
-        let rest_length = length(rest);
+    for (edge, &vertices) in edges.iter().enumerate() {
+        check_indices(edge, &vertices, posed.len())?;
+        let rest_length = rest_length(edge);
         if rest_length >= MIN_REST_LENGTH {
-            stretches.push((length(posed) / rest_length) as f32);
+            stretches.push((length(posed, vertices) / rest_length) as f32);
         }
     }
     Ok(stretches)
+}
+
+fn length(positions: &[Point3], edge: [u32; 2]) -> f64 {
+    let [a, b] = edge.map(|vertex| positions[vertex as usize].cast::<f64>());
+    (b - a).norm()
 }
 
 /// Sums up [`edge_stretches`]; all zero if no edge could be measured.

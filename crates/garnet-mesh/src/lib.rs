@@ -44,7 +44,7 @@ mod units;
 pub use atomic::{WriteError, write_atomically};
 pub use compare::{
     Spread, StretchSummary, distance_error, edge_stretch, edge_stretches, normal_angles,
-    normal_error, share_below, vertex_distances,
+    normal_error, pattern_stretches, share_below, vertex_distances,
 };
 pub use curvature::{
     MAX_COTANGENT, gaussian_curvatures, mean_curvature_normals, mean_curvatures, mixed_areas,

@@ -1,6 +1,6 @@
 //! Drapes beside those of the teacher.
 
-use garnet_mesh::{Point3, Topology, edge_stretches};
+use garnet_mesh::{Point3, Topology, edge_stretches, pattern_stretches};
 use garnet_net::NetError;
 use garnet_net::losses::{LossBody, LossConfig, Losses};
 
@@ -11,23 +11,33 @@ use crate::{Stage, StagedScene, TrainError};
 #[derive(Debug)]
 pub(crate) struct Measure {
     losses: Losses,
-    edges: Vec<[u32; 2]>,
-    /// Edges and their lengths in the pattern that all wear, in metres.
-    pattern: Option<Vec<([u32; 2], f32)>>,
+    edges: Edges,
+}
+
+/// The edges whose stretch is measured.
+#[derive(Debug)]
+enum Edges {
+    /// Against their lengths in the pattern that all wear, in metres; without those of ribs and waistbands.
+    Pattern(Vec<([u32; 2], f32)>),
+    /// Against their lengths as each body wears them at rest.
+    Worn(Vec<[u32; 2]>),
 }
 
 impl Measure {
     pub(crate) fn new(stage: &Stage) -> Result<Self, TrainError> {
         let mesh = &stage.package.mesh;
-        let topology = Topology::new(mesh.num_vertices(), mesh.faces());
+        let pattern = match stage.is_made_to_measure() {
+            true => None,
+            false => stage.package.flat_edges()?,
+        };
+        let worn = || {
+            Topology::new(mesh.num_vertices(), mesh.faces())
+                .edges()
+                .to_vec()
+        };
         Ok(Self {
             losses: Losses::new(mesh, &LossConfig::paper())?,
-            edges: topology.edges().to_vec(),
-            pattern: if stage.is_made_to_measure() {
-                None
-            } else {
-                stage.package.flat_edges()
-            },
+            edges: pattern.map_or_else(|| Edges::Worn(worn()), Edges::Pattern),
         })
     }
 
@@ -50,24 +60,17 @@ impl Measure {
             scene: staged.name,
             source: Box::new(error.into()),
         })?;
-        tally.add(&Compared {
+        let stretches = match &self.edges {
+            Edges::Pattern(edges) => pattern_stretches(predicted, edges)?,
+            Edges::Worn(edges) => edge_stretches(mesh.positions(), predicted, edges)?,
+        };
+        tally.add(Compared {
             predicted,
             draped: &staged.draped,
             faces: mesh.faces(),
-            stretches: self.stretches(mesh.positions(), predicted)?,
+            stretches,
             skin,
             losses: &losses,
         })
-    }
-
-    /// Length over rest length of the edges, those of ribs and waistbands apart where a pattern tells them.
-    fn stretches(&self, rest: &[Point3], predicted: &[Point3]) -> Result<Vec<f32>, TrainError> {
-        let Some(pattern) = &self.pattern else {
-            return Ok(edge_stretches(rest, predicted, &self.edges)?);
-        };
-        let stretch = |&([a, b], rest_length): &([u32; 2], f32)| {
-            (predicted[a as usize] - predicted[b as usize]).norm() / rest_length
-        };
-        Ok(pattern.iter().map(stretch).collect())
     }
 }

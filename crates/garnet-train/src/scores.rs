@@ -117,15 +117,15 @@ const TERMS: [Term; 5] = [
 
 impl Tally {
     /// Counts a scene.
-    pub(crate) fn add(&mut self, compared: &Compared<'_>) -> Result<Errors, TrainError> {
+    pub(crate) fn add(&mut self, compared: Compared<'_>) -> Result<Errors, TrainError> {
         let Compared {
             predicted,
             draped,
             faces,
-            ref stretches,
+            stretches,
             skin,
             losses,
-        } = *compared;
+        } = compared;
         let distances = vertex_distances(draped, predicted)?;
         let angles = normal_angles(faces, draped, predicted)?;
         self.scenes += 1;
@@ -134,7 +134,7 @@ impl Tally {
         for (sum, term) in self.terms.iter_mut().zip(TERMS) {
             *sum += losses.value(term).unwrap_or(0.0);
         }
-        let stretch = StretchSummary::of(stretches.clone());
+        let stretch = StretchSummary::of(stretches);
         self.stretch_p99 += f64::from(stretch.p99);
         self.stretch_max = self.stretch_max.max(f64::from(stretch.max));
         let is_inside = skin.contains_all(predicted);

@@ -70,7 +70,7 @@ pub(crate) fn validate_drapes(
         let losses = subject.losses.measure(&predicted, &target, &body)?;
         loss += losses.total();
         skin.refit(&example.body).map_err(NetError::from)?;
-        tally.add(&Compared {
+        tally.add(Compared {
             predicted: &predicted,
             draped: &example.draped,
             faces: mesh.faces(),

@@ -92,25 +92,21 @@ impl GarmentPackage {
     /// The edges of the template and their lengths in its pattern, in metres, without those of ribs and waistbands; none without a pattern.
     ///
     /// On the body at rest edges are shorter where the cloth is pushed together, and longer where it hangs.
-    pub fn flat_edges(&self) -> Option<Vec<([u32; 2], f32)>> {
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Sim`] if the rest shape or the fabric of the package is none of cloth.
+    pub fn flat_edges(&self) -> Result<Option<Vec<([u32; 2], f32)>>, DataError> {
         if !matches!(self.rest, RestShape::Flat { .. }) {
-            return None;
+            return Ok(None);
         }
         let fabric = self.manifest.fabric.fabric();
-        let cloth = Cloth::new(
-            self.mesh.faces(),
-            self.mesh.num_vertices(),
-            &self.rest,
-            &fabric,
-        )
-        .ok()?;
+        let mesh = &self.mesh;
+        let cloth = Cloth::new(mesh.faces(), mesh.num_vertices(), &self.rest, &fabric)?;
         let edges = cloth.springs().iter().zip(cloth.is_shrunk());
         let edges = edges.filter(|&(_, &is_shrunk)| !is_shrunk);
-        Some(
-            edges
-                .map(|(spring, _)| (spring.vertices, spring.rest_length))
-                .collect(),
-        )
+        let edges = edges.map(|(spring, _)| (spring.vertices, spring.rest_length));
+        Ok(Some(edges.collect()))
     }
 
     /// Whether a path is a package: a folder with a manifest.
