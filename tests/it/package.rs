@@ -82,7 +82,7 @@ fn the_shirt_goes_on_from_where_it_is_midway() {
     let settled = teacher
         .settled(&package.body, &target, &from, Settling::of(put), &stop)
         .unwrap();
-    let put = Warped::at(&garment, &settled);
+    let put = Warped::settled(&garment, &settled, Settling::of(put));
     let drape = Draper::new().finish(&garment, &target, &put).unwrap();
     assert_eq!(drape.report.as_ref().unwrap().inside, 0);
     let edges = garnet_mesh::Topology::new(package.mesh.num_vertices(), package.mesh.faces());

@@ -68,7 +68,7 @@ pub(crate) struct Finished {
 }
 
 impl Finished {
-    /// Untangles a drape `[vertex]`; one that was learned as such.
+    /// Untangles a drape `[vertex]`; one that was learned or simulated as such.
     pub(crate) fn new(
         staged: &StagedScene,
         binding: &Binding,
@@ -77,6 +77,7 @@ impl Finished {
     ) -> Result<Self, TrainError> {
         let garment = &staged.worn.garment;
         let options = match draped.network {
+            _ if draped.is_simulated => options.for_simulated(),
             Some(_) => options.for_drapes(),
             None => *options,
         };

@@ -38,12 +38,19 @@ pub struct Draper {
 pub struct Warped {
     /// Positions `[node]`, in metres; see [`garnet_skin::Weld`].
     pub(crate) nodes: Vec<Point3>,
-    /// Whether it lies as a simulation or a network puts it, not as skinning does.
-    pub(crate) is_draped: bool,
+    pub(crate) put_by: PutBy,
+}
+
+/// What has brought a garment to where it is untangled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PutBy {
+    Skinning,
+    Network,
+    Simulation,
 }
 
 impl Warped {
-    /// A garment that a simulation or a network has brought to the body, to be untangled: positions
+    /// A garment that a network has brought to the body, to be untangled: positions
     /// `[vertex]` of its mesh, in metres. Its strain is relaxed further than that of a warp.
     ///
     /// # Panics
@@ -52,7 +59,20 @@ impl Warped {
     pub fn at(garment: &BoundGarment, positions: &[Point3]) -> Self {
         Self {
             nodes: garment.cloth.weld().gather(positions),
-            is_draped: true,
+            put_by: PutBy::Network,
+        }
+    }
+
+    /// A garment that a simulation has brought to the body, to be untangled: positions
+    /// `[vertex]` of its mesh, in metres. It keeps its folds and its strain.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer positions than vertices.
+    pub fn simulated(garment: &BoundGarment, positions: &[Point3]) -> Self {
+        Self {
+            put_by: PutBy::Simulation,
+            ..Self::at(garment, positions)
         }
     }
 
@@ -115,7 +135,7 @@ impl Draper {
         let nodes = garment.cloth.warped(body, self.options.warp)?;
         Ok(Warped {
             nodes,
-            is_draped: false,
+            put_by: PutBy::Skinning,
         })
     }
 
@@ -138,10 +158,10 @@ impl Draper {
                 report: None,
             });
         };
-        let options = if warped.is_draped {
-            options.for_drapes()
-        } else {
-            *options
+        let options = match warped.put_by {
+            PutBy::Skinning => *options,
+            PutBy::Network => options.for_drapes(),
+            PutBy::Simulation => options.for_simulated(),
         };
         let (cloth, binding) = (&garment.cloth, &garment.binding);
         let untangled = untangle(cloth, binding, body, &warped.nodes, &options)?;

@@ -7,6 +7,7 @@ use garnet_net::{
 };
 use garnet_skin::{Body, PosedBody, Warp, WarpedGarment};
 
+use crate::draper::PutBy;
 use crate::unfamiliar::{moving_joints, torn, unfamiliar};
 use crate::{BoundGarment, Error, Unfamiliar, Warped};
 
@@ -156,7 +157,7 @@ impl Network {
         Ok(Moved {
             garment: Warped {
                 nodes: after,
-                is_draped: true,
+                put_by: PutBy::Network,
             },
             fallback: None,
         })
@@ -171,7 +172,7 @@ impl Network {
         Ok(Moved {
             garment: Warped {
                 nodes,
-                is_draped: false,
+                put_by: PutBy::Skinning,
             },
             fallback: Some(reason),
         })

@@ -138,6 +138,21 @@ impl PackagedGarment {
     ) -> Result<Warped, Error> {
         let never = AtomicBool::new(false);
         let settled = (self.teacher).settled(&self.body, target, from, settling, &never)?;
-        Ok(Warped::at(&self.garment, &settled))
+        Ok(Warped::settled(&self.garment, &settled, settling))
+    }
+}
+
+impl Warped {
+    /// A garment that has [settled](Teacher::settled) where something else had put it, to be untangled: positions `[vertex]` of its mesh, in metres.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer positions than vertices.
+    pub fn settled(garment: &BoundGarment, positions: &[Point3], settling: Settling) -> Self {
+        if settling.finds_folds() {
+            Self::simulated(garment, positions)
+        } else {
+            Self::at(garment, positions)
+        }
     }
 }

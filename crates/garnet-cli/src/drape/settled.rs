@@ -80,7 +80,10 @@ impl Settler {
             let settled = (self.teacher).settled(&bound.body, posed, from, settling, &stop);
             settled.context("the cloth does not settle")
         });
-        Ok((Warped::at(&bound.garment, &settled?), seconds))
+        Ok((
+            Warped::settled(&bound.garment, &settled?, settling),
+            seconds,
+        ))
     }
 }
 

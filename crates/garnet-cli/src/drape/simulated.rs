@@ -120,6 +120,9 @@ impl Teaching {
         written?;
         let drape = drape?;
         let report = SceneReport::from(&drape.report);
-        Ok((Warped::at(&bound.garment, &drape.positions), Some(report)))
+        Ok((
+            Warped::simulated(&bound.garment, &drape.positions),
+            Some(report),
+        ))
     }
 }

@@ -3,7 +3,7 @@
 use std::{fmt, time::Duration};
 
 use garnet::train::{
-    Curves, Evaluation, GarNetConfig, Row, Scores, Stage, StageSeconds, Untangled,
+    Curves, Evaluation, GarNetConfig, Left, Row, Scores, Stage, StageSeconds, Untangled,
 };
 use serde::Serialize;
 
@@ -91,13 +91,15 @@ impl From<&Row> for MethodReport {
 const LEAST: usize = 7;
 
 /// The heads of the columns.
-const COLUMNS: [&str; 9] = [
+const COLUMNS: [&str; 11] = [
     "E_dist mm",
     "± mm",
     "E_norm °",
     "L_MC",
     "L_RQ",
     "inside %",
+    "free",
+    "faces",
     "strain p99 %",
     "crossings",
     "ms",
@@ -122,20 +124,23 @@ impl fmt::Display for EvalReport {
         for method in &self.methods {
             let seconds = &method.seconds;
             let first = seconds.warp.median + seconds.network.median + seconds.settle.median;
-            line(formatter, width, &method.name, &method.scores, Some(first))?;
+            let before = Line::of(&method.name, &method.scores).took(first);
+            before.write(formatter, width)?;
             if let Some(untangled) = &method.untangled {
                 let name = format!("{} untangled", method.name);
-                line(
-                    formatter,
-                    width,
-                    &name,
-                    &untangled.scores,
-                    Some(first + seconds.untangle.median),
-                )?;
+                let after = Line::of(&name, &untangled.scores);
+                let after = after.took(first + seconds.untangle.median);
+                after.left(untangled.left).write(formatter, width)?;
             }
         }
         // Without a time: it is not simulated here.
-        line(formatter, width, "teacher", &self.teacher, None)?;
+        Line::of("teacher", &self.teacher).write(formatter, width)?;
+        if self.methods.iter().any(|method| method.untangled.is_some()) {
+            write!(
+                formatter,
+                "\nfree: vertices inside the body in all scenes, faces: faces that cross it; both without those that it traps"
+            )?;
+        }
         for method in self.methods.iter().filter(|method| method.unsettled > 0) {
             let (name, count) = (&method.name, method.unsettled);
             write!(
@@ -147,36 +152,64 @@ impl fmt::Display for EvalReport {
     }
 }
 
-fn line(
-    formatter: &mut fmt::Formatter<'_>,
-    width: usize,
-    name: &str,
-    scores: &Scores,
+/// What a line of the table says.
+struct Line<'a> {
+    name: &'a str,
+    scores: &'a Scores,
+    /// The time of a scene; none of the teacher, which is not simulated here and differs from itself by nothing.
     seconds: Option<f64>,
-) -> fmt::Result {
-    // The teacher differs from itself by nothing: there is nothing to tell.
-    let difference = |text: String| {
-        if seconds.is_some() {
-            text
-        } else {
-            "-".to_owned()
+    /// What untangling left.
+    left: Option<Left>,
+}
+
+impl<'a> Line<'a> {
+    fn of(name: &'a str, scores: &'a Scores) -> Self {
+        Self {
+            name,
+            scores,
+            seconds: None,
+            left: None,
         }
-    };
-    let fields = [
-        difference(format!("{:.2}", 1e3 * scores.distance)),
-        difference(format!("{:.2}", 1e3 * scores.distance_std)),
-        difference(format!("{:.2}", scores.normal.to_degrees())),
-        difference(format!("{:.3}", scores.mean_curvature)),
-        difference(format!("{:.2e}", scores.rayleigh)),
-        format!("{:.2}", 1e2 * scores.inside),
-        format!("{:.1}", 1e2 * (scores.stretch_p99 - 1.0)),
-        format!("{:.1}", scores.self_intersections),
-        seconds.map_or_else(|| "-".to_owned(), |seconds| format!("{:.1}", 1e3 * seconds)),
-    ];
-    write!(formatter, "\n{name:width$}")?;
-    for (field, head) in fields.iter().zip(COLUMNS) {
-        let width = head.chars().count().max(LEAST);
-        write!(formatter, "  {field:>width$}")?;
     }
-    Ok(())
+
+    fn took(self, seconds: f64) -> Self {
+        Self {
+            seconds: Some(seconds),
+            ..self
+        }
+    }
+
+    fn left(self, left: Left) -> Self {
+        Self {
+            left: Some(left),
+            ..self
+        }
+    }
+
+    fn write(&self, formatter: &mut fmt::Formatter<'_>, width: usize) -> fmt::Result {
+        let scores = self.scores;
+        let nothing = || "-".to_owned();
+        let difference = |text: String| self.seconds.map_or_else(nothing, |_| text);
+        let count = |of: Option<usize>| of.map_or_else(nothing, |count| count.to_string());
+        let fields = [
+            difference(format!("{:.2}", 1e3 * scores.distance)),
+            difference(format!("{:.2}", 1e3 * scores.distance_std)),
+            difference(format!("{:.2}", scores.normal.to_degrees())),
+            difference(format!("{:.3}", scores.mean_curvature)),
+            difference(format!("{:.2e}", scores.rayleigh)),
+            format!("{:.2}", 1e2 * scores.inside),
+            count(self.left.map(|left| left.inside)),
+            count(self.left.and_then(|left| left.crossing_faces)),
+            format!("{:.1}", 1e2 * (scores.stretch_p99 - 1.0)),
+            format!("{:.1}", scores.self_intersections),
+            self.seconds
+                .map_or_else(nothing, |seconds| format!("{:.1}", 1e3 * seconds)),
+        ];
+        write!(formatter, "\n{:width$}", self.name)?;
+        for (field, head) in fields.iter().zip(COLUMNS) {
+            let width = head.chars().count().max(LEAST);
+            write!(formatter, "  {field:>width$}")?;
+        }
+        Ok(())
+    }
 }
