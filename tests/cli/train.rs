@@ -160,7 +160,7 @@ fn a_tolerance_takes_what_simulates_least() {
         let within = drape(limit);
         assert_eq!(within["method"], method);
         assert_eq!(within["choice"]["is_met"], true);
-        assert_eq!(within["settle_frames"], 24);
+        assert_eq!(within["settle_frames"], 30);
         assert_eq!(within["drapes"][0]["untangle"]["inside"], 0);
     }
     // The way is simulated in any case: halfway the cloth is not on the body.

@@ -23,14 +23,12 @@ pub enum Put {
 impl Put {
     /// For how many frames of a sixtieth of a second such cloth settles by default, after the motion if there is one.
     ///
-    /// Put where they rest, 3, 6, 8 and 12 frames bring T-shirts of a pose-space deformation from 9.3 mm to 8.3,
-    /// 7.6, 7.7 and 7.7 mm (155 validation scenes). Put where networks tell that they arrive, 4.8 mm off, 20, 24, 30, 45 and 60 frames
-    /// end at 6.3, 6.2, 6.2, 6.2 and 6.3 mm (the same scenes; see [`Schedule::after_arrival`]
-    /// and [`Schedule::after_midway`]).
+    /// Put where a pose-space deformation tells that they rest, T-shirts come no nearer to the teacher in more than 6 frames. Put where networks tell that
+    /// they are midway, @@FRAMES@@.
     pub const fn frames(self) -> u32 {
         match self {
             Self::AtRest => 6,
-            Self::AtArrival | Self::Midway | Self::OnRestBody => 24,
+            Self::AtArrival | Self::Midway | Self::OnRestBody => 30,
         }
     }
 
