@@ -153,14 +153,14 @@ fn a_tolerance_takes_what_simulates_least() {
         );
         serde_json::from_str(&report).unwrap()
     };
-    for (limit, method) in [
-        ("--tolerance 7.9", "arrival"),
-        ("--tolerance 7.8", "midway"),
+    for (limit, method, frames) in [
+        ("--tolerance 6.8", "pose-space", 6),
+        ("--tolerance 4", "midway", 30),
     ] {
         let within = drape(limit);
         assert_eq!(within["method"], method);
         assert_eq!(within["choice"]["is_met"], true);
-        assert_eq!(within["settle_frames"], 30);
+        assert_eq!(within["settle_frames"], frames);
         assert_eq!(within["drapes"][0]["untangle"]["inside"], 0);
     }
     // The way is simulated in any case: halfway the cloth is not on the body.
