@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let tailor = Tailor::new(kind.parameters(), vertices, usual_fabric(kind))?;
         let worn = tailor.dress(&body, &wearer, &stop)?;
         let teacher = tailor.teacher(&worn, &body)?;
-        let find = |sound: &SoundPose| find(&teacher, &worn, &body, sound, &stop).map_err(Box::new);
+        let find = |sound: &SoundPose| find(&teacher, &worn, &body, sound, &stop);
         let findings: Result<Vec<Findings>, Box<DataError>> = poses.par_iter().map(find).collect();
         let findings = findings?;
         writeln!(log, "{}, {} poses:", kind.name(), findings.len())?;
@@ -96,11 +96,11 @@ fn find(
     body: &Body,
     sound: &SoundPose,
     stop: &AtomicBool,
-) -> Result<Findings, DataError> {
-    let path = BodyPath::to_shape(body, body, &sound.pose)?;
+) -> Result<Findings, Box<DataError>> {
+    let path = BodyPath::to_shape(body, body, &sound.pose).map_err(boxed)?;
     let drape = |schedule: Schedule| {
-        let drape = teacher.drape_by(&path, schedule, stop, &mut |_| {})?;
-        Ok::<_, DataError>(drape.positions)
+        let drape = teacher.drape_by(&path, schedule, stop, &mut |_| {});
+        drape.map(|drape| drape.positions).map_err(Box::new)
     };
     let asked = teacher.schedule(Quality::Teacher);
     let first = drape(asked.clone())?;
@@ -120,8 +120,8 @@ fn find(
     for (apart, way) in apart.iter_mut().zip(ways) {
         let other = drape(way)?;
         *apart = [
-            mean(&vertex_distances(&first, &other)?),
-            mean(&normal_angles(faces, &first, &other)?),
+            mean(&vertex_distances(&first, &other).map_err(boxed)?),
+            mean(&normal_angles(faces, &first, &other).map_err(boxed)?),
         ];
     }
     let edges = worn.sewn.faces.iter().zip(&worn.sewn.flat);
@@ -151,6 +151,10 @@ fn longest([a, b, c]: [Point3; 3], flat: &[[f32; 2]; 3]) -> f32 {
     };
     let deformation = Matrix3x2::from_columns(&[b - a, c - a]) * inverse;
     deformation.singular_values().max()
+}
+
+fn boxed(error: impl Into<DataError>) -> Box<DataError> {
+    Box::new(error.into())
 }
 
 fn mean(values: &[f32]) -> f64 {

@@ -160,15 +160,15 @@ pub fn edge_stretches(
     stretches(posed, edges, |edge| length(rest, edges[edge]))
 }
 
-/// The same of edges with rest lengths of their own, in metres: those of a sewing pattern, say.
+/// The ends of an edge and its rest length, in metres.
+pub type RestEdge = ([u32; 2], f32);
+
+/// The same of edges with rest lengths of their own: those of a sewing pattern, say.
 ///
 /// # Errors
 ///
 /// [`MeshError::FaceIndexOutOfRange`] with the number of the edge if one names a missing position.
-pub fn pattern_stretches(
-    posed: &[Point3],
-    edges: &[([u32; 2], f32)],
-) -> Result<Vec<f32>, MeshError> {
+pub fn pattern_stretches(posed: &[Point3], edges: &[RestEdge]) -> Result<Vec<f32>, MeshError> {
     let vertices: Vec<[u32; 2]> = edges.iter().map(|&(vertices, _)| vertices).collect();
     stretches(posed, &vertices, |edge| f64::from(edges[edge].1))
 }

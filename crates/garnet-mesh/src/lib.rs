@@ -43,7 +43,7 @@ mod units;
 
 pub use atomic::{WriteError, write_atomically};
 pub use compare::{
-    Spread, StretchSummary, distance_error, edge_stretch, edge_stretches, normal_angles,
+    RestEdge, Spread, StretchSummary, distance_error, edge_stretch, edge_stretches, normal_angles,
     normal_error, pattern_stretches, share_below, vertex_distances,
 };
 pub use curvature::{

@@ -1,6 +1,6 @@
 //! Drapes beside those of the teacher.
 
-use garnet_mesh::{Point3, Topology, edge_stretches, pattern_stretches};
+use garnet_mesh::{Point3, RestEdge, Topology, edge_stretches, pattern_stretches};
 use garnet_net::NetError;
 use garnet_net::losses::{LossBody, LossConfig, Losses};
 
@@ -18,7 +18,7 @@ pub(crate) struct Measure {
 #[derive(Debug)]
 enum Edges {
     /// Against their lengths in the pattern that all wear, in metres; without those of ribs and waistbands.
-    Pattern(Vec<([u32; 2], f32)>),
+    Pattern(Vec<RestEdge>),
     /// Against their lengths as each body wears them at rest.
     Worn(Vec<[u32; 2]>),
 }
@@ -26,9 +26,10 @@ enum Edges {
 impl Measure {
     pub(crate) fn new(stage: &Stage) -> Result<Self, TrainError> {
         let mesh = &stage.package.mesh;
-        let pattern = match stage.is_made_to_measure() {
-            true => None,
-            false => stage.package.flat_edges()?,
+        let pattern = if stage.is_made_to_measure() {
+            None
+        } else {
+            stage.package.flat_edges()?
         };
         let worn = || {
             Topology::new(mesh.num_vertices(), mesh.faces())

@@ -4,7 +4,7 @@ mod manifest;
 
 use std::path::{Path, PathBuf};
 
-use garnet_mesh::{Fingerprint, ObjFile, TriMesh, write_atomically};
+use garnet_mesh::{Fingerprint, ObjFile, RestEdge, TriMesh, write_atomically};
 use garnet_sim::{Cloth, RestShape};
 use garnet_skin::{Body, Rig, read_rig, write_rig_npz};
 
@@ -96,7 +96,7 @@ impl GarmentPackage {
     /// # Errors
     ///
     /// [`DataError::Sim`] if the rest shape or the fabric of the package is none of cloth.
-    pub fn flat_edges(&self) -> Result<Option<Vec<([u32; 2], f32)>>, DataError> {
+    pub fn flat_edges(&self) -> Result<Option<Vec<RestEdge>>, DataError> {
         if !matches!(self.rest, RestShape::Flat { .. }) {
             return Ok(None);
         }
