@@ -6,6 +6,8 @@
 //! teacher's cloth is strained: along its edges, and along that direction of each face in which it is longest. Medians and means over
 //! sampled poses of the built-in body.
 
+mod common;
+
 use std::{
     env,
     error::Error,
@@ -13,22 +15,14 @@ use std::{
     sync::atomic::AtomicBool,
 };
 
-use garnet_body::{
-    poses::{PoseSampler, Poser, SelfContact, SoundPose},
-    shape::ParametricBody,
-};
-use garnet_data::{
-    BodyPath, DataError, Quality, Tailor, Teacher, Worn, default_rest_body, usual_fabric, wearer_of,
-};
+use garnet_body::poses::SoundPose;
+use garnet_data::{BodyPath, DataError, Quality, Tailor, Teacher, Worn, usual_fabric};
 use garnet_mesh::{Point3, StretchSummary, normal_angles, vertex_distances};
 use garnet_pattern::GarmentKind;
 use garnet_sim::Schedule;
 use garnet_skin::Body;
 use nalgebra::{Matrix2, Matrix3x2};
 use rayon::prelude::*;
-
-/// Poses are drawn with this seed.
-const SEED: u64 = 7;
 
 /// The teacher's ways to a pose that should not matter, and a cheaper one.
 const WAYS: [&str; 3] = ["in two patches", "half as long again", "fast"];
@@ -55,14 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         kinds = GarmentKind::ALL.to_vec();
     }
     let stop = AtomicBool::new(false);
-    let body = ParametricBody::build(&default_rest_body())?.into_body();
-    let wearer = wearer_of(&body).ok_or("the built-in body has measures")??;
-    let poser = Poser::new(body.skeleton())?;
-    let contact = SelfContact::new(&body)?;
-    let sampler = PoseSampler::new(SEED);
-    let poses: Vec<SoundPose> = (0..num_poses)
-        .map(|index| sampler.sample_for(&poser, &contact, index))
-        .collect::<Result<_, _>>()?;
+    let (body, wearer, poses) = common::posed_body(num_poses)?;
     let mut log = io::stdout().lock();
     for kind in kinds {
         let tailor = Tailor::new(kind.parameters(), vertices, usual_fabric(kind))?;

@@ -4,6 +4,8 @@
 //! How far a drape moves in the mean if one shoulder (of jeans: one hip) turns by 0.001 rad more, or by what is told, in
 //! millimetres: median and mean over sampled poses of the built-in body.
 
+mod common;
+
 use std::{
     env,
     error::Error,
@@ -11,20 +13,11 @@ use std::{
     sync::atomic::AtomicBool,
 };
 
-use garnet_body::{
-    poses::{PoseSampler, Poser, SelfContact, SoundPose},
-    shape::ParametricBody,
-};
-use garnet_data::{
-    DataError, NOISE_TURN, Quality, StoredFabric, Tailor, default_rest_body, moved_by_turn,
-    wearer_of,
-};
+use garnet_body::poses::SoundPose;
+use garnet_data::{DataError, NOISE_TURN, Quality, StoredFabric, Tailor, moved_by_turn};
 use garnet_pattern::GarmentKind;
 use garnet_sim::{FABRIC_NAMES, Fabric};
 use rayon::prelude::*;
-
-/// Poses are drawn with this seed.
-const SEED: u64 = 7;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -49,14 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         fabrics = FABRIC_NAMES.to_vec();
     }
     let stop = AtomicBool::new(false);
-    let body = ParametricBody::build(&default_rest_body())?.into_body();
-    let wearer = wearer_of(&body).ok_or("the built-in body has measures")??;
-    let poser = Poser::new(body.skeleton())?;
-    let contact = SelfContact::new(&body)?;
-    let sampler = PoseSampler::new(SEED);
-    let poses: Vec<SoundPose> = (0..num_poses)
-        .map(|index| sampler.sample_for(&poser, &contact, index))
-        .collect::<Result<_, _>>()?;
+    let (body, wearer, poses) = common::posed_body(num_poses)?;
     let mut log = io::stdout().lock();
     for kind in garments {
         for &name in &fabrics {
