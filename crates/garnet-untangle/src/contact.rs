@@ -53,6 +53,8 @@ pub(crate) struct Contact {
     pub(crate) own_parts: i32,
     /// From the node to the side of the foreign parts that it belongs to.
     pub(crate) home: Vector3,
+    /// Whether the node stays where it is.
+    pub(crate) is_held: bool,
 }
 
 /// What the contacts of all nodes are found with.
@@ -62,6 +64,8 @@ pub(crate) struct ContactFinder<'a> {
     pub(crate) skin: &'a Surface,
     pub(crate) embedded: &'a EmbeddedSkin,
     pub(crate) normals: &'a SkinNormals,
+    /// See [`UntangleOptions::keeps_sides`](crate::UntangleOptions::keeps_sides).
+    pub(crate) keeps_sides: bool,
 }
 
 impl ContactFinder<'_> {
@@ -87,7 +91,12 @@ impl ContactFinder<'_> {
             foreign_parts: 0,
             own_parts: 0,
             home: Vector3::zeros(),
+            is_held: false,
         };
+        if self.keeps_sides {
+            self.keep_side(&mut contact, reach);
+            return contact;
+        }
         let is_own = |face: u32| self.is_own(node, face, normal);
         let closest_is_own = is_own(closest.face);
         let is_embedded = self.embedded.is_embedded(closest.face);
@@ -125,6 +134,21 @@ impl ContactFinder<'_> {
             contact.foreign = Some(self.plane(position, &closest, side));
         }
         contact
+    }
+
+    /// Keeps cloth in front of the nearest skin, whose it may be, or where it is if it is trapped there.
+    fn keep_side(&self, contact: &mut Contact, reach: f32) {
+        let Contact {
+            position, closest, ..
+        } = *contact;
+        if self.embedded.is_trap(closest.face, closest.point) {
+            contact.is_held = true;
+            return;
+        }
+        let side = self.side(position, &closest);
+        let is_near = contact.distance < reach || side < 0.0;
+        contact.own = is_near.then(|| self.plane(position, &closest, side));
+        contact.distance *= side;
     }
 
     /// The node's own skin nearest to `position`.

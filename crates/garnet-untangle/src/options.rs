@@ -17,6 +17,9 @@ pub struct UntangleOptions {
     pub contact_rounds: usize,
     /// How often cloth whose triangles still cross the skin is lifted further.
     pub crossing_rounds: usize,
+    /// Whether cloth is on the right side of the skin but for millimetres: it then leaves by the skin nearest to
+    /// it, and stays where it is where the body runs through itself and leaves it no room.
+    pub keeps_sides: bool,
 }
 
 impl Default for UntangleOptions {
@@ -29,6 +32,7 @@ impl Default for UntangleOptions {
             push_length: 0.08,
             contact_rounds: 5,
             crossing_rounds: 6,
+            keeps_sides: false,
         }
     }
 }
@@ -72,6 +76,8 @@ impl UntangleOptions {
     pub fn for_simulated(self) -> Self {
         Self {
             min_stretch: 0.0,
+            relax_beyond: f32::INFINITY,
+            keeps_sides: true,
             push_length: self.push_length.min(SIMULATED_PUSH_LENGTH),
             ..self
         }

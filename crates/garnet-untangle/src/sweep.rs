@@ -108,6 +108,9 @@ impl<'a> Sweeper<'a> {
             let (now, next) = (&is_awake[time % 2], &is_awake[(time + 1) % 2]);
             let settle = |node: usize, from: Point3, wanted: Point3| {
                 now[node].store(false, Relaxed);
+                if contacts[node].is_held {
+                    return from;
+                }
                 let to = projected(wanted, &contacts[node], clearances[node]);
                 if (to - from).norm_squared() > REST_STEP * REST_STEP {
                     next[node].store(true, Relaxed);

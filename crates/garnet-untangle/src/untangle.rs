@@ -73,6 +73,7 @@ fn untangled(
         skin: body.skin(),
         embedded: &embedded,
         normals: &skin_normals,
+        keeps_sides: options.keeps_sides,
     };
     let anchors = relaxed_warp(garment, binding, warped, options);
     let graph = garment.graph();
