@@ -256,7 +256,7 @@ const JEANS: &[Spec] = &[
         "waist-ease",
         0.02,
         [-0.02, 0.12],
-        "how much wider than the body under the waistband",
+        "how much wider than the body under the waistband, or under a belly than 97 % of the hip",
     ),
     Spec::share(
         "hip-ease",

@@ -121,7 +121,7 @@ pub(crate) fn jeans(
         "make `rise` larger or `waistband` smaller",
     )?;
     let girth = |above_crotch: f64| {
-        cut.trunk_girth(cut.inseam + above_crotch) * (1.0 + parameters.at("waist-ease"))
+        cut.band_girth(cut.inseam + above_crotch) * (1.0 + parameters.at("waist-ease"))
     };
     let hip = 0.25 * cut.hip * (1.0 + parameters.at("hip-ease"));
     let thigh = cut.thigh * (1.0 + parameters.at("thigh-ease"));

@@ -122,6 +122,12 @@ impl Measures {
         self.shoulder_joint_height() - 0.074 * self.stature
     }
 
+    /// The girth that a waistband at a height is cut for: that of the trunk, or less than the hip's under a
+    /// belly that is wider, since trousers that are cut for the belly fall.
+    pub(crate) fn band_girth(&self, height: f64) -> f64 {
+        self.trunk_girth(height).min(WIDEST_BAND * self.hip)
+    }
+
     /// The girth of the trunk at a height between hip and chest.
     pub(crate) fn trunk_girth(&self, height: f64) -> f64 {
         if height < self.waist_height {
@@ -138,6 +144,9 @@ impl Measures {
         )
     }
 }
+
+/// A waistband is cut no wider than for this share of the hip.
+const WIDEST_BAND: f64 = 0.97;
 
 /// How the girth goes from the hip (0) to the waist (1): by this power of the height between them. The
 /// hips stay wide a third of the way up; of the built-in body this is within 2 % of its girths.
