@@ -3,7 +3,7 @@
 //!
 //! Each sheet has twelve scenes, from the front to the left and from the back.
 
-use std::{env, error::Error, path::Path};
+use std::{env, error::Error, fs, path::Path};
 
 use garnet::{
     data::{BodyRecord, Dataset, GarmentPackage, SceneRecord, Split},
@@ -21,6 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [package, dataset, folder, split @ ..] = arguments.as_slice() else {
         return Err("usage: drape_sheet PACKAGE DATASET FOLDER [train|valid|test]".into());
     };
+    fs::create_dir_all(folder)?;
     let package = GarmentPackage::read(Path::new(package))?;
     let dataset = Dataset::open(Path::new(dataset))?;
     let wanted = split.first().map(String::as_str);

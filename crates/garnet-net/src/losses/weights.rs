@@ -131,11 +131,12 @@ impl LossConfig {
     /// Fine-tuning with mean curvature, Eq. 15 (Local-MC).
     ///
     /// The paper's weight of 10 belongs to a unit of length that it does not tell. In 0.1 m the term
-    /// starts at about 40, so that weight would leave nothing of the others; with this one all start
-    /// at a similar size, as the paper wants it.
+    /// starts at 30 to 40, so that weight would leave nothing of the others; with this one it starts at the
+    /// size of that of the vertices, as the paper wants it. With 20 times as much the T-shirt's Local ends with
+    /// four fifths of the curvature's error, but 2.6 mm farther off.
     pub const fn fine_tune_mc() -> Self {
         Self {
-            mean_curvature: 1e-3,
+            mean_curvature: 5e-5,
             ..Self::paper_tenth()
         }
     }
