@@ -67,11 +67,12 @@ impl UntangleOptions {
         }
     }
 
-    /// The same for garments that a simulation has put: they lie as cloth does, so that their edges are kept as they are, and lie too near to the skin
-    /// here and there alone.
+    /// The same for garments that a simulation has put: they lie as cloth does, so that edges are kept as they are,
+    /// and lie too near to the skin here and there alone, on their side of it.
     ///
-    /// On 22 scenes of a T-shirt, simulated from where the body is halfway, 2.92 mm and 5.09° from the teacher, untangling leaves the garment at 2.95 mm and 5.16° with pushes of 30 mm, at 2.94 mm and 5.15° with 15, and with the
-    /// options for drapes at 3.02 mm and 5.17°; 28, 25 and 38 pairs of triangles cross (2.8 before it), and the strain p99 rises from 2.8 to 3.5, 3.3 and 3.6 %.
+    /// On 156 scenes of a T-shirt, simulated from where the body is halfway, the garment is 2.66 mm and 4.6° from
+    /// the teacher before and after; 3.5 pairs of its triangles cross in place of 0.4, and the strain p99 is 2.9 in place
+    /// of 2.8 %. Without `keeps_sides` 16.4 pairs cross, and the strain is 3.4 %.
     #[must_use]
     pub fn for_simulated(self) -> Self {
         Self {

@@ -169,12 +169,19 @@ mod tests {
     }
 
     fn untangled_at_rest(garment: TriMesh, body: &Body) -> (Vec<Point3>, Untangled) {
+        untangled_by(garment, body, &UntangleOptions::default())
+    }
+
+    fn untangled_by(
+        garment: TriMesh,
+        body: &Body,
+        options: &UntangleOptions,
+    ) -> (Vec<Point3>, Untangled) {
         let bound = Garment::new(garment).bind(body).unwrap();
         let binding = Binding::new(&bound).unwrap();
         let posed = body.posed(&Pose::rest(1)).unwrap();
         let warped = bound.warped(&posed, Warp::Shape).unwrap();
-        let options = UntangleOptions::default();
-        let result = untangle(&bound, &binding, &posed, &warped, &options).unwrap();
+        let result = untangle(&bound, &binding, &posed, &warped, options).unwrap();
         (warped, result)
     }
 
@@ -237,6 +244,28 @@ mod tests {
         assert!(result.report.trapped > 0);
         assert_eq!(result.report.inside, 0);
         assert_eq!(result.report.below_clearance, 0);
+    }
+
+    #[test]
+    fn simulated_cloth_stays_where_it_is_caught_and_keeps_the_clearance_elsewhere() {
+        let sphere = icosphere(4, RADIUS);
+        let other = shifted(&sphere, Vector3::new(1.6 * RADIUS, 0.0, 0.0));
+        let body = one_joint_body(joined(&[sphere, other]));
+        let options = UntangleOptions::default().for_simulated();
+        let (warped, result) = untangled_by(icosphere(4, RADIUS + 0.001), &body, &options);
+        let mut caught = 0;
+        for ((before, after), is_trapped) in
+            (warped.iter().zip(&result.positions)).zip(&result.is_trapped)
+        {
+            if *is_trapped {
+                assert_eq!(before, after);
+                caught += 1;
+            } else {
+                assert!((after.coords.norm() - RADIUS) >= options.clearance - 1e-5);
+            }
+        }
+        assert!(caught > 0);
+        assert_eq!((result.report.inside, result.report.crossing_faces), (0, 0));
     }
 
     #[test]
