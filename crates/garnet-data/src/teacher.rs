@@ -244,19 +244,18 @@ impl Teacher {
     /// # Examples
     ///
     /// ```no_run
-    /// # use std::{path::Path, sync::atomic::AtomicBool};
-    /// # use garnet_skin::PosedBody;
-    /// use garnet_data::{GarmentPackage, Put, Settling, Teacher};
+    /// use std::{path::Path, sync::atomic::AtomicBool};
     ///
-    /// # fn posed(package: &GarmentPackage) -> PosedBody { unimplemented!() }
-    /// # fn places(package: &GarmentPackage) -> Vec<garnet_mesh::Point3> { package.mesh.positions().to_vec() }
-    /// let package = GarmentPackage::read(Path::new("models/tshirt"))?;
-    /// let teacher = Teacher::new(&package)?;
-    /// let (target, from) = (posed(&package), places(&package));
-    /// let stop = AtomicBool::new(false);
-    /// let settling = Settling::of(Put::AtRest);
-    /// let settled = teacher.settled(&package.body, &target, &from, settling, &stop)?;
-    /// # Ok::<(), garnet_data::DataError>(())
+    /// use garnet_data::{DataError, GarmentPackage, Put, Settling, Teacher};
+    /// use garnet_mesh::Point3;
+    /// use garnet_skin::PosedBody;
+    ///
+    /// fn settled(target: &PosedBody, from: &[Point3]) -> Result<Vec<Point3>, DataError> {
+    ///     let package = GarmentPackage::read(Path::new("models/tshirt"))?;
+    ///     let teacher = Teacher::new(&package)?;
+    ///     let (settling, stop) = (Settling::of(Put::AtRest), AtomicBool::new(false));
+    ///     teacher.settled(&package.body, target, from, settling, &stop)
+    /// }
     /// ```
     ///
     /// # Errors

@@ -115,8 +115,8 @@ impl<'a> Cloth<'a> {
         let graph = self.garment.graph();
         let lacks = |node: &u32| {
             let contact = &self.contacts[*node as usize];
-            let lacks = contact.distance < self.clearances[*node as usize];
-            !contact.is_held && (contact.foreign_parts > 0 || lacks)
+            let is_near = contact.distance < self.clearances[*node as usize];
+            !contact.is_held && (contact.foreign_parts > 0 || is_near)
         };
         let lacking = (0..self.positions.len() as u32).filter(lacks);
         let rings = rings_of(graph, self.options.push_length);

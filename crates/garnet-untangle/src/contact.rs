@@ -136,13 +136,16 @@ impl ContactFinder<'_> {
         contact
     }
 
-    /// Keeps cloth in front of the nearest skin, whose it may be, or where it is if it is trapped there.
+    /// Keeps cloth in front of the nearest skin, its own or foreign, or where it is if it is trapped there.
     fn keep_side(&self, contact: &mut Contact, reach: f32) {
         let Contact {
             position, closest, ..
         } = *contact;
         if self.embedded.is_trap(closest.face, closest.point) {
             contact.is_held = true;
+            if self.winding(position) > 0 {
+                contact.distance = -contact.distance;
+            }
             return;
         }
         let side = self.side(position, &closest);

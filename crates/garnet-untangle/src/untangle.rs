@@ -265,6 +265,8 @@ mod tests {
             }
         }
         assert!(caught > 0);
+        assert!(result.report.trapped_inside > 0);
+        assert!(result.report.inside_before >= result.report.trapped_inside);
         assert_eq!((result.report.inside, result.report.crossing_faces), (0, 0));
     }
 
