@@ -15,6 +15,7 @@ const MIN_WEIGHT: f32 = 0.05;
 pub(crate) fn collider(body: &Body) -> Result<Collider, SimError> {
     let rest = body.rest();
     let collider = Collider::new(rest.faces(), rest.num_vertices())?;
+    let collider = collider.with_surface(body.skin().clone())?;
     let Ok(parts) = parts_of_vertices(body) else {
         return Ok(collider);
     };

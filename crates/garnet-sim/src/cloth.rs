@@ -1,5 +1,7 @@
 //! A garment as springs, hinges and masses.
 
+use std::sync::Arc;
+
 use crate::rest_shape::RestFace;
 use crate::{Fabric, RestShape, SimError};
 use garnet_mesh::{MeshError, Topology};
@@ -30,7 +32,7 @@ use garnet_mesh::{MeshError, Topology};
 /// ```
 #[derive(Debug, Clone)]
 pub struct Cloth {
-    topology: Topology,
+    topology: Arc<Topology>,
     fabric: Fabric,
     masses: Vec<f32>,
     is_pinned: Vec<bool>,
@@ -122,7 +124,7 @@ impl Cloth {
             is_pinned: masses.iter().map(|&mass| mass == 0.0).collect(),
             masses,
             fabric: *fabric,
-            topology,
+            topology: Arc::new(topology),
         })
     }
 
@@ -151,6 +153,11 @@ impl Cloth {
     /// How the faces hang together.
     pub fn topology(&self) -> &Topology {
         &self.topology
+    }
+
+    /// The same for those who keep it.
+    pub(crate) fn shared_topology(&self) -> Arc<Topology> {
+        Arc::clone(&self.topology)
     }
 
     /// Vertex numbers `[face][corner]`.

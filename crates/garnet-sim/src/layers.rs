@@ -1,5 +1,9 @@
 //! How far vertices of a garment keep from each other.
 
+use std::sync::Arc;
+
+use garnet_mesh::Topology;
+
 use crate::{Cloth, Point3};
 
 /// The distances that vertices keep: what production and reference solver push apart alike.
@@ -8,10 +12,7 @@ use crate::{Cloth, Point3};
 /// than its reach keeps the distance of the start, so that pockets and collars are not blown up.
 #[derive(Debug, Clone)]
 pub(crate) struct Layers {
-    /// Vertices within two edges of each and with a larger number, and how many edges away:
-    /// `[ring_starts[v]..]`.
-    rings: Vec<(u32, u8)>,
-    ring_starts: Vec<u32>,
+    topology: Arc<Topology>,
     /// Half the distance that each vertex keeps from another like it, m.
     radii: Vec<f32>,
     start: Vec<Point3>,
@@ -25,20 +26,7 @@ impl Layers {
     /// `factor` times the mean rest length of the edges around is what vertices keep from another,
     /// `least` the share of it that pairs keep that were nearer at `start` `[vertex]`.
     pub(crate) fn new(cloth: &Cloth, start: &[Point3], factor: f32, least: f32) -> Self {
-        let topology = cloth.topology();
-        let num_vertices = cloth.num_vertices();
-        let one_edge = topology.edges().iter().map(|&pair| (pair, 1));
-        let two_edges = topology.two_ring_pairs().into_iter().map(|pair| (pair, 2));
-        let mut rings: Vec<([u32; 2], u8)> = one_edge.chain(two_edges).collect();
-        rings.sort_unstable();
-        let mut ring_starts = vec![0; num_vertices + 1];
-        for &([vertex, _], _) in &rings {
-            ring_starts[vertex as usize + 1] += 1;
-        }
-        for vertex in 0..num_vertices {
-            ring_starts[vertex + 1] += ring_starts[vertex];
-        }
-        let mut sums = vec![(0.0_f32, 0.0_f32); num_vertices];
+        let mut sums = vec![(0.0_f32, 0.0_f32); cloth.num_vertices()];
         for spring in cloth.springs() {
             for vertex in spring.vertices {
                 let (length, count) = &mut sums[vertex as usize];
@@ -50,11 +38,7 @@ impl Layers {
         let radius =
             |(length, count): &(f32, f32)| (0.5 * factor * length / count.max(1.0)).min(largest);
         Self {
-            rings: rings
-                .into_iter()
-                .map(|([_, other], edges)| (other, edges))
-                .collect(),
-            ring_starts,
+            topology: cloth.shared_topology(),
             radii: sums.iter().map(radius).collect(),
             start: start.to_vec(),
             least,
@@ -66,22 +50,31 @@ impl Layers {
         2.0 * self.radii.iter().copied().fold(0.0, f32::max)
     }
 
+    /// Half the distance that each vertex keeps from another like it `[vertex]`, m.
+    pub(crate) fn radii(&self) -> &[f32] {
+        &self.radii
+    }
+
     /// The distance that two vertices keep, but for where they started, m.
     #[inline]
     pub(crate) fn reach(&self, a: usize, b: usize) -> f32 {
         self.radii[a] + self.radii[b]
     }
 
-    /// The distance that vertices `a` < `b` keep, m; none for the ends of an edge.
+    /// The distance that two vertices keep, m; none for the ends of an edge.
     #[inline]
     pub(crate) fn distance(&self, a: usize, b: usize) -> Option<f32> {
         let reach = self.reach(a, b);
-        let ring = &self.rings[self.ring_starts[a] as usize..self.ring_starts[a + 1] as usize];
-        let edges = ring.iter().find(|&&(other, _)| other == b as u32);
-        let least = match edges {
-            Some((_, 1)) => return None,
-            Some(_) => 0.0,
-            None => self.least * reach,
+        let [around_a, around_b] = [a, b].map(|vertex| self.topology.neighbors(vertex));
+        let is_edge = around_a.contains(&(b as u32));
+        if is_edge {
+            return None;
+        }
+        let is_two_edges_away = around_a.iter().any(|other| around_b.contains(other));
+        let least = if is_two_edges_away {
+            0.0
+        } else {
+            self.least * reach
         };
         let at_start = (self.start[a] - self.start[b]).norm();
         Some(reach.min(at_start.max(least)))

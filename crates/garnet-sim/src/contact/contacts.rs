@@ -50,6 +50,9 @@ struct Share<'a> {
 /// Vertices whose skin is looked for by one thread at a time.
 const CHUNK: usize = 256;
 
+/// About so many vertices tell which way the cloth looks.
+const VOTERS: usize = 1000;
+
 /// Each vertex asks the whole skin at every so many refreshes; in between it walks.
 const TURNS: u32 = 4;
 
@@ -254,9 +257,11 @@ impl Wear {
         holds(skin, &self.reach, own, other)
     }
 
-    /// Which way the faces of most of the cloth near the skin look.
+    /// Which way the faces of most of the cloth near the skin look; 1 or −1.
     fn vote(&self, skin: &Skin, particles: &Particles) -> f32 {
-        let votes = (0..self.masks.len()).into_par_iter().map(|vertex| {
+        let stride = self.masks.len().div_ceil(VOTERS).max(1);
+        let voters = (0..self.masks.len()).into_par_iter().step_by(stride);
+        let votes = voters.map(|vertex| {
             let seeker = Seeker {
                 skin,
                 reach: &self.reach,

@@ -1,31 +1,40 @@
 //! The collider at a time: its hierarchy, normals and velocities.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+
 use rayon::prelude::*;
+
+use crate::collider::Adjacency;
 
 use crate::contact::triangle::project_origin;
 use crate::{Collider, Point3, SimError, Vector3};
 use garnet_knn::{Feature, KnnError, Surface};
-use garnet_mesh::Topology;
 
 /// The skin that cloth lies on, between one refresh of the contacts and the next.
 #[derive(Debug)]
 pub(crate) struct Skin {
     surface: Surface,
-    /// The face across each side `[face][side]`, the side from a corner to the next; the face
-    /// itself where there is none.
-    across: Vec<[u32; 3]>,
-    topology: Topology,
+    adjacency: Arc<Adjacency>,
     parts: Option<Vec<u8>>,
     face_normals: Vec<Vector3>,
     vertex_normals: Vec<Vector3>,
     /// Whether a face is turned over in a fold of the skin.
     is_turned: Vec<bool>,
-    /// Whether a vertex is inside another part of the body; empty if no part can be.
-    is_buried: Vec<bool>,
+    burial: Burial,
     /// Velocity of each vertex, m/s; empty while all stand still.
     velocities: Vec<Vector3>,
     /// Sum of the farthest moves of any vertex since the start, m.
     travel: f32,
+}
+
+/// Which vertices are inside another part of the body, found out when somebody wants to know.
+#[derive(Debug, Default)]
+struct Burial {
+    /// Of each vertex [`UNKNOWN`], or whether it is; empty if none can be.
+    answers: Vec<AtomicU8>,
+    /// The skin that is meant and its normals, if it has moved on since.
+    before: Option<(Surface, Vec<Vector3>)>,
 }
 
 /// A place on the skin.
@@ -40,6 +49,12 @@ pub(crate) struct Foot {
     pub(crate) distance_squared: f32,
 }
 
+/// No answer yet.
+const UNKNOWN: u8 = u8::MAX;
+
+/// Vertices whose normals one thread works on at a time.
+const CHUNK: usize = 2048;
+
 /// A vertex of the skin is buried if the point so far before it is inside the body, m.
 const BURIED_PROBE: f32 = 1e-3;
 
@@ -51,18 +66,14 @@ const MAX_STEPS: usize = 24;
 
 impl Skin {
     pub(crate) fn new(collider: &Collider, positions: Vec<Point3>) -> Result<Self, SimError> {
-        let (surface, (topology, across)) =
-            rayon::join(|| collider.surface(positions), || adjacency(collider));
-        let surface = surface?;
         let mut skin = Self {
-            surface,
-            across,
-            topology,
+            surface: collider.surface(positions)?,
+            adjacency: Arc::clone(collider.adjacency()),
             parts: collider.part_of_face().map(<[u8]>::to_vec),
             face_normals: Vec::new(),
             vertex_normals: Vec::new(),
             is_turned: vec![false; collider.faces().len()],
-            is_buried: Vec::new(),
+            burial: Burial::default(),
             velocities: Vec::new(),
             travel: 0.0,
         };
@@ -87,6 +98,7 @@ impl Skin {
             .map(|(a, b)| (b - a).norm_squared())
             .fold(0.0, f32::max);
         if farthest > 0.0 || positions.len() != self.surface.positions().len() {
+            (self.burial).stay_behind(&self.surface, &self.vertex_normals);
             self.surface.refit(positions)?;
             self.travel += farthest.sqrt();
             self.measure_normals();
@@ -124,12 +136,11 @@ impl Skin {
     #[inline]
     pub(crate) fn is_buried(&self, face: u32) -> bool {
         let corners = self.surface.faces()[face as usize];
-        let is_buried = |vertex: u32| self.is_buried.get(vertex as usize) == Some(&true);
-        corners
-            .into_iter()
-            .filter(|&vertex| is_buried(vertex))
-            .count()
-            >= 2
+        let buried = corners.map(|vertex| {
+            self.burial
+                .is_buried(vertex, &self.surface, &self.vertex_normals)
+        });
+        buried.into_iter().filter(|&is_buried| is_buried).count() >= 2
     }
 
     /// Finds the faces that are turned over in folds, and the vertices that are inside another part
@@ -138,10 +149,12 @@ impl Skin {
         let mut smooth = self.vertex_normals.clone();
         for _ in 0..NORMAL_SMOOTHING {
             let sum = |vertex: usize| -> Vector3 {
-                let neighbors = self.topology.neighbors(vertex).iter();
+                let neighbors = self.adjacency.topology.neighbors(vertex).iter();
                 neighbors.map(|&neighbor| smooth[neighbor as usize]).sum()
             };
-            smooth = (0..smooth.len())
+            let vertices = (0..smooth.len()).into_par_iter();
+            smooth = vertices
+                .with_min_len(CHUNK)
                 .map(|vertex| unit(smooth[vertex] + sum(vertex)))
                 .collect();
         }
@@ -151,14 +164,9 @@ impl Skin {
             let around: Vector3 = face.iter().map(|&vertex| smooth[vertex as usize]).sum();
             normal.dot(&around) < 0.0
         }));
-        if !self.surface.is_closed() {
-            return;
+        if self.surface.is_closed() {
+            self.burial = Burial::unknown(self.vertex_normals.len());
         }
-        let positions = self.surface.positions().par_iter();
-        let probes = positions.zip(&self.vertex_normals);
-        self.is_buried = probes
-            .map(|(position, normal)| self.surface.contains(position + BURIED_PROBE * normal))
-            .collect();
     }
 
     /// The place on a face nearest to `point`.
@@ -188,13 +196,13 @@ impl Skin {
             match from.feature {
                 Feature::Face => break,
                 Feature::Edge(side) => {
-                    let face = self.across[from.face as usize][usize::from(side)];
+                    let face = self.adjacency.across[from.face as usize][usize::from(side)];
                     self.step(point, face, mask, &mut best);
                 }
                 Feature::Vertex(corner) => {
                     let corners = self.surface.faces()[from.face as usize];
                     let vertex = corners[usize::from(corner)] as usize;
-                    for &face in self.topology.vertex_faces(vertex) {
+                    for &face in self.adjacency.topology.vertex_faces(vertex) {
                         self.step(point, face, mask, &mut best);
                     }
                 }
@@ -228,7 +236,7 @@ impl Skin {
         match foot.feature {
             Feature::Face => self.face_normals[face],
             Feature::Edge(side) => {
-                let other = self.across[face][usize::from(side)];
+                let other = self.adjacency.across[face][usize::from(side)];
                 self.face_normals[face] + self.face_normals[other as usize]
             }
             Feature::Vertex(corner) => {
@@ -263,48 +271,75 @@ impl Skin {
 
     fn measure_normals(&mut self) {
         let positions = self.surface.positions();
-        self.face_normals.clear();
-        self.vertex_normals.clear();
-        self.vertex_normals
-            .resize(positions.len(), Vector3::zeros());
-        for &[a, b, c] in self.surface.faces() {
-            let corners = [a, b, c].map(|vertex| positions[vertex as usize]);
+        let faces = self.surface.faces();
+        let measured = faces.par_iter().with_min_len(CHUNK).map(|face| {
+            let corners = face.map(|vertex| positions[vertex as usize]);
             let sides = [0, 1, 2].map(|k| unit(corners[(k + 1) % 3] - corners[k]));
-            let normal = unit(sides[0].cross(&-sides[2]));
-            self.face_normals.push(normal);
-            for (corner, vertex) in [a, b, c].into_iter().enumerate() {
-                // The chord of the angle stands for the angle: it grows with it, up to half a turn.
-                let chord = (sides[corner] + sides[(corner + 2) % 3]).norm();
-                self.vertex_normals[vertex as usize] += normal * chord;
+            // The chord of the angle stands for the angle: it grows with it, up to half a turn.
+            let chords = [0, 1, 2].map(|corner| (sides[corner] + sides[(corner + 2) % 3]).norm());
+            (unit(sides[0].cross(&-sides[2])), chords)
+        });
+        let measured: Vec<(Vector3, [f32; 3])> = measured.collect();
+        let topology = &self.adjacency.topology;
+        let of_vertex = |vertex: usize| {
+            let mut sum = Vector3::zeros();
+            for &face in topology.vertex_faces(vertex) {
+                let (normal, chords) = measured[face as usize];
+                let corners = faces[face as usize].into_iter().zip(chords);
+                for (_, chord) in corners.filter(|&(corner, _)| corner as usize == vertex) {
+                    sum += normal * chord;
+                }
             }
-        }
-        for normal in &mut self.vertex_normals {
-            *normal = unit(*normal);
-        }
+            unit(sum)
+        };
+        let vertices = (0..positions.len()).into_par_iter().with_min_len(CHUNK);
+        vertices
+            .map(of_vertex)
+            .collect_into_vec(&mut self.vertex_normals);
+        self.face_normals.clear();
+        self.face_normals
+            .extend(measured.into_iter().map(|(normal, _)| normal));
     }
 }
 
-/// The topology of a collider, and the face across each side `[face][side]`; see [`Skin::across`].
-fn adjacency(collider: &Collider) -> (Topology, Vec<[u32; 3]>) {
-    let topology = Topology::new(collider.num_vertices(), collider.faces());
-    let mut across: Vec<[u32; 3]> = (0..collider.faces().len() as u32)
-        .map(|face| [face; 3])
-        .collect();
-    for (edge, vertices) in topology.edges().iter().enumerate() {
-        let &[first, second] = topology.edge_faces(edge) else {
-            continue;
-        };
-        for (face, other) in [(first, second), (second, first)] {
-            let corners = collider.faces()[face as usize];
-            for side in 0..3 {
-                let ends = [corners[side], corners[(side + 1) % 3]];
-                if vertices.contains(&ends[0]) && vertices.contains(&ends[1]) {
-                    across[face as usize][side] = other;
-                }
-            }
+impl Burial {
+    fn unknown(num_vertices: usize) -> Self {
+        let mut answers = Vec::new();
+        answers.resize_with(num_vertices, || AtomicU8::new(UNKNOWN));
+        Self {
+            answers,
+            before: None,
         }
     }
-    (topology, across)
+
+    /// Keeps the skin as it is, which is about to move.
+    fn stay_behind(&mut self, surface: &Surface, normals: &[Vector3]) {
+        if !self.answers.is_empty() && self.before.is_none() {
+            self.before = Some((surface.clone(), normals.to_vec()));
+        }
+    }
+
+    /// `surface` and `normals` are those of now.
+    fn is_buried(&self, vertex: u32, surface: &Surface, normals: &[Vector3]) -> bool {
+        let vertex = vertex as usize;
+        let Some(answer) = self.answers.get(vertex) else {
+            return false;
+        };
+        // Whoever finds it out finds the same.
+        match answer.load(Ordering::Relaxed) {
+            UNKNOWN => {
+                let now = (surface, normals);
+                let before = self.before.as_ref();
+                let (surface, normals) =
+                    before.map_or(now, |(surface, normals)| (surface, normals));
+                let probe = surface.positions()[vertex] + BURIED_PROBE * normals[vertex];
+                let is_buried = surface.contains(probe);
+                answer.store(is_buried.into(), Ordering::Relaxed);
+                is_buried
+            }
+            known => known != 0,
+        }
+    }
 }
 
 /// The direction of a vector; zero for zero.

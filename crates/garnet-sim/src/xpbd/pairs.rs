@@ -1,5 +1,7 @@
 //! Cloth on cloth: vertices that repel each other.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::layers::Layers;
@@ -29,8 +31,8 @@ pub(crate) struct Pair {
 /// the next refresh.
 const MARGIN: f32 = 1.5;
 
-/// Vertices whose neighbors are looked for by one thread at a time.
-const CHUNK: usize = 512;
+/// Slots of the grid whose pairs are looked for by one thread at a time.
+const CHUNK: usize = 1024;
 
 impl Pairs {
     pub(crate) fn new(layers: Layers) -> Self {
@@ -54,11 +56,10 @@ impl Pairs {
         num_substeps: u32,
     ) {
         let points = &particles.bases[..particles.num_vertices()];
-        self.grid.fill(points, self.search);
+        self.grid.fill(points, self.layers.radii(), self.search);
         let (grid, layers) = (&self.grid, &self.layers);
         let pair = |a: usize, b: usize, squared: f32| {
-            let reach = layers.reach(a, b);
-            if squared > MARGIN * MARGIN * reach * reach || (is_out[a] && is_out[b]) {
+            if is_out[a] && is_out[b] {
                 return None;
             }
             let (a, b) = (a.min(b), a.max(b));
@@ -70,18 +71,21 @@ impl Pairs {
                 rise: max_rise.min(missing / num_substeps as f32),
             })
         };
-        let chunks = (0..points.len().div_ceil(CHUNK)).into_par_iter();
+        let chunks = (0..grid.num_slots().div_ceil(CHUNK)).into_par_iter();
         let found = chunks.map(|chunk| {
-            let some = chunk * CHUNK..points.len().min((chunk + 1) * CHUNK);
+            let slots = chunk * CHUNK..grid.num_slots().min((chunk + 1) * CHUNK);
             let mut pairs = Vec::new();
-            grid.for_near_pairs(some, points, self.search, |a, b, squared| {
-                pairs.extend(pair(a, b, squared));
+            grid.for_near_pairs(slots, |a, b, squared| {
+                pairs.extend(pair(a, b, squared).map(|pair| (a as u32, pair)));
             });
             pairs
         });
-        let found: Vec<Vec<Pair>> = found.collect();
+        let found: Vec<Vec<(u32, Pair)>> = found.collect();
+        let mut found = found.concat();
+        // In the order of the vertices that met the others, not of the cubes, whose numbers are those of a hash.
+        found.sort_by_key(|&(vertex, _)| vertex);
         self.near.clear();
-        self.near.extend(found.into_iter().flatten());
+        self.near.extend(found.into_iter().map(|(_, pair)| pair));
     }
 
     /// The pairs that were found.
@@ -148,9 +152,10 @@ struct Grid {
     cells: Vec<[i32; 3]>,
     hashes: Vec<u32>,
     starts: Vec<u32>,
-    /// Points by the hash of their cubes, and where they are.
+    /// Points by the hash of their cubes, these, and coordinates and radii, each on its own.
     sorted: Vec<u32>,
-    places: Vec<Quad>,
+    sorted_cells: Vec<[i32; 3]>,
+    numbers: [Vec<f32>; 4],
 }
 
 /// Half of the 26 neighbors of a cube: each pair of cubes is met once.
@@ -171,12 +176,13 @@ const FORWARD: [[i32; 3]; 13] = [
 ];
 
 impl Grid {
-    fn fill(&mut self, points: &[Quad], size: f32) {
+    /// Sorts points into cubes of this size: the largest distance of a pair.
+    fn fill(&mut self, points: &[Quad], radii: &[f32], size: f32) {
         let per_meter = 1.0 / size;
         let num_slots = (2 * points.len()).next_power_of_two();
         let cell = |point: &Quad| {
             let [x, y, z, _] = point.0;
-            [x, y, z].map(|value| (value * per_meter).floor() as i32)
+            [x, y, z].map(|value| floor(value * per_meter))
         };
         self.cells.clear();
         self.cells.extend(points.iter().map(cell));
@@ -200,44 +206,119 @@ impl Grid {
             self.sorted[*place as usize] = point as u32;
             *place += 1;
         }
-        self.places.clear();
-        let sorted = self.sorted.iter();
-        self.places
-            .extend(sorted.map(|&point| points[point as usize]));
-    }
-
-    /// Calls `found` with each pair no farther apart than `distance`, and its squared distance: once with one of the
-    /// two among `some`.
-    fn for_near_pairs(
-        &self,
-        some: std::ops::Range<usize>,
-        points: &[Quad],
-        distance: f32,
-        mut found: impl FnMut(usize, usize, f32),
-    ) {
-        let limit = distance * distance;
-        let num_slots = self.starts.len() - 1;
-        for a in some {
-            let (place, cell) = (points[a], self.cells[a]);
-            let mut check = |slot: u32, is_wanted: &dyn Fn(usize) -> bool| {
-                let range =
-                    self.starts[slot as usize] as usize..self.starts[slot as usize + 1] as usize;
-                let candidates = self.sorted[range.clone()].iter().zip(&self.places[range]);
-                for (&b, other) in candidates {
-                    let across = place - *other;
-                    let squared = across.dot3(across);
-                    if squared < limit && is_wanted(b as usize) {
-                        found(a, b as usize, squared);
-                    }
-                }
-            };
-            check(self.hashes[a], &|b| b > a && self.cells[b] == cell);
-            for step in FORWARD {
-                let other = [0, 1, 2].map(|axis| cell[axis].wrapping_add(step[axis]));
-                check(hash(other, num_slots), &|b| self.cells[b] == other);
+        let sorted = || self.sorted.iter().map(|&point| point as usize);
+        self.sorted_cells.clear();
+        self.sorted_cells
+            .extend(sorted().map(|point| self.cells[point]));
+        for (axis, numbers) in self.numbers.iter_mut().enumerate() {
+            numbers.clear();
+            match axis {
+                0..3 => numbers.extend(sorted().map(|point| points[point].0[axis])),
+                _ => numbers.extend(sorted().map(|point| radii[point])),
             }
         }
     }
+
+    fn num_slots(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Where the points of a slot are in the sorted lists.
+    fn slot(&self, slot: u32) -> Range<usize> {
+        self.starts[slot as usize] as usize..self.starts[slot as usize + 1] as usize
+    }
+
+    /// Calls `found` with each pair no farther apart than [`MARGIN`] times the sum of its radii, and its squared distance: once, with
+    /// the one first whose cube is in one of the slots and meets that of the other; these by the number of the step there, then by
+    /// their own.
+    fn for_near_pairs(&self, slots: Range<usize>, mut found: impl FnMut(usize, usize, f32)) {
+        let mut around = Around::default();
+        for slot in slots {
+            let members = self.slot(slot as u32);
+            for first in members.clone() {
+                let cell = self.sorted_cells[first];
+                if self.sorted_cells[members.start..first].contains(&cell) {
+                    continue;
+                }
+                around.clear();
+                self.add(cell, slot as u32, &mut around);
+                let num_own = around.points.len();
+                for step in FORWARD {
+                    let other = [0, 1, 2].map(|axis| cell[axis].wrapping_add(step[axis]));
+                    self.add(other, hash(other, self.num_slots()), &mut around);
+                }
+                for own in 0..num_own {
+                    around.meet(own, &mut found);
+                }
+            }
+        }
+    }
+
+    /// Adds the points of a cube.
+    fn add(&self, cell: [i32; 3], slot: u32, around: &mut Around) {
+        let mut rest = self.slot(slot);
+        // The points of a cube follow each other, but for another one that has the same hash.
+        while let Some(skipped) =
+            (self.sorted_cells[rest.clone()].iter()).position(|&other| other == cell)
+        {
+            let first = rest.start + skipped;
+            let others = self.sorted_cells[first..rest.end].iter();
+            let run = first..first + others.take_while(|&&other| other == cell).count();
+            around.points.extend_from_slice(&self.sorted[run.clone()]);
+            for (all, numbers) in around.numbers.iter_mut().zip(&self.numbers) {
+                all.extend_from_slice(&numbers[run.clone()]);
+            }
+            rest.start = run.end;
+        }
+    }
+}
+
+/// The points of a cube and those of its neighbors.
+#[derive(Debug, Default)]
+struct Around {
+    points: Vec<u32>,
+    /// Coordinates and radii, each on its own.
+    numbers: [Vec<f32>; 4],
+    /// Squared distances from one of them, and by how much these are more than a pair may have.
+    squared: Vec<f32>,
+    excess: Vec<f32>,
+}
+
+impl Around {
+    fn clear(&mut self) {
+        self.points.clear();
+        self.numbers.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Calls `found` with one of the points and each later one that is near it.
+    fn meet(&mut self, from: usize, found: &mut impl FnMut(usize, usize, f32)) {
+        let [x, y, z, radius] = self.numbers.each_ref().map(|numbers| numbers[from]);
+        let [xs, ys, zs, radii] = self.numbers.each_ref().map(|numbers| &numbers[from + 1..]);
+        self.squared.clear();
+        let places = xs.iter().zip(ys).zip(zs);
+        self.squared.extend(places.map(|((&ox, &oy), &oz)| {
+            let [dx, dy, dz] = [x - ox, y - oy, z - oz];
+            dx * dx + dy * dy + dz * dz
+        }));
+        self.excess.clear();
+        let pairs = self.squared.iter().zip(radii);
+        self.excess.extend(pairs.map(|(&squared, &other)| {
+            let reach = radius + other;
+            squared - MARGIN * MARGIN * reach * reach
+        }));
+        let points = &self.points[from + 1..];
+        for ((&excess, &squared), &point) in self.excess.iter().zip(&self.squared).zip(points) {
+            if excess <= 0.0 {
+                found(self.points[from] as usize, point as usize, squared);
+            }
+        }
+    }
+}
+
+/// Rounds down; the target's baseline has no instruction for it.
+fn floor(value: f32) -> i32 {
+    let towards_zero = value as i32;
+    towards_zero - i32::from((towards_zero as f32) > value)
 }
 
 /// Teschner et al. 2003, "Optimized spatial hashing for collision detection of deformable objects".
