@@ -13,6 +13,8 @@ pub enum Put {
     AtRest,
     /// Where it is when the body comes to its last place ([`Drape::arrived`](garnet_sim::Drape::arrived)): its folds are still to be found.
     AtArrival,
+    /// Most of the way from there to where it rests: it still falls into its folds.
+    Falling,
     /// Where it is when the body is [midway](crate::MIDWAY) ([`Drape::midway`](garnet_sim::Drape::midway)): the second half of the motion is still
     /// to be simulated.
     Midway,
@@ -28,6 +30,7 @@ impl Put {
     pub const fn frames(self) -> u32 {
         match self {
             Self::AtRest => 6,
+            Self::Falling => 8,
             Self::AtArrival | Self::Midway | Self::OnRestBody => 30,
         }
     }
@@ -41,7 +44,7 @@ impl Put {
     pub(crate) fn schedule(self, edge_length: f32, frames: u32) -> Schedule {
         match self {
             Self::AtRest => Schedule::settling(edge_length, frames),
-            Self::AtArrival => Schedule::after_arrival(edge_length, frames),
+            Self::AtArrival | Self::Falling => Schedule::after_arrival(edge_length, frames),
             Self::Midway => Schedule::after_midway(edge_length, frames),
             Self::OnRestBody => Schedule::from_rest(edge_length, frames),
         }
@@ -83,8 +86,14 @@ mod tests {
 
     #[test]
     fn cloth_has_as_much_of_the_motion_before_it_as_was_not_told() {
-        let puts = [Put::AtRest, Put::AtArrival, Put::Midway, Put::OnRestBody];
-        assert_eq!(puts.map(Put::motion_frames), [0, 0, 30, 60]);
+        let puts = [
+            Put::AtRest,
+            Put::AtArrival,
+            Put::Falling,
+            Put::Midway,
+            Put::OnRestBody,
+        ];
+        assert_eq!(puts.map(Put::motion_frames), [0, 0, 0, 30, 60]);
         assert!(
             !Settling {
                 put: Put::AtArrival,

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{ARRIVAL, Aim, MIDWAY, NetError, POSE_SPACE};
+use crate::{ARRIVAL, Aim, FALLING, MIDWAY, NetError, POSE_SPACE};
 
 /// The length unit of the network and its losses, in metres.
 ///
@@ -54,6 +54,8 @@ pub enum Start {
     PoseSpace,
     /// As [`Start::Shape`], moved by the deformation that tells where the garment arrives; not in the paper.
     Arrival,
+    /// As [`Start::Shape`], moved by the deformation that tells where it is most of the way from there to rest; not in the paper.
+    Falling,
     /// As [`Start::Shape`], moved by the deformation that tells where the garment is when the body is halfway; not in the paper.
     Midway,
 }
@@ -65,6 +67,7 @@ impl Start {
             Self::DualQuaternion | Self::Shape => None,
             Self::PoseSpace => Some(POSE_SPACE),
             Self::Arrival => Some(ARRIVAL),
+            Self::Falling => Some(FALLING),
             Self::Midway => Some(MIDWAY),
         }
     }
@@ -74,6 +77,7 @@ impl Start {
         match self {
             Self::DualQuaternion | Self::Shape | Self::PoseSpace => Aim::Rest,
             Self::Arrival => Aim::Arrival,
+            Self::Falling => Aim::Falling,
             Self::Midway => Aim::Midway,
         }
     }

@@ -187,6 +187,7 @@ impl Model {
             (Some(config), _) => config.start,
             (None, Aim::Rest) => Start::PoseSpace,
             (None, Aim::Arrival) => Start::Arrival,
+            (None, Aim::Falling) => Start::Falling,
             (None, Aim::Midway) => Start::Midway,
         }
     }

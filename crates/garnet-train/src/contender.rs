@@ -42,6 +42,7 @@ pub const fn put_of(aim: Aim) -> Put {
     match aim {
         Aim::Rest => Put::AtRest,
         Aim::Arrival => Put::AtArrival,
+        Aim::Falling => Put::Falling,
         Aim::Midway => Put::Midway,
     }
 }

@@ -49,7 +49,7 @@ impl Candidate {
         let settled = settle.unwrap_or(put.frames());
         let mut frames = match put {
             Put::AtRest => vec![0, settled],
-            Put::AtArrival | Put::Midway | Put::OnRestBody => vec![settled],
+            Put::AtArrival | Put::Falling | Put::Midway | Put::OnRestBody => vec![settled],
         };
         frames.dedup();
         let of = |settle| Self::Model {

@@ -1,7 +1,7 @@
 //! What the names of the paper's variants stand for.
 
 use garnet_net::losses::LossConfig;
-use garnet_net::{ARRIVAL, Aim, MIDWAY, POSE_SPACE, Variant};
+use garnet_net::{ARRIVAL, Aim, FALLING, MIDWAY, POSE_SPACE, Variant};
 
 use crate::{Choice, TrainConfig, TrainError};
 
@@ -66,6 +66,7 @@ impl Recipe {
         match self.name.as_str() {
             POSE_SPACE => Some(Aim::Rest),
             ARRIVAL => Some(Aim::Arrival),
+            FALLING => Some(Aim::Falling),
             MIDWAY => Some(Aim::Midway),
             _ => None,
         }
@@ -98,9 +99,9 @@ mod tests {
         let expected = ("local".to_owned(), LossConfig::fine_tune_mcrq());
         assert_eq!((tuned.kind, tuned.fine_tuned), (None, Some(expected)));
         let aim = |name| Recipe::of_name(name).unwrap().pose_space();
-        let aims = [POSE_SPACE, ARRIVAL, MIDWAY, "local"].map(aim);
-        let known = [Aim::Rest, Aim::Arrival, Aim::Midway].map(Some);
-        assert_eq!((&aims[..3], aims[3]), (&known[..], None));
+        let aims = [POSE_SPACE, ARRIVAL, FALLING, MIDWAY, "local"].map(aim);
+        let known = [Aim::Rest, Aim::Arrival, Aim::Falling, Aim::Midway].map(Some);
+        assert_eq!((&aims[..4], aims[4]), (&known[..], None));
         let own = Recipe::of_name("my_shirt.2").unwrap();
         assert_eq!((own.kind, own.fine_tuned), (None, None));
         for name in ["", "../x", "a b", ".hidden"] {

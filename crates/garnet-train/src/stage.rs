@@ -9,7 +9,7 @@ use garnet_data::{
     Split, Until,
 };
 use garnet_mesh::{Point3, TriMesh};
-use garnet_net::{Aim, GarmentGraph, Start};
+use garnet_net::{Aim, FALLEN, GarmentGraph, Start};
 use garnet_skin::{Body, BoundGarment, Garment, Pose, PosedBody, Warp, WarpedGarment};
 use rayon::prelude::*;
 
@@ -76,7 +76,9 @@ pub struct StagedScene {
 pub const fn warp_of(start: Start) -> Warp {
     match start {
         Start::DualQuaternion => Warp::DualQuaternion,
-        Start::Shape | Start::PoseSpace | Start::Arrival | Start::Midway => Warp::Shape,
+        Start::Shape | Start::PoseSpace | Start::Arrival | Start::Falling | Start::Midway => {
+            Warp::Shape
+        }
     }
 }
 
@@ -114,14 +116,20 @@ impl StagedScene {
     /// # Errors
     ///
     /// [`TrainError::NotKept`] if the data set does not have it.
-    pub fn told(&self, aim: Aim) -> Result<&[Point3], TrainError> {
+    pub fn told(&self, aim: Aim) -> Result<Cow<'_, [Point3]>, TrainError> {
         let (told, when) = match aim {
-            Aim::Rest => return Ok(&self.draped),
-            Aim::Arrival => (&self.arrived, "its body arrived"),
+            Aim::Rest => return Ok(Cow::Borrowed(&self.draped)),
+            Aim::Arrival | Aim::Falling => (&self.arrived, "its body arrived"),
             Aim::Midway => (&self.midway, "its body was midway"),
         };
         let scene = self.name;
-        told.as_deref().ok_or(TrainError::NotKept { scene, when })
+        let told = told.as_deref().ok_or(TrainError::NotKept { scene, when })?;
+        if aim != Aim::Falling {
+            return Ok(Cow::Borrowed(told));
+        }
+        let pairs = told.iter().zip(&self.draped);
+        let fallen = pairs.map(|(from, to)| from + FALLEN * (to - from));
+        Ok(Cow::Owned(fallen.collect()))
     }
 
     /// How the teacher moved the body from rest.

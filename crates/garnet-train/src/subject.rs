@@ -101,7 +101,7 @@ impl Subject {
             warped: staged.warped(self.config.start, &posed)?,
             body: posed.skin().positions().to_vec(),
             parameters: worn.body.pose_and_shape(&posed),
-            draped: staged.told(self.aim)?.to_vec(),
+            draped: staged.told(self.aim)?.into_owned(),
             neighbors: OnceLock::new(),
         })
     }

@@ -103,7 +103,9 @@ impl Network {
     pub fn warp(&self) -> Warp {
         match self.model.start() {
             Start::DualQuaternion => Warp::DualQuaternion,
-            Start::Shape | Start::PoseSpace | Start::Arrival | Start::Midway => Warp::Shape,
+            Start::Shape | Start::PoseSpace | Start::Arrival | Start::Falling | Start::Midway => {
+                Warp::Shape
+            }
         }
     }
 

@@ -99,7 +99,7 @@ impl PackagedGarment {
     pub fn drape(&mut self, target: &PosedBody) -> Result<PackagedDrape, Error> {
         let on_way = match self.settling.put {
             Put::Midway => Some(BodyPath::to_posed(&self.body, target).posed(&self.body, MIDWAY)?),
-            Put::AtRest | Put::AtArrival | Put::OnRestBody => None,
+            Put::AtRest | Put::AtArrival | Put::Falling | Put::OnRestBody => None,
         };
         let seen = on_way.as_ref().unwrap_or(target);
         let warped = self.network.warped(&self.garment, seen)?;

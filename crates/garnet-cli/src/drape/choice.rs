@@ -213,7 +213,7 @@ fn by_budget(
         // What arrives is no drape before it has settled, and what is midway is not on the body.
         let is_drape = match settling.put {
             Put::AtRest => true,
-            Put::AtArrival => candidate.settles || job.settle.is_some(),
+            Put::AtArrival | Put::Falling => candidate.settles || job.settle.is_some(),
             Put::Midway | Put::OnRestBody => candidate.settles,
         };
         if !is_drape {

@@ -40,6 +40,9 @@ pub const POSE_SPACE: &str = "pose-space";
 /// The name of the pose-space deformation that tells where cloth is when its body arrives.
 pub const ARRIVAL: &str = "arrival";
 
+/// The name of the pose-space deformation that tells where cloth is most of the way from there to where it rests.
+pub const FALLING: &str = "falling";
+
 /// The name of the pose-space deformation that tells where cloth is when its body is halfway to its pose.
 pub const MIDWAY: &str = "midway";
 
@@ -53,10 +56,19 @@ pub enum Aim {
     /// Where it is when the body comes to its last place; it has to settle yet. Until then the cloth
     /// follows the body, which is easier to tell than the folds that it falls into.
     Arrival,
+    /// Most of the way on a line from where it is then to where it rests ([`FALLEN`]): less of the way is to be simulated yet, and the
+    /// folds are still to be found.
+    Falling,
     /// Where it is when the body is halfway to its last place, seen from there: the second half of the motion has to
     /// be simulated yet.
     Midway,
 }
+
+/// The share of the way from arrival to rest that cloth of [`Aim::Falling`] has behind it.
+///
+/// 156 validation drapes of a T-shirt that start from a mixture of what two deformations tell, of arrival and of rest, are after 6 frames 5.07 mm from the
+/// teacher with 0.8 of the latter, 5.81 mm with all of it, 8.61 mm with nothing; after 10 frames 4.29 mm with 0.7, 4.39 mm with 0.5, 6.11 mm with nothing.
+pub const FALLEN: f32 = 0.8;
 
 impl Aim {
     /// Whether it is the default.

@@ -95,7 +95,7 @@ impl PoseSpaceConfig {
     fn told_by(&self, aim: Aim) -> ToldBy {
         self.told_by.unwrap_or(match aim {
             Aim::Rest => ToldBy::Scenes,
-            Aim::Arrival | Aim::Midway => ToldBy::Networks,
+            Aim::Arrival | Aim::Falling | Aim::Midway => ToldBy::Networks,
         })
     }
 }
