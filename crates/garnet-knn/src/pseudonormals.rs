@@ -39,9 +39,16 @@ impl Surface {
     pub fn vertex_normals(&self) -> Vec<Vector3> {
         let vertices = 0..self.positions().len() as u32;
         let normals = vertices.into_par_iter().with_min_len(VERTICES_PER_TASK);
-        normals
-            .map(|vertex| self.vertex_normal(vertex).cast())
-            .collect()
+        normals.map(|vertex| self.vertex_normal(vertex)).collect()
+    }
+
+    /// That of one vertex.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such vertex.
+    pub fn vertex_normal(&self, vertex: u32) -> Vector3 {
+        self.vertex_normal_f64(vertex).cast()
     }
 
     /// The pseudonormal of the face, edge or vertex on which a closest point lies: unit length, or
@@ -58,7 +65,7 @@ impl Surface {
         };
         let mut normal = Vector3d::zeros();
         for (&vertex, &weight) in corners.iter().zip(&closest.barycentric) {
-            normal += f64::from(weight) * self.vertex_normal(vertex);
+            normal += f64::from(weight) * self.vertex_normal_f64(vertex);
         }
         unit(normal).cast()
     }
@@ -103,11 +110,11 @@ impl Surface {
                 let faces = self.adjacency().edge_faces(a, b);
                 unit(faces.map(|face| self.face_normal_f64(face)).sum())
             }
-            Feature::Vertex(corner) => self.vertex_normal(corners[usize::from(corner % 3)]),
+            Feature::Vertex(corner) => self.vertex_normal_f64(corners[usize::from(corner % 3)]),
         }
     }
 
-    fn vertex_normal(&self, vertex: u32) -> Vector3d {
+    fn vertex_normal_f64(&self, vertex: u32) -> Vector3d {
         let mut sum = Vector3d::zeros();
         for &face in self.adjacency().vertex_faces(vertex) {
             let Some([a, b, c]) = self.triangle_f64(face) else {

@@ -135,23 +135,24 @@ impl<'a> Solver<'a> {
     pub(crate) fn refresh(&mut self, skin: Option<&Skin>, frame: u64) {
         self.particles.rebase();
         self.contract(frame);
-        if let Some(skin) = skin {
-            let faces = self.cloth.faces();
-            let interval = Interval {
-                step: self.step,
-                max_push_speed: self.schedule.max_push_speed,
-                num_substeps: self.num_substeps,
-                friction: self.cloth.fabric().friction,
-                friction_share: self.friction_share,
-                may_change: self.may_change,
-            };
-            self.contacts
-                .refresh(skin, faces, &self.particles, interval);
-        }
+        let interval = Interval {
+            step: self.step,
+            max_push_speed: self.schedule.max_push_speed,
+            num_substeps: self.num_substeps,
+            friction: self.cloth.fabric().friction,
+            friction_share: self.friction_share,
+            may_change: self.may_change,
+        };
+        let (faces, particles) = (self.cloth.faces(), &self.particles);
+        let (contacts, pairs) = (&mut self.contacts, &mut self.pairs);
+        rayon::join(
+            || skin.map(|skin| contacts.refresh(skin, faces, particles, interval)),
+            || pairs.as_mut().map(|pairs| pairs.sort(particles)),
+        );
         if let Some(pairs) = &mut self.pairs {
             let max_rise = self.schedule.max_push_speed * self.step;
             let is_out = &self.contacts.is_squeezed;
-            pairs.refresh(&self.particles, is_out, max_rise, self.num_substeps);
+            pairs.refresh(is_out, max_rise, self.num_substeps);
         }
         let pairs = self.pairs.as_ref().map_or(&[][..], Pairs::near);
         let planes = &self.contacts.planes;

@@ -1,4 +1,6 @@
-//! Normals of a posed skin, computed once a drape.
+//! Normals of a posed skin, each computed once a drape: when it is asked for first.
+
+use std::sync::OnceLock;
 
 use garnet_knn::{ClosestPoint, Feature, Surface};
 use garnet_mesh::Vector3;
@@ -11,7 +13,7 @@ const CHUNK: usize = 4096;
 #[derive(Debug)]
 pub(crate) struct SkinNormals {
     faces: Vec<Vector3>,
-    vertices: Vec<Vector3>,
+    vertices: Vec<OnceLock<Vector3>>,
 }
 
 impl SkinNormals {
@@ -27,8 +29,13 @@ impl SkinNormals {
         let faces = skin.faces().par_iter().with_min_len(CHUNK);
         Self {
             faces: faces.map(normal).collect(),
-            vertices: skin.vertex_normals(),
+            vertices: vec![OnceLock::new(); skin.positions().len()],
         }
+    }
+
+    /// The pseudonormal of a vertex. Those far from the garment are never asked for.
+    fn vertex(&self, skin: &Surface, vertex: u32) -> Vector3 {
+        *self.vertices[vertex as usize].get_or_init(|| skin.vertex_normal(vertex))
     }
 
     /// The unit normal of a face, zero if it has no area.
@@ -44,7 +51,7 @@ impl SkinNormals {
             Feature::Edge(_) => skin.pseudonormal(point),
             Feature::Vertex(corner) => {
                 let corners = skin.faces()[point.face as usize];
-                self.vertices[corners[usize::from(corner) % 3] as usize]
+                self.vertex(skin, corners[usize::from(corner) % 3])
             }
         }
     }
@@ -57,7 +64,7 @@ impl SkinNormals {
     /// The corners' normals interpolated at a place on a face.
     pub(crate) fn smooth_at(&self, skin: &Surface, face: u32, barycentric: [f32; 3]) -> Vector3 {
         let corners = skin.faces()[face as usize];
-        let normals = corners.map(|vertex| self.vertices[vertex as usize]);
+        let normals = corners.map(|vertex| self.vertex(skin, vertex));
         let parts = normals.iter().zip(barycentric);
         let sum: Vector3 = parts.map(|(normal, share)| share * normal).sum();
         sum.try_normalize(0.0).unwrap_or_else(|| self.face(face))

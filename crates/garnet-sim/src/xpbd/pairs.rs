@@ -44,19 +44,17 @@ impl Pairs {
         }
     }
 
-    /// Finds the pairs anew, but for those of two vertices `is_out` `[vertex]`.
+    /// Sorts the vertices for [`Pairs::refresh`].
+    pub(crate) fn sort(&mut self, particles: &Particles) {
+        let points = &particles.bases[..particles.num_vertices()];
+        self.grid.fill(points, self.layers.radii(), self.search);
+    }
+
+    /// Finds the pairs of [sorted](Pairs::sort) vertices, but for those of two vertices `is_out` `[vertex]`.
     ///
     /// Pairs that are too near begin at their distance and come apart by no more than `max_rise`
     /// metres a substep, in `num_substeps` if they can: none is thrown.
-    pub(crate) fn refresh(
-        &mut self,
-        particles: &Particles,
-        is_out: &[bool],
-        max_rise: f32,
-        num_substeps: u32,
-    ) {
-        let points = &particles.bases[..particles.num_vertices()];
-        self.grid.fill(points, self.layers.radii(), self.search);
+    pub(crate) fn refresh(&mut self, is_out: &[bool], max_rise: f32, num_substeps: u32) {
         let (grid, layers) = (&self.grid, &self.layers);
         let pair = |a: usize, b: usize, squared: f32| {
             if is_out[a] && is_out[b] {
