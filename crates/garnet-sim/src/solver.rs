@@ -36,6 +36,8 @@ pub(crate) struct Solver<'a> {
     may_change: bool,
     /// Substeps since the stage began.
     substep: u32,
+    /// Refreshes since the start.
+    refresh: u32,
 }
 
 /// Garments this far from where they started are lost, in metres.
@@ -81,6 +83,7 @@ impl<'a> Solver<'a> {
             friction_share: 1.0,
             may_change: true,
             substep: 0,
+            refresh: 0,
         }
     }
 
@@ -145,11 +148,14 @@ impl<'a> Solver<'a> {
         };
         let (faces, particles) = (self.cloth.faces(), &self.particles);
         let (contacts, pairs) = (&mut self.contacts, &mut self.pairs);
+        let looks_for_pairs = self.refresh.is_multiple_of(self.schedule.pair_interval);
+        self.refresh += 1;
+        let mut pairs = pairs.as_mut().filter(|_| looks_for_pairs);
         rayon::join(
             || skin.map(|skin| contacts.refresh(skin, faces, particles, interval)),
             || pairs.as_mut().map(|pairs| pairs.sort(particles)),
         );
-        if let Some(pairs) = &mut self.pairs {
+        if let Some(pairs) = pairs {
             let max_rise = self.schedule.max_push_speed * self.step;
             let is_out = &self.contacts.is_squeezed;
             pairs.refresh(is_out, max_rise, self.num_substeps);

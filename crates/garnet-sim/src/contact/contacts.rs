@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::contact::plane::{Brake, Plane, PlaneOptions};
-use crate::contact::seeker::{FACING, Near, Reach, Seeker, Track};
+use crate::contact::seeker::{FACING, NONE, Near, Reach, Seeker, Track};
 use crate::contact::skin::{Skin, unit};
 use crate::contact::unrest::Unrest;
 use crate::xpbd::particles::Particles;
@@ -51,7 +51,7 @@ struct Share<'a> {
 const CHUNK: usize = 256;
 
 /// About so many vertices tell which way the cloth looks.
-const VOTERS: usize = 1000;
+const VOTERS: usize = 500;
 
 /// Each vertex asks the whole skin at every so many refreshes; in between it walks.
 const TURNS: u32 = 4;
@@ -172,7 +172,7 @@ impl Contacts {
         skin: &Skin,
     ) -> [Option<Hold>; 2] {
         let track = &mut self.tracks[vertex];
-        self.wear.holds(vertex, point, skin, track, false)
+        self.wear.holds(vertex, point, skin, (track, NONE), false)
     }
 }
 
@@ -191,6 +191,7 @@ impl Share<'_> {
             .iter_mut()
             .zip(self.unrest)
             .zip(self.is_squeezed);
+        let mut hint = NONE;
         for (place, ((track, unrest), is_squeezed)) in of_vertices.enumerate() {
             let vertex = self.first_vertex + place;
             let point = particles.position(vertex);
@@ -198,7 +199,9 @@ impl Share<'_> {
             if track.is_free(point, skin) {
                 continue;
             }
-            let holds = wear.holds(vertex, point, skin, track, interval.may_change);
+            let holds = wear.holds(vertex, point, skin, (track, hint), interval.may_change);
+            // The next vertex is one of those around.
+            hint = track.hint();
             let thickness = wear.reach.thickness;
             let is_caught = holds[1].is_some_and(|Hold { near, .. }| {
                 let moves = skin.velocity(&near.foot) != Vector3::zeros();
@@ -238,7 +241,7 @@ impl Wear {
         vertex: usize,
         point: Point3,
         skin: &Skin,
-        track: &mut Track,
+        (track, hint): (&mut Track, u32),
         may_change: bool,
     ) -> [Option<Hold>; 2] {
         if self.masks[vertex] == 0 {
@@ -250,6 +253,7 @@ impl Wear {
             point,
             mask: self.masks[vertex],
             outward: self.orientation * self.normals[vertex],
+            hint,
         };
         let is_turn = may_change && vertex as u32 % TURNS == self.turn;
         let own = seeker.own(track, is_turn);
@@ -268,6 +272,7 @@ impl Wear {
                 point: particles.position(vertex),
                 mask: self.masks[vertex],
                 outward: Vector3::zeros(),
+                hint: NONE,
             };
             let foot = seeker.nearest(self.reach.far, u32::MAX, |_| true);
             foot.map_or(0.0, |foot| {

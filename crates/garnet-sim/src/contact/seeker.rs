@@ -53,7 +53,7 @@ pub(crate) const FACING: f32 = -0.3;
 const TOUCHING: f32 = 1e-4;
 
 /// No face.
-const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// What is remembered of a vertex.
 #[derive(Debug, Clone, Copy)]
@@ -77,6 +77,11 @@ impl Track {
             skin_travel: 0.0,
             slack: 0.0,
         }
+    }
+
+    /// A face that is near vertices around this one, if one is known.
+    pub(crate) fn hint(&self) -> u32 {
+        self.own
     }
 
     /// Whether the vertex cannot have come near any skin since the skin was asked.
@@ -107,6 +112,8 @@ pub(crate) struct Seeker<'a> {
     pub(crate) mask: u32,
     /// Unit normal of the cloth to its outside; zero if it has none.
     pub(crate) outward: Vector3,
+    /// A face that may be near, if own skin is not known.
+    pub(crate) hint: u32,
 }
 
 impl Seeker<'_> {
@@ -147,9 +154,14 @@ impl Seeker<'_> {
             near = None;
             bound = reach.far;
         }
+        let hint = if track.own == NONE {
+            self.hint
+        } else {
+            track.own
+        };
         track.asked_at = self.point;
         track.skin_travel = skin.travel();
-        let mut nearest = self.nearest(bound, track.own, |_| true);
+        let mut nearest = self.nearest(bound, hint, |_| true);
         let mut is_free = true;
         if let Some(foot) = nearest
             && !self.is_under(skin.face_normal(foot.face))
@@ -158,9 +170,7 @@ impl Seeker<'_> {
             if self.is_before(&foot) {
                 track.other = foot.face;
             }
-            nearest = self.nearest(bound, track.own, |face| {
-                self.is_under(skin.face_normal(face))
-            });
+            nearest = self.nearest(bound, hint, |face| self.is_under(skin.face_normal(face)));
         }
         let own = match (nearest, near) {
             (Some(nearest), Some(near)) if !self.is_same_skin(&nearest, &near) => {

@@ -29,6 +29,7 @@ pub(crate) fn undamped(frames: u32, rate: f32) -> Schedule {
             friction: 1.0,
         }],
         refreshes_per_frame: 1,
+        pair_interval: 1,
         bending_interval: 2,
         patches: 1,
         contraction_frames: 0,
