@@ -34,10 +34,16 @@ pub struct Recipe {
     pub fine_tuned: Option<(String, LossConfig)>,
 }
 
+/// Learning rate of fine-tunings.
+///
+/// At ten times that, which networks begin with, a T-shirt's Local comes to the same error of the mean curvature, but 0.6 in place of 0.1 mm farther off, with 3.5
+/// in place of 0.6 % of its vertices inside the body (4 epochs, validation).
+const FINE_TUNING_RATE: f64 = 3e-4;
+
 impl Recipe {
     /// Reads a name: `naive`, `global`, `local` or `global-params` start anew; `<variant>-rq`,
     /// `-mc`, `-mcrq` and `-umc` fine-tune `<variant>` with curvature losses (*Gundogdu et al.
-    /// 2020, section 3.4*); `pose-space`, `arrival` and `midway` are pose-space deformations; any other name stands for itself.
+    /// 2020, section 3.4*); `pose-space`, `arrival`, `falling` and `midway` are pose-space deformations; any other name stands for itself.
     ///
     /// # Errors
     ///
@@ -80,6 +86,7 @@ impl Recipe {
         if let Some((_, losses)) = &self.fine_tuned {
             config.loss = losses.clone();
             config.choose_by = Choice::Loss;
+            config.learning_rate = FINE_TUNING_RATE;
         }
     }
 }

@@ -18,7 +18,8 @@ pub(crate) struct TrainArgs {
     #[arg(value_name = "DATASET")]
     pub(crate) dataset: PathBuf,
     /// Name of the variant: naive, global, local, global-params, local-params; with -rq, -mc, -mcrq or -umc after
-    /// it, that variant is fine-tuned; or a name of your own.
+    /// it, that variant is fine-tuned; pose-space, falling, arrival, midway: a deformation told by pose and shape alone, of
+    /// where cloth rests or where it is on its way there; or a name of your own.
     #[arg(long, value_name = "NAME", default_value = "local")]
     variant: String,
     /// Read the configuration from a TOML file.
@@ -39,8 +40,8 @@ pub(crate) struct TrainArgs {
     /// Start from these weights.
     #[arg(long, value_name = "WEIGHTS", conflicts_with = "resume")]
     from: Option<PathBuf>,
-    /// Learn from the training bodies of this data set, too: for `--variant arrival` or `midway`, from
-    /// `garnet dataset --until` that with another seed. May be given several times.
+    /// Learn from the training bodies of this data set, too: for `--variant falling`, and for `arrival` or `midway`, from
+    /// `garnet dataset --until` that, with another seed. May be given several times.
     #[arg(long, value_name = "DATASET")]
     more: Vec<PathBuf>,
     /// Go on with a training that was interrupted.

@@ -85,7 +85,7 @@ fn advice(error: &TrainError) -> Option<String> {
                 .to_owned()
         }
         TrainError::MoreScenes { .. } => {
-            "`--more` is for `--variant arrival` and `midway`, which networks tell; leave it out".to_owned()
+            "`--more` is for `--variant arrival`, `falling` and `midway`, which networks tell; leave it out".to_owned()
         }
         TrainError::CannotLeaveOut { .. } => {
             "fit it with `told_by = \"scenes\"` under `[pose_space]` of its configuration".to_owned()

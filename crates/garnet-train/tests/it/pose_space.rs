@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_data::{Dataset, DatasetManifest, GarmentPackage, Put, Split, Until};
 use garnet_mesh::Vector3;
-use garnet_net::{ARRIVAL, Aim, MIDWAY, POSE_SPACE, PoseSpace};
+use garnet_net::{ARRIVAL, Aim, FALLEN, FALLING, MIDWAY, POSE_SPACE, PoseSpace};
 use garnet_train::{
     Candidate, Finish, PoseSpaceConfig, Precision, Stage, ToldBy, TrainConfig, TrainError,
     TrainEvent, TrainJob, evaluate, train,
@@ -189,9 +189,11 @@ fn arrivals_are_learned_where_the_data_set_has_them() {
     // The sleeve is no garment of the teacher: it is known whether it settles, not where.
     assert_eq!(variant.settled_error, fitted.settled_error);
 
-    // The same data tell the rest.
+    // The same data tell the rest, and what is most of the way there.
     let rest = run(&invented.job(POSE_SPACE, TrainConfig::default())).unwrap();
-    let [arrives, rests] = [&fitted.weights, &rest.weights].map(|weights| {
+    let falling = run(&invented.job(FALLING, by_scenes())).unwrap();
+    let all = [&fitted.weights, &rest.weights, &falling.weights];
+    let [arrives, rests, falls] = all.map(|weights| {
         let candidates = Candidate::of_weights("it", weights, Some(0)).unwrap();
         let stage = stage(&invented);
         let found = evaluate(&stage, Split::Test, &candidates, Finish::None, &mut |_| {});
@@ -199,6 +201,8 @@ fn arrivals_are_learned_where_the_data_set_has_them() {
     });
     assert!((arrives - 0.005).abs() < 3e-4, "{arrives}");
     assert!(rests < 3e-4, "{rests}");
+    let left = f64::from(1.0 - FALLEN) * 0.005;
+    assert!((falls - left).abs() < 3e-4, "{falls}");
 }
 
 /// Tells where the garment is midway: as where the arm is bent half as far.
@@ -277,11 +281,13 @@ fn what_arrives_is_measured_settled_alone() {
         };
         candidates.iter().map(settle).collect()
     };
-    let [at_rest, at_arrival] = [Put::AtRest, Put::AtArrival].map(Put::frames);
+    let [at_rest, at_arrival, falling] =
+        [Put::AtRest, Put::AtArrival, Put::Falling].map(Put::frames);
     assert_eq!(settles(POSE_SPACE, None), [0, at_rest]);
     assert_eq!(settles(POSE_SPACE, Some(0)), [0]);
     assert_eq!(settles(ARRIVAL, None), [at_arrival]);
     assert_eq!(settles(ARRIVAL, Some(12)), [12]);
+    assert_eq!(settles(FALLING, None), [falling]);
 }
 
 #[test]
