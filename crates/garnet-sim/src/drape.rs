@@ -203,7 +203,7 @@ fn run<'a>(
     for (index, stage) in stages.enumerate() {
         let num_substeps = schedule.substeps(stage.rate);
         solver.begin_stage(*stage);
-        if index > if std::env::var("KEEP").is_ok() { 0 } else { 1 } {
+        if index > 1 {
             solver.keep_contacts();
         }
         let moves = index == 0;
