@@ -165,4 +165,22 @@ mod tests {
         assert!(matches!(error, SimError::Count { expected: 3, .. }));
         assert!(Collider::new(&[[0, 1, 3]], 3).is_err());
     }
+
+    #[test]
+    fn a_collider_that_knows_where_it_is_is_found_where_it_moves() {
+        let ball = garnet_mesh::primitives::icosphere(2, 0.1);
+        let plain = Collider::new(ball.faces(), ball.num_vertices()).unwrap();
+        let known = plain.clone().with_surface(Surface::new(&ball)).unwrap();
+        let moved: Vec<Point3> = ball.positions().iter().map(|p| 2.0 * p).collect();
+        let point = Point3::new(0.3, 0.1, -0.2);
+        let [a, b] = [plain, known.clone()]
+            .map(|collider| collider.surface(moved.clone()).unwrap().closest(point));
+        assert_eq!(a.distance_squared.to_bits(), b.distance_squared.to_bits());
+        // Positions that are not finite are refused as by one that does not.
+        let nowhere = vec![Point3::new(f32::NAN, 0.0, 0.0); moved.len()];
+        assert!(matches!(known.surface(nowhere), Err(SimError::Collider(_))));
+        let other = garnet_mesh::primitives::icosphere(1, 0.1);
+        let wrong = known.with_surface(Surface::new(&other));
+        assert!(matches!(wrong, Err(SimError::Count { .. })));
+    }
 }
