@@ -9,10 +9,6 @@ use crate::closest::ClosestPoint;
 use crate::closest_on_triangle::{Feature, Projection};
 use crate::surface::Surface;
 use garnet_mesh::{Point3, Vector3};
-use rayon::prelude::*;
-
-/// Vertices that one task of a batch treats.
-const VERTICES_PER_TASK: usize = 1024;
 
 type Vector3d = nalgebra::Vector3<f64>;
 
@@ -34,15 +30,8 @@ impl Surface {
         self.face_normal_f64(face).cast()
     }
 
-    /// The angle-weighted pseudonormal of each vertex `[vertex]`: unit length, or zero where no
-    /// face with an area is.
-    pub fn vertex_normals(&self) -> Vec<Vector3> {
-        let vertices = 0..self.positions().len() as u32;
-        let normals = vertices.into_par_iter().with_min_len(VERTICES_PER_TASK);
-        normals.map(|vertex| self.vertex_normal(vertex)).collect()
-    }
-
-    /// That of one vertex.
+    /// The angle-weighted pseudonormal of a vertex: unit length, or zero where no face with an area
+    /// is.
     ///
     /// # Panics
     ///
@@ -166,7 +155,8 @@ mod tests {
     fn the_normal_of_a_box_corner_is_its_diagonal_however_its_sides_are_split() {
         let (positions, faces) = cube(-1.0, 1.0, 1);
         let surface = surface((positions.clone(), faces));
-        for (position, normal) in positions.iter().zip(surface.vertex_normals()) {
+        for (vertex, position) in (0..).zip(positions.iter()) {
+            let normal = surface.vertex_normal(vertex);
             assert_relative_eq!(normal, position.coords.normalize(), epsilon = ROUNDING);
         }
     }
