@@ -44,7 +44,8 @@ impl Put {
     pub(crate) fn schedule(self, edge_length: f32, frames: u32) -> Schedule {
         match self {
             Self::AtRest => Schedule::settling(edge_length, frames),
-            Self::AtArrival | Self::Falling => Schedule::after_arrival(edge_length, frames),
+            Self::AtArrival => Schedule::after_arrival(edge_length, frames),
+            Self::Falling => Schedule::while_falling(edge_length, frames),
             Self::Midway => Schedule::after_midway(edge_length, frames),
             Self::OnRestBody => Schedule::from_rest(edge_length, frames),
         }

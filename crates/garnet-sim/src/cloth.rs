@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::rest_shape::RestFace;
+use crate::xpbd::patchwork::Spare;
 use crate::{Fabric, RestShape, SimError};
 use garnet_mesh::{MeshError, Topology};
 
@@ -40,6 +41,7 @@ pub struct Cloth {
     is_shrunk: Vec<bool>,
     grip: f32,
     hinges: Vec<BendingHinge>,
+    spare: Spare,
 }
 
 /// Resistance of an edge to a change of its length: energy ½ k (|x₁ − x₀| − l)², with another k where it is shorter than l.
@@ -125,6 +127,7 @@ impl Cloth {
             masses,
             fabric: *fabric,
             topology: Arc::new(topology),
+            spare: Spare::default(),
         })
     }
 
@@ -134,6 +137,7 @@ impl Cloth {
     ///
     /// [`SimError::Garment`] if there is no such vertex.
     pub fn with_pins(mut self, vertices: &[u32]) -> Result<Self, SimError> {
+        self.spare = Spare::default();
         for &vertex in vertices {
             let num_vertices = self.num_vertices();
             match self.is_pinned.get_mut(vertex as usize) {
@@ -158,6 +162,11 @@ impl Cloth {
     /// The same for those who keep it.
     pub(crate) fn shared_topology(&self) -> Arc<Topology> {
         Arc::clone(&self.topology)
+    }
+
+    /// What runs leave for the next.
+    pub(crate) fn spare(&self) -> &Spare {
+        &self.spare
     }
 
     /// Vertex numbers `[face][corner]`.

@@ -119,7 +119,7 @@ pub fn drape(
         balance = Some(found);
     }
     let num_freed = run.free();
-    let strain = run.strain(scene.cloth)?;
+    run.check_whole(scene.cloth)?;
     let Run {
         solver,
         skin,
@@ -129,7 +129,7 @@ pub fn drape(
         midway,
     } = run;
     let report = DrapeReport {
-        strain,
+        strain: Strain::of(scene.cloth, &positions),
         rib_strain: Strain::of_ribs(scene.cloth, &positions),
         speeds,
         balance,
@@ -166,7 +166,7 @@ pub fn settle(
         run.balanced(scene, schedule, observer)?;
     }
     run.free();
-    run.strain(scene.cloth)?;
+    run.check_whole(scene.cloth)?;
     Ok(run.positions)
 }
 
@@ -202,7 +202,9 @@ fn run<'a>(
     let stages = std::iter::once(&motion).chain(&schedule.stages);
     for (index, stage) in stages.enumerate() {
         let num_substeps = schedule.substeps(stage.rate);
-        solver.begin_stage(*stage);
+        if stage.frames > 0 {
+            solver.begin_stage(*stage);
+        }
         if index > 1 {
             solver.keep_contacts();
         }
@@ -299,17 +301,24 @@ impl Run<'_> {
         free(&mut self.positions, body.skin().surface())
     }
 
-    /// How much the edges are strained, if none is torn.
-    fn strain(&self, cloth: &Cloth) -> Result<Strain, SimError> {
-        let strain = Strain::of(cloth, &self.positions);
-        if strain.max.is_nan() || strain.max > TORN - 1.0 {
-            return Err(SimError::Torn {
-                vertices: cloth.springs()[strain.max_edge].vertices,
-                factor: strain.max + 1.0,
+    /// Refuses cloth of which an edge is torn; tells the one that is the longest against its length at rest.
+    fn check_whole(&self, cloth: &Cloth) -> Result<(), SimError> {
+        let factors = cloth.springs().iter().map(|spring| {
+            let [a, b] = spring
+                .vertices
+                .map(|vertex| self.positions[vertex as usize]);
+            ((a - b).norm() / spring.rest_length, spring.vertices)
+        });
+        // Of all numbers NaN is the largest in this order.
+        let longest = factors.reduce(|a, b| if b.0.total_cmp(&a.0).is_gt() { b } else { a });
+        match longest {
+            Some((factor, vertices)) if factor.is_nan() || factor > TORN => Err(SimError::Torn {
+                vertices,
+                factor,
                 seconds: self.clock.seconds(),
-            });
+            }),
+            _ => Ok(()),
         }
-        Ok(strain)
     }
 }
 

@@ -43,6 +43,12 @@ pub(crate) struct Solver<'a> {
 /// Garments this far from where they started are lost, in metres.
 const LOST: f32 = 100.0;
 
+impl Drop for Solver<'_> {
+    fn drop(&mut self) {
+        (self.cloth.spare()).leave(std::mem::take(&mut self.patchwork));
+    }
+}
+
 impl<'a> Solver<'a> {
     pub(crate) fn new(scene: &Scene<'a>, schedule: &'a Schedule) -> Self {
         let cloth = scene.cloth;
@@ -58,8 +64,11 @@ impl<'a> Solver<'a> {
                 .collect()
         };
         let particles = Particles::new(cloth, scene.start);
-        let mut patchwork = Patchwork::new(cloth, &particles, schedule.patches);
-        patchwork.set_lengths(|spring| cloth.springs()[spring].rest_length);
+        let left = cloth.spare().take(schedule.patches);
+        let mut patchwork =
+            left.unwrap_or_else(|| Patchwork::new(cloth, &particles, schedule.patches));
+        let share = schedule.length_share;
+        patchwork.set_lengths(|spring| share * cloth.springs()[spring].rest_length);
         let sum: nalgebra::Vector3<f64> = scene.start.iter().map(|p| p.coords.cast::<f64>()).sum();
         Self {
             cloth,
@@ -171,8 +180,10 @@ impl<'a> Solver<'a> {
         if frame <= num_frames && !self.start_lengths.is_empty() {
             let share = frame as f32 / num_frames as f32;
             let (start, springs) = (&self.start_lengths, self.cloth.springs());
+            let length_share = self.schedule.length_share;
             self.patchwork.set_lengths(|spring| {
-                start[spring] + (springs[spring].rest_length - start[spring]) * share
+                let end = length_share * springs[spring].rest_length;
+                start[spring] + (end - start[spring]) * share
             });
         }
     }

@@ -74,9 +74,12 @@ impl EmbeddedSkin {
 
     /// Whether cloth whose closest skin is `point` on `face` is trapped.
     pub(crate) fn is_trap(&self, face: u32, point: Point3) -> bool {
-        let near = self.centers.as_ref().and_then(|tree| tree.nearest(point));
         self.is_embedded(face)
-            || near.is_some_and(|n| n.distance_squared < TRAP_DISTANCE * TRAP_DISTANCE)
+            || self.centers.as_ref().is_some_and(|tree| {
+                let near = tree.within(point, TRAP_DISTANCE);
+                near.first()
+                    .is_some_and(|n| n.distance_squared < TRAP_DISTANCE * TRAP_DISTANCE)
+            })
     }
 }
 

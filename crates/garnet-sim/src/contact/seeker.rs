@@ -154,10 +154,11 @@ impl Seeker<'_> {
             near = None;
             bound = reach.far;
         }
-        let hint = if track.own == NONE {
-            self.hint
-        } else {
-            track.own
+        // A hint that was walked to is nearly the nearest: the search has little left to look at.
+        let hint = match (track.own, self.hint) {
+            (NONE, NONE) => NONE,
+            (NONE, hint) => skin.walk(self.point, hint, self.mask).face,
+            (own, _) => own,
         };
         track.asked_at = self.point;
         track.skin_travel = skin.travel();

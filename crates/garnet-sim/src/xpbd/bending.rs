@@ -15,7 +15,7 @@ use crate::xpbd::quad::Quad;
 /// ```
 ///
 /// with mₘ one over the masses and b the stiffness of the hinge.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Bending {
     rows: Vec<Row>,
     /// The hinge of each row.

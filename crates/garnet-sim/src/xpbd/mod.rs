@@ -14,3 +14,5 @@ pub(crate) mod quad;
 mod rounds;
 mod seam;
 pub(crate) mod springs;
+#[cfg(target_arch = "x86_64")]
+mod springs_avx2;

@@ -11,7 +11,7 @@ use crate::{Cloth, Point3, Vector3};
 ///
 /// Two more vertices without mass follow those of the cloth: blocks of springs that are not full end
 /// there.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Particles {
     /// Where offsets count from, in metres; the fourth number is 0.
     pub(crate) bases: Vec<Quad>,
@@ -96,6 +96,10 @@ impl Particles {
             self.bases[place] = from.bases[vertex];
             self.offsets[place] = from.offsets[vertex];
             self.last[place] = from.last[vertex];
+        }
+        // Padding falls with the others, and nobody else puts it back.
+        for offsets in [&mut self.offsets, &mut self.last] {
+            offsets[vertices.len()..].fill(Quad::ZERO);
         }
     }
 

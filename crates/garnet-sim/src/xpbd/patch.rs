@@ -9,7 +9,7 @@ use crate::xpbd::quad::Quad;
 use crate::xpbd::springs::Springs;
 
 /// Some vertices and what is between them alone.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Patch {
     /// The vertex of the cloth at each place.
     pub(super) vertices: Vec<u32>,

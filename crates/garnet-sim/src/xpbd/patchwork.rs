@@ -17,12 +17,36 @@ use crate::xpbd::seam::{Seam, Source};
 ///
 /// A substep takes all patches side by side, then what is between them. How they are cut depends on the mesh alone, so
 /// that the number of threads does not show.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Patchwork {
+    /// How many patches were asked for.
+    number: u32,
     patches: Vec<Mutex<Patch>>,
     seam: Seam,
     /// Where each vertex of the cloth is.
     sources: Vec<Source>,
+}
+
+/// The patchwork that a run of a cloth has left for the next one: cutting takes as long as many substeps.
+#[derive(Debug, Default)]
+pub(crate) struct Spare(Mutex<Patchwork>);
+
+impl Clone for Spare {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl Spare {
+    /// What was left, if it is in so many patches.
+    pub(crate) fn take(&self, number: u32) -> Option<Patchwork> {
+        let mut left = locked(&self.0);
+        (left.number == number).then(|| std::mem::take(&mut *left))
+    }
+
+    pub(crate) fn leave(&self, patchwork: Patchwork) {
+        *locked(&self.0) = patchwork;
+    }
 }
 
 impl Patchwork {
@@ -55,6 +79,7 @@ impl Patchwork {
         let by_vertex: Vec<u32> = sources.iter().map(|&[_, place]| place).collect();
         let patches = cut.into_iter().zip(&parts);
         Self {
+            number,
             patches: patches
                 .map(|(vertices, parts)| Patch::new(cloth, particles, vertices, parts, &by_vertex))
                 .map(Mutex::new)
@@ -126,6 +151,7 @@ impl Patchwork {
             patches,
             seam,
             sources,
+            ..
         } = self;
         let bends = |substep: u32| (first + substep).is_multiple_of(pace.bending_interval);
         let work = |substep: u32, patch: &mut Patch| {

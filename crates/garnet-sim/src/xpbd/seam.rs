@@ -11,7 +11,7 @@ use crate::xpbd::patch::{Pace, Parts, Patch};
 pub(super) type Source = [u32; 2];
 
 /// Springs, hinges and pairs whose vertices are in several patches.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Seam {
     /// The springs and hinges, on copies of their vertices.
     patch: Patch,
