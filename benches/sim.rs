@@ -59,6 +59,7 @@ fn sim(criterion: &mut Criterion) {
                 motion: &between,
                 wind: None,
                 allowed_parts: None,
+                likely_faces: None,
             }),
             ..free
         };

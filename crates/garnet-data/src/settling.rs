@@ -41,6 +41,11 @@ impl Put {
         (FRAMES_A_SECOND * motion).round() as u32
     }
 
+    /// Whether the cloth lies about as it will in the end: on the skin that it lies on at rest.
+    pub(crate) fn is_near_rest(self) -> bool {
+        matches!(self, Self::AtRest | Self::Falling)
+    }
+
     pub(crate) fn schedule(self, edge_length: f32, frames: u32) -> Schedule {
         match self {
             Self::AtRest => Schedule::settling(edge_length, frames),

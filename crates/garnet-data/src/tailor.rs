@@ -135,6 +135,7 @@ impl Tailor {
                 motion: &|_| positions.to_vec(),
                 wind: None,
                 allowed_parts: None,
+                likely_faces: None,
             }),
         };
         let schedule = wearing(cloth.mean_edge_length());

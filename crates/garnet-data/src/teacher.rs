@@ -62,6 +62,8 @@ pub struct Teacher {
     start: Vec<Point3>,
     collider: Collider,
     allowed: Option<Vec<u32>>,
+    /// The skin that each of them lies on at rest `[simulated node]`.
+    likely_faces: Vec<u32>,
     /// How loose the garment is `[simulated node]`, from 0 to 1.
     looseness: Vec<f32>,
     /// Whether the garment was cut from a pattern.
@@ -125,6 +127,9 @@ impl Teacher {
             is_sewn: matches!(rest, RestShape::Flat { .. }),
             cloth: Cloth::new(&faces, nodes.len(), &rest, fabric)?,
             carried: carried(&garment, &nodes),
+            likely_faces: (nodes.iter())
+                .map(|&node| garment.skin()[node as usize].face)
+                .collect(),
             looseness: looseness(&garment, &nodes),
             collider: collider(body)?,
             garment,
@@ -231,6 +236,7 @@ impl Teacher {
                     looseness: &self.looseness,
                 }),
                 allowed_parts: self.allowed.as_deref(),
+                likely_faces: None,
             }),
         })
     }
@@ -293,6 +299,7 @@ impl Teacher {
                     motion: &|_| posed.skin().positions().to_vec(),
                     wind: None,
                     allowed_parts: self.allowed.as_deref(),
+                    likely_faces: put.is_near_rest().then_some(&self.likely_faces),
                 }),
             })
         };

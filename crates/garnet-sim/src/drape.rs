@@ -95,6 +95,7 @@ const SPEED_SECONDS: f32 = 0.1;
 ///         motion: &|_| ball.positions().to_vec(),
 ///         wind: None,
 ///         allowed_parts: None,
+///         likely_faces: None,
 ///     }),
 /// };
 /// let schedule = Schedule::for_quality(Quality::Fast, cloth.mean_edge_length());

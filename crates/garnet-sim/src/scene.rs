@@ -28,6 +28,9 @@ pub struct MovingBody<'a> {
     /// Parts of the body that each garment vertex may touch `[vertex]`: bit k stands for part k.
     /// `None`: all may touch all.
     pub allowed_parts: Option<&'a [u32]>,
+    /// The face of the body that each garment vertex lies on, or one near it, if that is known `[vertex]`: cloth that starts
+    /// near the skin then needs no search for it.
+    pub likely_faces: Option<&'a [u32]>,
 }
 
 /// Air that goes along with a body and carries loose cloth.
@@ -86,6 +89,19 @@ impl Scene<'_> {
         }
         if let Some(masks) = self.body.and_then(|body| body.allowed_parts) {
             check_count("masks of allowed parts", masks.len(), num_vertices)?;
+        }
+        if let Some(body) = self.body
+            && let Some(faces) = body.likely_faces
+        {
+            check_count("faces that vertices lie on", faces.len(), num_vertices)?;
+            let num_faces = body.collider.faces().len();
+            if let Some(&face) = faces.iter().find(|&&face| face as usize >= num_faces) {
+                return Err(SimError::Count {
+                    what: "faces of the body that vertices lie on",
+                    found: face as usize + 1,
+                    expected: num_faces,
+                });
+            }
         }
         if let Some(wind) = self.body.and_then(|body| body.wind) {
             check_count("loosenesses", wind.looseness.len(), num_vertices)?;

@@ -76,7 +76,12 @@ impl<'a> Solver<'a> {
             inverse_masses: cloth.inverse_masses(),
             particles,
             patchwork,
-            contacts: Contacts::new(scene.masks(), cloth.grips(), cloth.fabric().thickness),
+            contacts: Contacts::new(
+                scene.masks(),
+                cloth.grips(),
+                cloth.fabric().thickness,
+                scene.body.and_then(|body| body.likely_faces),
+            ),
             pairs: match schedule.self_contact {
                 SelfContact::Off => None,
                 SelfContact::Repulsion { distance, least } => {

@@ -94,22 +94,13 @@ impl<'a> Cloth<'a> {
         };
         let all = Region::all(num_nodes);
         let normals = cloth.normals(&all);
-        let chunks = normals.par_chunks(CHUNK).enumerate();
-        let contacts = chunks.flat_map_iter(|(chunk, normals)| {
-            let (cloth, mut before) = (&cloth, None);
-            let nodes = normals.iter().zip(chunk * CHUNK..);
-            nodes.map(move |(normal, node)| {
-                let position = cloth.positions[node];
-                // The node before is most often a neighbor.
-                let own = garment.skin()[node].face;
-                let hint = before.map_or(own, |face| finder.nearer_face(position, [own, face]));
-                let reach = cloth.clearances[node] + REACH;
-                let contact = finder.find(node, position, *normal, reach, hint);
-                before = Some(contact.closest.face);
-                contact
-            })
-        });
-        cloth.contacts = contacts.collect();
+        let find = |(node, normal): (usize, &Vector3)| {
+            let hint = garment.skin()[node].face;
+            let reach = cloth.clearances[node] + REACH;
+            finder.find(node, cloth.positions[node], *normal, reach, hint)
+        };
+        let nodes = normals.par_iter().with_min_len(CHUNK).enumerate();
+        cloth.contacts = nodes.map(|(node, normal)| find((node, normal))).collect();
         let depths = cloth.contacts.iter().map(|contact| -contact.distance);
         let inside = depths.filter(|&depth| depth > 0.0);
         cloth.inside_before = inside.fold((0, 0.0), |(count, deepest), depth| {

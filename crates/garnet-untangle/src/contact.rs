@@ -136,15 +136,6 @@ impl ContactFinder<'_> {
         contact
     }
 
-    /// The one of two faces whose first corner is nearer.
-    pub(crate) fn nearer_face(&self, position: Point3, faces: [u32; 2]) -> u32 {
-        let squared = faces.map(|face| {
-            let corner = self.skin.faces()[face as usize][0];
-            (self.skin.positions()[corner as usize] - position).norm_squared()
-        });
-        faces[usize::from(squared[1] < squared[0])]
-    }
-
     /// Keeps cloth in front of the nearest skin, its own or foreign, or where it is if it is trapped there.
     fn keep_side(&self, contact: &mut Contact, reach: f32) {
         let Contact {

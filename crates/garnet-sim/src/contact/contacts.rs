@@ -109,10 +109,19 @@ pub(super) struct Hold {
 
 impl Contacts {
     /// `masks` says which parts each vertex may touch; 0 for vertices that touch none. `grips`
-    /// is what friction is multiplied by at ribs and waistbands, 0 elsewhere.
-    pub(crate) fn new(masks: Vec<u32>, grips: Vec<f32>, thickness: f32) -> Self {
+    /// is what friction is multiplied by at ribs and waistbands, 0 elsewhere; `likely_faces` are those that vertices lie on, if
+    /// that is known.
+    pub(crate) fn new(
+        masks: Vec<u32>,
+        grips: Vec<f32>,
+        thickness: f32,
+        likely_faces: Option<&[u32]>,
+    ) -> Self {
         Self {
-            tracks: vec![Track::new(); masks.len()],
+            tracks: match likely_faces {
+                Some(faces) => faces.iter().map(|&face| Track::on(face)).collect(),
+                None => vec![Track::on(NONE); masks.len()],
+            },
             unrest: vec![Unrest::default(); masks.len()],
             planes: Vec::with_capacity(2 * masks.len()),
             is_squeezed: vec![false; masks.len()],

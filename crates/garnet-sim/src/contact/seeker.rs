@@ -69,9 +69,10 @@ pub(crate) struct Track {
 }
 
 impl Track {
-    pub(crate) fn new() -> Self {
+    /// A vertex that lies on a face, or [`NONE`].
+    pub(crate) fn on(face: u32) -> Self {
         Self {
-            own: NONE,
+            own: face,
             other: NONE,
             asked_at: Point3::origin(),
             skin_travel: 0.0,
@@ -154,11 +155,10 @@ impl Seeker<'_> {
             near = None;
             bound = reach.far;
         }
-        // A hint that was walked to is nearly the nearest: the search has little left to look at.
-        let hint = match (track.own, self.hint) {
-            (NONE, NONE) => NONE,
-            (NONE, hint) => skin.walk(self.point, hint, self.mask).face,
-            (own, _) => own,
+        let hint = if track.own == NONE {
+            self.hint
+        } else {
+            track.own
         };
         track.asked_at = self.point;
         track.skin_travel = skin.travel();

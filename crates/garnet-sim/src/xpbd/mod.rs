@@ -4,6 +4,8 @@
 //! simulation": many short substeps with one projection of each constraint converge faster than few
 //! with many.
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 pub(crate) mod bending;
 pub(crate) mod coloring;
 pub(crate) mod pairs;
@@ -14,5 +16,3 @@ pub(crate) mod quad;
 mod rounds;
 mod seam;
 pub(crate) mod springs;
-#[cfg(target_arch = "x86_64")]
-mod springs_avx2;

@@ -123,7 +123,7 @@ impl Springs {
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") && offsets.len() >= self.num_places {
             // SAFETY: both were asked for just now.
-            unsafe { super::springs_avx2::project(&self.blocks, offsets) };
+            unsafe { super::avx2::project(&self.blocks, offsets) };
             return;
         }
         self.project_plainly(offsets);

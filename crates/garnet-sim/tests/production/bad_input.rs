@@ -30,6 +30,7 @@ fn on_ball(motion: &garnet_sim::Motion<'_>) -> Result<garnet_sim::Drape, SimErro
             motion,
             wind: None,
             allowed_parts: None,
+            likely_faces: None,
         }),
     };
     run(&scene, &Schedule::for_quality(Quality::Fast, 0.025))
@@ -124,6 +125,7 @@ fn a_garment_far_inside_the_body_ends_and_is_reported() {
             motion: &|_| ball.positions().to_vec(),
             wind: None,
             allowed_parts: None,
+            likely_faces: None,
         }),
     };
     let schedule = Schedule {

@@ -39,6 +39,7 @@ pub(crate) fn scene<'a>(
             motion,
             wind: None,
             allowed_parts: None,
+            likely_faces: None,
         }),
     }
 }

@@ -1,14 +1,16 @@
-//! The projection of springs with vectors of eight numbers: two places side by side.
+//! Free motion and springs with vectors of eight numbers: two places side by side. The bits are those of the plain loops.
 
 #![allow(unsafe_code, reason = "vector instructions")]
 
 use std::arch::x86_64::{
-    __m256, _mm_load_ps, _mm_store_ps, _mm256_add_ps, _mm256_blend_ps, _mm256_castps128_ps256,
-    _mm256_castps256_ps128, _mm256_div_ps, _mm256_extractf128_ps, _mm256_insertf128_ps,
-    _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps, _mm256_mul_ps, _mm256_permute_ps,
-    _mm256_set1_ps, _mm256_setzero_ps, _mm256_sqrt_ps, _mm256_sub_ps,
+    __m256, _CMP_GT_OQ, _mm_load_ps, _mm_store_ps, _mm256_add_ps, _mm256_blend_ps,
+    _mm256_blendv_ps, _mm256_castps128_ps256, _mm256_castps256_ps128, _mm256_cmp_ps, _mm256_div_ps,
+    _mm256_extractf128_ps, _mm256_insertf128_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps,
+    _mm256_movemask_ps, _mm256_mul_ps, _mm256_permute_ps, _mm256_set1_ps, _mm256_setr_ps,
+    _mm256_setzero_ps, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps,
 };
 
+use crate::xpbd::particles::Push;
 use crate::xpbd::quad::Quad;
 use crate::xpbd::springs::{Block, TINY_SQUARED, WIDTH};
 
@@ -17,7 +19,7 @@ use crate::xpbd::springs::{Block, TINY_SQUARED, WIDTH};
 const SPRINGS: usize = 8;
 const _: () = assert!(WIDTH.is_multiple_of(SPRINGS));
 
-/// Projects every spring once, with the same bits as the plain loop.
+/// Projects every spring once.
 ///
 /// # Safety
 ///
@@ -88,6 +90,66 @@ unsafe fn project_eight(block: &Block, slot: usize, offsets: *mut f32) {
             }
         }
     }
+}
+
+/// Lets an even number of vertices fly on; `wind` has as many, or none.
+///
+/// # Safety
+///
+/// The processor has AVX2.
+#[target_feature(enable = "avx2")]
+pub(super) unsafe fn fly(push: &Push, offsets: &mut [Quad], last: &mut [Quad], wind: &[Quad]) {
+    let fall = Quad([0.0, -push.gravity, 0.0, 0.0]);
+    let fall = twice(&fall);
+    let keep = _mm256_set1_ps(push.keep);
+    let limit = _mm256_set1_ps(push.max_travel * push.max_travel);
+    let nothing = _mm256_setzero_ps();
+    let mut wind = wind.chunks_exact(2);
+    for (offsets, last) in offsets.chunks_exact_mut(2).zip(last.chunks_exact_mut(2)) {
+        let offset = load(offsets);
+        let mut travel = _mm256_mul_ps(_mm256_sub_ps(offset, load(last)), keep);
+        if let Some(wind) = wind.next() {
+            let wind = load(wind);
+            let share = _mm256_permute_ps::<0b11_11_11_11>(wind);
+            let vector = _mm256_blend_ps::<0b1000_1000>(wind, nothing);
+            let gained = _mm256_mul_ps(_mm256_sub_ps(vector, travel), share);
+            travel = _mm256_add_ps(travel, gained);
+        }
+        let squares = squared(travel);
+        let is_too_fast = _mm256_cmp_ps::<_CMP_GT_OQ>(squares, limit);
+        if _mm256_movemask_ps(is_too_fast) != 0 {
+            let slowed = _mm256_mul_ps(travel, _mm256_sqrt_ps(_mm256_div_ps(limit, squares)));
+            travel = _mm256_blendv_ps(travel, slowed, is_too_fast);
+        }
+        store(last, offset);
+        store(offsets, _mm256_add_ps(offset, _mm256_add_ps(travel, fall)));
+    }
+}
+
+/// One quad two times.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn twice(quad: &Quad) -> __m256 {
+    let [x, y, z, w] = quad.0;
+    _mm256_setr_ps(x, y, z, w, x, y, z, w)
+}
+
+/// The first two quads.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn load(quads: &[Quad]) -> __m256 {
+    let quads = &quads[..2];
+    // SAFETY: two quads are eight numbers.
+    unsafe { _mm256_loadu_ps(quads.as_ptr().cast()) }
+}
+
+/// Replaces the first two quads.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn store(quads: &mut [Quad], numbers: __m256) {
+    let quads = &mut quads[..2];
+    // SAFETY: two quads are eight numbers.
+    unsafe { _mm256_storeu_ps(quads.as_mut_ptr().cast(), numbers) }
 }
 
 /// Two quads side by side.
