@@ -45,16 +45,18 @@ pub(super) unsafe fn project(blocks: &[Block], offsets: &mut [Quad]) {
 unsafe fn project_eight(block: &Block, slot: usize, offsets: *mut f32) {
     // Where the offset of a vertex begins.
     let place = |vertex: u32| offsets.wrapping_add(4 * vertex as usize);
-    // SAFETY of what is loaded and stored: as asked for; a quad has four numbers and the alignment of four.
+    // SAFETY: vertices are places, as asked for; a quad has four numbers, aligned to 16 bytes.
     let pair = |ends: &[u32; WIDTH], spring: usize| unsafe {
         let [low, high] = [slot + spring, slot + spring + 4].map(|slot| place(ends[slot]));
         both(low, high)
     };
+    // SAFETY: spans are quads.
     let span = |spring: usize| unsafe {
         let [low, high] =
             [slot + spring, slot + spring + 4].map(|slot| block.spans[slot].0.as_ptr());
         both(low, high)
     };
+    // SAFETY: there are eight numbers from the slot on, as asked for.
     let of_slots = |numbers: &[f32; WIDTH]| unsafe { _mm256_loadu_ps(numbers.as_ptr().add(slot)) };
 
     let firsts = [0, 1, 2, 3].map(|spring| pair(&block.first, spring));
@@ -83,7 +85,7 @@ unsafe fn project_eight(block: &Block, slot: usize, offsets: *mut f32) {
         let second = _mm256_add_ps(seconds[spring], second);
         for (ends, moved) in [(&block.first, first), (&block.second, second)] {
             let [low, high] = [slot + spring, slot + spring + 4].map(|slot| place(ends[slot]));
-            // SAFETY: see above.
+            // SAFETY: as for `pair`.
             unsafe {
                 _mm_store_ps(low, _mm256_castps256_ps128(moved));
                 _mm_store_ps(high, _mm256_extractf128_ps::<1>(moved));

@@ -113,6 +113,29 @@ fn an_observer_can_break_off() {
 }
 
 #[test]
+fn faces_that_the_body_lacks_and_lists_of_another_length_are_refused() {
+    let ball = icosphere(2, 0.1);
+    let collider = Collider::new(ball.faces(), ball.num_vertices()).unwrap();
+    let (cloth, start) = sheet();
+    let missing = ball.num_faces() as u32;
+    for faces in [vec![missing; start.len()], vec![0; start.len() - 1]] {
+        let scene = Scene {
+            cloth: &cloth,
+            start: &start,
+            body: Some(MovingBody {
+                collider: &collider,
+                motion: &|_| ball.positions().to_vec(),
+                wind: None,
+                allowed_parts: None,
+                likely_faces: Some(&faces),
+            }),
+        };
+        let error = run(&scene, &Schedule::for_quality(Quality::Fast, 0.025));
+        assert!(matches!(error, Err(SimError::Count { .. })));
+    }
+}
+
+#[test]
 fn a_garment_far_inside_the_body_ends_and_is_reported() {
     let ball = icosphere(3, 0.5);
     let collider = Collider::new(ball.faces(), ball.num_vertices()).unwrap();

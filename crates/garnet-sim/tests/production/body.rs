@@ -72,6 +72,43 @@ fn a_sheet_lies_on_a_ball_and_the_same_bits_come_out_again() {
 }
 
 #[test]
+fn cloth_that_is_told_its_skin_lies_as_cloth_that_looks_for_it() {
+    let sheet = lying_sheet(24, 0.5, 0.155);
+    let cloth = cloth_of(&sheet, &Fabric::cotton());
+    let ball = icosphere(4, 0.15);
+    let collider = collider_of(&ball);
+    let motion = |_: f32| ball.positions().to_vec();
+    let looking = scene(&cloth, sheet.positions(), &collider, &motion);
+    let schedule = Schedule {
+        motion_frames: 0,
+        ..Schedule::for_quality(Quality::Fast, cloth.mean_edge_length())
+    };
+    let looked = run(&looking, &schedule).unwrap();
+    let told = |faces: &[u32]| {
+        let body = looking.body.map(|body| MovingBody {
+            likely_faces: Some(faces),
+            ..body
+        });
+        run(&Scene { body, ..looking }, &schedule).unwrap()
+    };
+    let skin = garnet_knn::Surface::new(&ball);
+    let nearest = skin.closest_all(sheet.positions());
+    let near = told(
+        &nearest
+            .iter()
+            .map(|closest| closest.face)
+            .collect::<Vec<_>>(),
+    );
+    let pairs = near.positions.iter().zip(&looked.positions);
+    let apart: f32 = pairs.map(|(a, b)| (b - a).norm()).sum();
+    let apart = apart / near.positions.len() as f32;
+    assert!(apart < 1e-3, "{apart}");
+    // Told wrong, on the far side of the ball, it still does not enter it.
+    let far = told(&vec![0; cloth.num_vertices()]);
+    assert_eq!(far.report.penetration.num_inside, 0);
+}
+
+#[test]
 fn patches_lie_as_one_and_threads_do_not_show() {
     let sheet = lying_sheet(24, 0.5, 0.155);
     let cloth = cloth_of(&sheet, &Fabric::cotton());

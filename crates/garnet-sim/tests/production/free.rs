@@ -45,6 +45,28 @@ fn cloth_falls_as_everything_falls() {
 }
 
 #[test]
+fn springs_of_a_share_of_their_lengths_draw_cloth_together_by_it() {
+    let mesh = grid(12, 9, [0.4, 0.3]);
+    let cloth = cloth_of(&mesh, &Fabric::cotton());
+    let schedule = Schedule {
+        length_share: 0.98,
+        drag: 20.0,
+        ..undamped(60, 2400.0)
+    };
+    let draped = run_free(&cloth, mesh.positions(), &schedule, &mut |_| {});
+    for spring in cloth.springs() {
+        let [a, b] = spring
+            .vertices
+            .map(|vertex| draped.positions[vertex as usize]);
+        assert_relative_eq!(
+            (a - b).norm(),
+            0.98 * spring.rest_length,
+            max_relative = 1e-3
+        );
+    }
+}
+
+#[test]
 fn flat_cloth_at_rest_stays_at_rest() {
     let mesh = grid(12, 9, [0.4, 0.3]);
     let cloth = cloth_of(&mesh, &Fabric::denim());
