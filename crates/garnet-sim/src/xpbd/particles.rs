@@ -138,25 +138,35 @@ impl Particles {
     /// `wind` `[vertex]` is the displacement of the air a substep, m, and the share of its velocity
     /// against it that the vertex loses; empty if the air stands still.
     #[inline(never)]
-    #[allow(unsafe_code, reason = "instructions that were detected")]
     pub(crate) fn fly(&mut self, push: Push, wind: &[Quad]) {
-        let mut num_done = 0;
-        // Padding has no wind.
-        let num_alike = if wind.is_empty() {
-            self.offsets.len()
-        } else {
-            wind.len().min(self.offsets.len())
-        };
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            num_done = num_alike - num_alike % 2;
-            let (offsets, last) = (&mut self.offsets[..num_done], &mut self.last[..num_done]);
-            let wind = &wind[..num_done.min(wind.len())];
-            // SAFETY: the instructions were asked for just now.
-            unsafe { super::avx2::fly(&push, offsets, last, wind) };
-        }
+        let num_done = self.fly_by_vectors(push, wind);
         self.fly_plainly(num_done, push, wind);
         self.hold_pins();
+    }
+
+    /// Moves the first vertices freely by vector instructions, if there are any; returns how many.
+    #[cfg(target_arch = "x86_64")]
+    #[allow(unsafe_code, reason = "instructions that were detected")]
+    fn fly_by_vectors(&mut self, push: Push, wind: &[Quad]) -> usize {
+        if !is_x86_feature_detected!("avx2") {
+            return 0;
+        }
+        // Padding has no wind.
+        let num_alike = match wind.len() {
+            0 => self.offsets.len(),
+            number => number.min(self.offsets.len()),
+        };
+        let number = num_alike - num_alike % 2;
+        let (offsets, last) = (&mut self.offsets[..number], &mut self.last[..number]);
+        let wind = &wind[..number.min(wind.len())];
+        // SAFETY: the instructions were asked for just now.
+        unsafe { super::avx2::fly(&push, offsets, last, wind) };
+        number
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn fly_by_vectors(&mut self, _push: Push, _wind: &[Quad]) -> usize {
+        0
     }
 
     /// Moves the vertices from a number on freely.
