@@ -3,7 +3,6 @@
 //! A [`Cloth`] is made once of a garment mesh, its [`RestShape`] and a [`Fabric`]. [`drape`] takes
 //! it from where it lies on a body at rest to the body's last place, along a [`Schedule`] of fixed
 //! steps, and reports how it lies there.
-#![warn(clippy::undocumented_unsafe_blocks)]
 
 mod body_on_way;
 mod cloth;

@@ -4,8 +4,6 @@
 //! simulation": many short substeps with one projection of each constraint converge faster than few
 //! with many.
 
-#[cfg(target_arch = "x86_64")]
-mod avx2;
 pub(crate) mod bending;
 pub(crate) mod coloring;
 pub(crate) mod pairs;
