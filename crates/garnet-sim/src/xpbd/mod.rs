@@ -6,6 +6,8 @@
 
 pub(crate) mod bending;
 pub(crate) mod coloring;
+#[cfg(target_arch = "x86_64")]
+mod eights;
 pub(crate) mod pairs;
 pub(crate) mod particles;
 pub(crate) mod patch;

@@ -23,25 +23,25 @@ pub(crate) struct Springs {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Block {
-    first: [u32; WIDTH],
-    second: [u32; WIDTH],
-    /// Base of the first vertex less that of the second, m.
-    spans: [Quad; WIDTH],
+pub(super) struct Block {
+    pub(super) first: [u32; WIDTH],
+    pub(super) second: [u32; WIDTH],
+    /// Base of the first vertex less that of the second, m; the fourth number is 0.
+    pub(super) spans: [Quad; WIDTH],
     /// Rest lengths, m.
-    lengths: [f32; WIDTH],
+    pub(super) lengths: [f32; WIDTH],
     /// Share of the correction that each vertex takes.
-    first_shares: [f32; WIDTH],
-    second_shares: [f32; WIDTH],
+    pub(super) first_shares: [f32; WIDTH],
+    pub(super) second_shares: [f32; WIDTH],
     /// What both are multiplied by where the spring is shorter than at rest.
-    compressions: [f32; WIDTH],
+    pub(super) compressions: [f32; WIDTH],
 }
 
 /// Springs of a block: loops over so many numbers become vector instructions.
-const WIDTH: usize = 16;
+pub(super) const WIDTH: usize = 16;
 
 /// Keeps a spring of no length from dividing by zero, m².
-const TINY_SQUARED: f32 = 1e-20;
+pub(super) const TINY_SQUARED: f32 = 1e-20;
 
 impl Springs {
     /// Some of the springs of the cloth, all of whose ends have places.
@@ -113,6 +113,14 @@ impl Springs {
     /// Projects every spring once.
     #[inline(never)]
     pub(crate) fn project(&self, offsets: &mut [Quad]) {
+        #[cfg(target_arch = "x86_64")]
+        if super::eights::project(&self.blocks, offsets) {
+            return;
+        }
+        self.project_plainly(offsets);
+    }
+
+    fn project_plainly(&self, offsets: &mut [Quad]) {
         for block in &self.blocks {
             let mut along = block.spans;
             for (slot, along) in along.iter_mut().enumerate() {
@@ -162,6 +170,40 @@ mod tests {
         springs.rebase(&particles.bases);
         springs.project(&mut particles.offsets);
         particles.offsets
+    }
+
+    #[test]
+    fn vector_instructions_give_the_same_bits_as_the_plain_loop() {
+        // Not as many springs as blocks have room for, in several colors, stretched here and shortened there.
+        let mesh = grid(9, 7, [0.1, 0.1]);
+        let rest = RestShape::Worn(mesh.positions().to_vec());
+        let cloth = Cloth::new(
+            mesh.faces(),
+            mesh.num_vertices(),
+            &rest,
+            &Fabric::interlock(),
+        );
+        let cloth = cloth.unwrap();
+        let bent = |p: &Point3| p + crate::Vector3::new((70.0 * p.y).sin(), 0.1, p.x * 9.0) * 0.01;
+        let bent: Vec<Point3> = mesh.positions().iter().map(bent).collect();
+        let particles = Particles::new(&cloth, &bent);
+        let vertices: Vec<u32> = (0..cloth.num_vertices() as u32).collect();
+        let all: Vec<u32> = (0..cloth.springs().len() as u32).collect();
+        let places = Places {
+            by_vertex: &vertices,
+            number: vertices.len(),
+        };
+        let mut springs = Springs::new(&cloth, &all, places);
+        springs.set_step(&cloth, &cloth.inverse_masses(), 5e-4);
+        springs.set_lengths(|spring| cloth.springs()[spring].rest_length);
+        springs.rebase(&particles.bases);
+        let [mut fast, mut plain] = [0; 2].map(|_| particles.offsets.clone());
+        for _ in 0..20 {
+            springs.project(&mut fast);
+            springs.project_plainly(&mut plain);
+        }
+        assert_eq!(fast, plain);
+        assert!(plain.iter().any(|offset| offset.dot3(*offset) > 1e-8));
     }
 
     #[test]
