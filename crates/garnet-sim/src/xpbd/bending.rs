@@ -2,10 +2,10 @@
 
 use crate::Cloth;
 use crate::xpbd::coloring::colors;
-use crate::xpbd::particles::Places;
+use crate::xpbd::particles::{Particles, Places};
 use crate::xpbd::quad::Quad;
 
-/// Hinges ordered by color.
+/// Hinges ordered by color, an even number of each: two that follow each other share no vertex.
 ///
 /// The constraint Σ wₘ xₘ = 0 is linear, so one projection with a fresh multiplier is a constant
 /// matrix:
@@ -18,18 +18,18 @@ use crate::xpbd::quad::Quad;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Bending {
     rows: Vec<Row>,
-    /// The hinge of each row.
-    hinges: Vec<u32>,
+    /// The hinge of each row; none in padding.
+    hinges: Vec<Option<u32>>,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Row {
-    vertices: [u32; 4],
-    weights: Quad,
+pub(super) struct Row {
+    pub(super) vertices: [u32; 4],
+    pub(super) weights: Quad,
     /// What each vertex moves by for s = 1.
-    responses: Quad,
+    pub(super) responses: Quad,
     /// s of the bases; the fourth number is 0.
-    base: Quad,
+    pub(super) base: Quad,
 }
 
 impl Bending {
@@ -39,16 +39,19 @@ impl Bending {
         let vertices = some
             .iter()
             .map(|&hinge| places.of(hinges[hinge as usize].vertices));
-        let order = colors(places.number, vertices).concat();
-        let order: Vec<u32> = order
-            .into_iter()
-            .map(|index| some[index as usize])
-            .collect();
-        let rows = order.iter().map(|&hinge| {
-            let hinge = &hinges[hinge as usize];
+        let mut order = Vec::with_capacity(some.len() + 16);
+        for color in colors(places.number, vertices) {
+            order.extend(color.into_iter().map(|index| Some(some[index as usize])));
+            order.resize(order.len().next_multiple_of(2), None);
+        }
+        let [first, second] = Particles::padding(places.number);
+        let rows = order.iter().map(|hinge| {
+            let hinge = hinge.map(|hinge| &hinges[hinge as usize]);
             Row {
-                vertices: places.of(hinge.vertices),
-                weights: Quad(hinge.weights),
+                vertices: hinge.map_or([first, second, first, second], |hinge| {
+                    places.of(hinge.vertices)
+                }),
+                weights: hinge.map_or(Quad::ZERO, |hinge| Quad(hinge.weights)),
                 responses: Quad::ZERO,
                 base: Quad::ZERO,
             }
@@ -68,7 +71,8 @@ impl Bending {
         step: f32,
         every: u32,
     ) {
-        for (row, &hinge) in self.rows.iter_mut().zip(&self.hinges) {
+        for (row, hinge) in self.rows.iter_mut().zip(&self.hinges) {
+            let Some(hinge) = *hinge else { continue };
             let hinge = &cloth.hinges()[hinge as usize];
             let inverse = hinge.vertices.map(|vertex| inverse_masses[vertex as usize]);
             let per_weight: f32 = (0..4)
@@ -96,6 +100,14 @@ impl Bending {
     /// Projects every hinge once.
     #[inline(never)]
     pub(crate) fn project(&self, offsets: &mut [Quad]) {
+        #[cfg(target_arch = "x86_64")]
+        if super::eights::bend(&self.rows, offsets) {
+            return;
+        }
+        self.project_plainly(offsets);
+    }
+
+    fn project_plainly(&self, offsets: &mut [Quad]) {
         for row in &self.rows {
             let [a, b, c, d] = row.vertices.map(|vertex| vertex as usize);
             let [wa, wb, wc, wd] = row.weights.0;
@@ -107,5 +119,41 @@ impl Bending {
             offsets[c] = xc + fold * rc;
             offsets[d] = xd + fold * rd;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use garnet_mesh::primitives::grid;
+
+    use super::*;
+    use crate::{Fabric, Point3, RestShape, Vector3};
+
+    #[test]
+    fn vector_instructions_give_the_same_bits_as_the_plain_loop() {
+        // Colors with odd numbers of hinges, too.
+        let mesh = grid(9, 7, [0.1, 0.1]);
+        let rest = RestShape::Worn(mesh.positions().to_vec());
+        let cloth = Cloth::new(mesh.faces(), mesh.num_vertices(), &rest, &Fabric::denim()).unwrap();
+        let bent = |p: &Point3| p + Vector3::new((70.0 * p.y).sin(), 0.1, p.x * 9.0) * 0.01;
+        let bent: Vec<Point3> = mesh.positions().iter().map(bent).collect();
+        let particles = Particles::new(&cloth, &bent);
+        let vertices: Vec<u32> = (0..cloth.num_vertices() as u32).collect();
+        let all: Vec<u32> = (0..cloth.hinges().len() as u32).collect();
+        let places = Places {
+            by_vertex: &vertices,
+            number: vertices.len(),
+        };
+        let mut bending = Bending::new(&cloth, &all, places);
+        assert!(bending.hinges.iter().any(Option::is_none));
+        bending.set_step(&cloth, &cloth.inverse_masses(), 5e-4, 4);
+        bending.rebase(&particles.bases);
+        let [mut fast, mut plain] = [0; 2].map(|_| particles.offsets.clone());
+        for _ in 0..20 {
+            bending.project(&mut fast);
+            bending.project_plainly(&mut plain);
+        }
+        assert_eq!(fast, plain);
+        assert!(plain.iter().any(|offset| offset.dot3(*offset) > 1e-8));
     }
 }

@@ -1,4 +1,4 @@
-//! Free motion and springs with vectors of eight numbers: two vertices side by side. The bits are those of the plain
+//! Free motion, springs and hinges with vectors of eight numbers: two vertices side by side. The bits are those of the plain
 //! loops.
 
 #![expect(
@@ -11,6 +11,7 @@ use std::arch::x86_64::{__m256, _CMP_GT_OQ};
 use pulp::x86::V3;
 use pulp::{NullaryFnOnce, cast};
 
+use crate::xpbd::bending::Row;
 use crate::xpbd::particles::Push;
 use crate::xpbd::quad::Quad;
 use crate::xpbd::springs::{Block, TINY_SQUARED, WIDTH};
@@ -91,9 +92,58 @@ fn project_eight(simd: V3, block: &Block, slot: usize, offsets: &mut [Quad]) {
         let first = avx._mm256_sub_ps(firsts[spring], first);
         let second = avx._mm256_add_ps(seconds[spring], second);
         for (ends, moved) in [(&block.first, first), (&block.second, second)] {
-            let [low, high]: [[f32; 4]; 2] = cast(moved);
-            offsets[ends[slot + spring] as usize] = Quad(low);
-            offsets[ends[slot + spring + 4] as usize] = Quad(high);
+            let [low, high] = [ends[slot + spring], ends[slot + spring + 4]];
+            [offsets[low as usize], offsets[high as usize]] = quads(moved);
+        }
+    }
+}
+
+/// Projects every hinge once, if the processor can; tells whether it did. Of an even number of rows each two share no
+/// vertex.
+pub(super) fn bend(rows: &[Row], offsets: &mut [Quad]) -> bool {
+    let Some(simd) = V3::try_new() else {
+        return false;
+    };
+    simd.vectorize(Folding {
+        simd,
+        rows,
+        offsets,
+    });
+    true
+}
+
+struct Folding<'a> {
+    simd: V3,
+    rows: &'a [Row],
+    offsets: &'a mut [Quad],
+}
+
+impl NullaryFnOnce for Folding<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { simd, offsets, .. } = self;
+        let avx = simd.avx;
+        let (pairs, _) = self.rows.as_chunks::<2>();
+        for [low, high] in pairs {
+            let [la, lb, lc, ld] = low.vertices.map(|vertex| vertex as usize);
+            let [ha, hb, hc, hd] = high.vertices.map(|vertex| vertex as usize);
+            let a = both(simd, offsets[la], offsets[ha]);
+            let b = both(simd, offsets[lb], offsets[hb]);
+            let c = both(simd, offsets[lc], offsets[hc]);
+            let d = both(simd, offsets[ld], offsets[hd]);
+            let [wa, wb, wc, wd] = each(simd, both(simd, low.weights, high.weights));
+            let [ra, rb, rc, rd] = each(simd, both(simd, low.responses, high.responses));
+            let base = both(simd, low.base, high.base);
+            let first = avx._mm256_add_ps(base, avx._mm256_mul_ps(a, wa));
+            let first = avx._mm256_add_ps(first, avx._mm256_mul_ps(b, wb));
+            let second = avx._mm256_add_ps(avx._mm256_mul_ps(c, wc), avx._mm256_mul_ps(d, wd));
+            let fold = avx._mm256_add_ps(first, second);
+            [offsets[la], offsets[ha]] = quads(avx._mm256_add_ps(a, avx._mm256_mul_ps(fold, ra)));
+            [offsets[lb], offsets[hb]] = quads(avx._mm256_add_ps(b, avx._mm256_mul_ps(fold, rb)));
+            [offsets[lc], offsets[hc]] = quads(avx._mm256_add_ps(c, avx._mm256_mul_ps(fold, rc)));
+            [offsets[ld], offsets[hd]] = quads(avx._mm256_add_ps(d, avx._mm256_mul_ps(fold, rd)));
         }
     }
 }
@@ -154,9 +204,7 @@ impl NullaryFnOnce for Flight<'_> {
                 travel = avx._mm256_blendv_ps(travel, slowed, is_too_fast);
             }
             *last = *offset;
-            let moved: [[f32; 4]; 2] =
-                cast(avx._mm256_add_ps(from, avx._mm256_add_ps(travel, fall)));
-            *offset = moved.map(Quad);
+            *offset = quads(avx._mm256_add_ps(from, avx._mm256_add_ps(travel, fall)));
         }
     }
 }
@@ -176,6 +224,13 @@ fn ends(simd: V3, vertices: &[u32; WIDTH], slot: usize, offsets: &[Quad]) -> [__
 fn both(simd: V3, low: Quad, high: Quad) -> __m256 {
     let low = simd.avx._mm256_castps128_ps256(cast(low.0));
     simd.avx._mm256_insertf128_ps::<1>(low, cast(high.0))
+}
+
+/// The halves.
+#[inline(always)]
+fn quads(numbers: __m256) -> [Quad; 2] {
+    let [low, high]: [[f32; 4]; 2] = cast(numbers);
+    [Quad(low), Quad(high)]
 }
 
 /// Eight numbers from a slot on.
