@@ -34,6 +34,8 @@ pub(super) struct Wear {
     pub(super) grips: Vec<f32>,
     pub(super) reach: Reach,
     turn: u32,
+    /// Whether tracks are what vertices are taken to lie on, before they were ever followed.
+    is_guess: bool,
     /// 1 if the faces of the cloth look away from the skin, −1 if towards it, 0 if not yet known.
     orientation: f32,
     normals: Vec<Vector3>,
@@ -131,6 +133,7 @@ impl Contacts {
                 grips,
                 reach: Reach::of(thickness),
                 turn: 0,
+                is_guess: likely_faces.is_some(),
                 orientation: 0.0,
             },
         }
@@ -160,6 +163,7 @@ impl Contacts {
             share.planes(wear, skin, particles, interval)
         });
         let planes: Vec<Vec<Plane>> = planes.collect();
+        self.wear.is_guess = false;
         self.planes.clear();
         self.planes.extend(planes.into_iter().flatten());
     }
@@ -168,7 +172,7 @@ impl Contacts {
     pub(super) fn look(&mut self, skin: &Skin, faces: &[[u32; 3]], particles: &Particles) {
         self.wear.measure_normals(faces, particles);
         if self.wear.orientation == 0.0 {
-            self.wear.orientation = self.wear.vote(skin, particles);
+            self.wear.orientation = self.wear.vote(skin, particles, &self.tracks);
         }
         self.wear.turn = (self.wear.turn + 1) % TURNS;
     }
@@ -264,6 +268,9 @@ impl Wear {
             outward: self.orientation * self.normals[vertex],
             hint,
         };
+        if self.is_guess {
+            seeker.guess(track);
+        }
         let is_turn = may_change && vertex as u32 % TURNS == self.turn;
         let own = seeker.own(track, is_turn);
         let other = seeker.other(track, own, is_turn);
@@ -271,7 +278,7 @@ impl Wear {
     }
 
     /// Which way the faces of most of the cloth near the skin look; 1 or −1.
-    fn vote(&self, skin: &Skin, particles: &Particles) -> f32 {
+    fn vote(&self, skin: &Skin, particles: &Particles, tracks: &[Track]) -> f32 {
         let stride = self.masks.len().div_ceil(VOTERS).max(1);
         let voters = (0..self.masks.len()).into_par_iter().step_by(stride);
         let votes = voters.map(|vertex| {
@@ -283,7 +290,8 @@ impl Wear {
                 outward: Vector3::zeros(),
                 hint: NONE,
             };
-            let foot = seeker.nearest(self.reach.far, u32::MAX, |_| true);
+            let hint = tracks[vertex].hint();
+            let foot = seeker.nearest(self.reach.far, hint, |_| true);
             foot.map_or(0.0, |foot| {
                 f64::from(self.normals[vertex].dot(&skin.face_normal(foot.face)))
             })

@@ -131,6 +131,18 @@ impl Seeker<'_> {
         Some(self.skin.foot_on(closest.face, self.point))
     }
 
+    /// Takes the face that may be near for that which the vertex was taken to lie on, if it is nearer: the way from there is shorter.
+    pub(crate) fn guess(&self, track: &mut Track) {
+        let to = |face: u32| {
+            let corner = self.skin.surface().faces()[face as usize][0];
+            (self.skin.surface().positions()[corner as usize] - self.point).norm_squared()
+        };
+        let is_known = self.hint != NONE && track.own != NONE;
+        if is_known && self.skin.is_allowed(self.hint, self.mask) && to(self.hint) < to(track.own) {
+            track.own = self.hint;
+        }
+    }
+
     /// The place that the vertex has come to on its own skin.
     ///
     /// Only if `is_turn` the whole skin is asked, unless own skin is far or not known.
