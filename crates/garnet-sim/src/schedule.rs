@@ -154,7 +154,7 @@ const FALLING_LENGTHS: f32 = 0.9975;
 
 /// Their [`Schedule::pair_interval`]: at every second refresh they end 5.76 mm from the teacher's, at every fourth 5.77 mm (40 test drapes); without looking for
 /// cloth on cloth a fifth farther.
-const FALLING_PAIR_INTERVAL: u32 = 4;
+const FALLING_PAIR_INTERVAL: u32 = 2;
 
 /// How long the body takes to its last place, in seconds. Cloth that had half of it, at half the rate, ended 12 mm from the
 /// teacher's; that was cloth that resisted compression.
