@@ -40,7 +40,7 @@ const ARROWS: [(&str, &[&str]); 14] = [
 ];
 
 /// Third parties that only some crates may name.
-const OWNERS: [(&str, &[&str]); 9] = [
+const OWNERS: [(&str, &[&str]); 10] = [
     ("tobj", &["garnet-mesh"]),
     ("kiddo", &["garnet-knn"]),
     ("burn", &["garnet-net", "garnet-train"]),
@@ -56,6 +56,7 @@ const OWNERS: [(&str, &[&str]); 9] = [
             "garnet-benches",
         ],
     ),
+    ("pulp", &["garnet-sim"]),
     ("image", &["garnet-view"]),
     ("plotters", &["garnet-view"]),
 ];
