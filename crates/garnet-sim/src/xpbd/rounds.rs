@@ -4,28 +4,18 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Rounds in each of which some things are worked on once, by whichever thread is free. One thread leads; others help
-/// while they look on, and may come late or never. The leader begins with the first things and helpers with the last, so
-/// that a thing stays in the cache of one core.
+/// while they look on, and may come late or never.
 #[derive(Debug)]
 pub(super) struct Rounds<'a, T> {
     things: &'a [Mutex<T>],
-    /// The round, and in the low bits how many of its things have been taken by the leader and by helpers.
+    /// The round, and in the low bits how many of its things have been taken.
     ticket: AtomicU64,
     /// How many of them are done.
     num_done: AtomicU64,
 }
 
-/// Who takes things.
-#[derive(Debug, Clone, Copy)]
-enum Taker {
-    Leader,
-    Helper,
-}
-
-/// Bits of each of the two counts.
-const COUNT_BITS: u32 = 16;
-const COUNT: u64 = (1 << COUNT_BITS) - 1;
-const TAKEN_BITS: u32 = 2 * COUNT_BITS;
+const TAKEN_BITS: u32 = 16;
+const TAKEN: u64 = (1 << TAKEN_BITS) - 1;
 
 /// The round after the last.
 const OVER: u64 = u64::MAX >> TAKEN_BITS;
@@ -38,7 +28,7 @@ impl<'a, T> Rounds<'a, T> {
         Self {
             things,
             // The round before the first: all is taken.
-            ticket: AtomicU64::new(COUNT),
+            ticket: AtomicU64::new(TAKEN),
             num_done: AtomicU64::new(0),
         }
     }
@@ -48,7 +38,7 @@ impl<'a, T> Rounds<'a, T> {
         self.num_done.store(0, Ordering::Relaxed);
         let round = u64::from(number) + 1;
         self.ticket.store(round << TAKEN_BITS, Ordering::Release);
-        while self.take(Taker::Leader, work).is_some() {}
+        while self.take(work).is_some() {}
         let num_things = self.things.len() as u64;
         wait(|| self.num_done.load(Ordering::Acquire) == num_things);
     }
@@ -62,33 +52,18 @@ impl<'a, T> Rounds<'a, T> {
     pub(super) fn help(&self, work: &impl Fn(u32, &mut T)) {
         let is_over = || self.ticket.load(Ordering::Acquire) >> TAKEN_BITS == OVER;
         while !is_over() {
-            wait(|| self.take(Taker::Helper, work).is_some() || is_over());
+            wait(|| self.take(work).is_some() || is_over());
         }
     }
 
     /// Works on what nobody has taken, if there is something.
-    fn take(&self, taker: Taker, work: &impl Fn(u32, &mut T)) -> Option<()> {
+    fn take(&self, work: &impl Fn(u32, &mut T)) -> Option<()> {
         let ticket = self.ticket.load(Ordering::Acquire);
-        let round = ticket >> TAKEN_BITS;
-        let [by_leader, by_helpers] =
-            [ticket, ticket >> COUNT_BITS].map(|count| (count & COUNT) as usize);
-        let is_left = round != OVER && by_leader + by_helpers < self.things.len();
-        let (place, one_more) = match taker {
-            Taker::Leader => (by_leader, 1),
-            Taker::Helper => (
-                self.things.len().wrapping_sub(by_helpers + 1),
-                1 << COUNT_BITS,
-            ),
-        };
-        let thing = self.things.get(place).filter(|_| is_left)?;
+        let (round, taken) = (ticket >> TAKEN_BITS, ticket & TAKEN);
+        let thing = self.things.get(taken as usize).filter(|_| round != OVER)?;
         // Fails if another thread was faster, even if a new round has begun.
         (self.ticket)
-            .compare_exchange(
-                ticket,
-                ticket + one_more,
-                Ordering::AcqRel,
-                Ordering::Relaxed,
-            )
+            .compare_exchange(ticket, ticket + 1, Ordering::AcqRel, Ordering::Relaxed)
             .ok()?;
         let _done = Done(&self.num_done);
         work((round - 1) as u32, &mut locked(thing));
