@@ -124,29 +124,19 @@ impl Bending {
 
 #[cfg(test)]
 mod tests {
-    use garnet_mesh::primitives::grid;
-
     use super::*;
-    use crate::{Fabric, Point3, RestShape, Vector3};
+    use crate::Fabric;
+    use crate::xpbd::sheet::{Sheet, waves};
 
     #[test]
     fn vector_instructions_give_the_same_bits_as_the_plain_loop() {
         // Colors with odd numbers of hinges, too.
-        let mesh = grid(9, 7, [0.1, 0.1]);
-        let rest = RestShape::Worn(mesh.positions().to_vec());
-        let cloth = Cloth::new(mesh.faces(), mesh.num_vertices(), &rest, &Fabric::denim()).unwrap();
-        let bent = |p: &Point3| p + Vector3::new((70.0 * p.y).sin(), 0.1, p.x * 9.0) * 0.01;
-        let bent: Vec<Point3> = mesh.positions().iter().map(bent).collect();
-        let particles = Particles::new(&cloth, &bent);
-        let vertices: Vec<u32> = (0..cloth.num_vertices() as u32).collect();
+        let sheet = Sheet::new([9, 7], &Fabric::denim(), waves);
+        let (cloth, particles) = (&sheet.cloth, &sheet.particles);
         let all: Vec<u32> = (0..cloth.hinges().len() as u32).collect();
-        let places = Places {
-            by_vertex: &vertices,
-            number: vertices.len(),
-        };
-        let mut bending = Bending::new(&cloth, &all, places);
+        let mut bending = Bending::new(cloth, &all, sheet.places());
         assert!(bending.hinges.iter().any(Option::is_none));
-        bending.set_step(&cloth, &cloth.inverse_masses(), 5e-4, 4);
+        bending.set_step(cloth, &cloth.inverse_masses(), 5e-4, 4);
         bending.rebase(&particles.bases);
         let [mut fast, mut plain] = [0; 2].map(|_| particles.offsets.clone());
         for _ in 0..20 {

@@ -15,4 +15,6 @@ pub(crate) mod patchwork;
 pub(crate) mod quad;
 mod rounds;
 mod seam;
+#[cfg(test)]
+mod sheet;
 pub(crate) mod springs;

@@ -238,18 +238,15 @@ impl Particles {
 
 #[cfg(test)]
 mod tests {
-    use garnet_mesh::primitives::grid;
-
     use super::*;
-    use crate::{Fabric, RestShape};
+    use crate::Fabric;
+    use crate::xpbd::sheet::Sheet;
 
     #[test]
     fn vector_instructions_let_vertices_fly_as_the_plain_loop_does() {
         // An odd number of vertices, some of them faster than they may be.
-        let mesh = grid(6, 4, [0.1, 0.1]);
-        let rest = RestShape::Worn(mesh.positions().to_vec());
-        let cloth = Cloth::new(mesh.faces(), mesh.num_vertices(), &rest, &Fabric::silk()).unwrap();
-        assert_eq!(cloth.num_vertices() % 2, 1);
+        let sheet = Sheet::new([6, 4], &Fabric::silk(), |p| *p);
+        assert_eq!(sheet.cloth.num_vertices() % 2, 1);
         let push = Push {
             gravity: 1e-4,
             keep: 0.98,
@@ -257,9 +254,9 @@ mod tests {
         };
         let number = |place: usize| ((place * 37 % 11) as f32 - 5.0) * 0.004;
         let breath = |place: usize| Quad([number(place), 0.001, number(place + 3), 0.3]);
-        let breeze: Vec<Quad> = (0..cloth.num_vertices()).map(breath).collect();
+        let breeze: Vec<Quad> = (0..sheet.cloth.num_vertices()).map(breath).collect();
         for wind in [&[][..], &breeze] {
-            let mut fast = Particles::new(&cloth, mesh.positions());
+            let mut fast = sheet.particles.clone();
             for (place, last) in fast.last.iter_mut().enumerate() {
                 *last = Quad([number(place), number(place + 1), number(place + 2), 0.0]);
             }

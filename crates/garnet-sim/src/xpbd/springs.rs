@@ -146,58 +146,35 @@ impl Springs {
 
 #[cfg(test)]
 mod tests {
-    use garnet_mesh::primitives::grid;
-
     use super::*;
-    use crate::{Fabric, Point3, RestShape};
+    use crate::Fabric;
+    use crate::xpbd::sheet::{Sheet, waves};
+
+    /// All springs of a sheet, ready to be projected.
+    fn springs(sheet: &Sheet) -> Springs {
+        let cloth = &sheet.cloth;
+        let all: Vec<u32> = (0..cloth.springs().len() as u32).collect();
+        let mut springs = Springs::new(cloth, &all, sheet.places());
+        springs.set_step(cloth, &cloth.inverse_masses(), 5e-4);
+        springs.set_lengths(|spring| cloth.springs()[spring].rest_length);
+        springs.rebase(&sheet.particles.bases);
+        springs
+    }
 
     /// Offsets after one projection of a sheet that is `scale` times as large as at rest.
     fn projected(fabric: &Fabric, scale: f32) -> Vec<Quad> {
-        let mesh = grid(4, 3, [0.1, 0.1]);
-        let rest = RestShape::Worn(mesh.positions().to_vec());
-        let cloth = Cloth::new(mesh.faces(), mesh.num_vertices(), &rest, fabric).unwrap();
-        let scaled: Vec<Point3> = mesh.positions().iter().map(|p| p * scale).collect();
-        let mut particles = Particles::new(&cloth, &scaled);
-        let vertices: Vec<u32> = (0..cloth.num_vertices() as u32).collect();
-        let all: Vec<u32> = (0..cloth.springs().len() as u32).collect();
-        let places = Places {
-            by_vertex: &vertices,
-            number: vertices.len(),
-        };
-        let mut springs = Springs::new(&cloth, &all, places);
-        springs.set_step(&cloth, &cloth.inverse_masses(), 5e-4);
-        springs.set_lengths(|spring| cloth.springs()[spring].rest_length);
-        springs.rebase(&particles.bases);
-        springs.project(&mut particles.offsets);
-        particles.offsets
+        let sheet = Sheet::new([4, 3], fabric, |p| p * scale);
+        let mut offsets = sheet.particles.offsets.clone();
+        springs(&sheet).project(&mut offsets);
+        offsets
     }
 
     #[test]
     fn vector_instructions_give_the_same_bits_as_the_plain_loop() {
-        // Not as many springs as blocks have room for, in several colors, stretched here and shortened there.
-        let mesh = grid(9, 7, [0.1, 0.1]);
-        let rest = RestShape::Worn(mesh.positions().to_vec());
-        let cloth = Cloth::new(
-            mesh.faces(),
-            mesh.num_vertices(),
-            &rest,
-            &Fabric::interlock(),
-        );
-        let cloth = cloth.unwrap();
-        let bent = |p: &Point3| p + crate::Vector3::new((70.0 * p.y).sin(), 0.1, p.x * 9.0) * 0.01;
-        let bent: Vec<Point3> = mesh.positions().iter().map(bent).collect();
-        let particles = Particles::new(&cloth, &bent);
-        let vertices: Vec<u32> = (0..cloth.num_vertices() as u32).collect();
-        let all: Vec<u32> = (0..cloth.springs().len() as u32).collect();
-        let places = Places {
-            by_vertex: &vertices,
-            number: vertices.len(),
-        };
-        let mut springs = Springs::new(&cloth, &all, places);
-        springs.set_step(&cloth, &cloth.inverse_masses(), 5e-4);
-        springs.set_lengths(|spring| cloth.springs()[spring].rest_length);
-        springs.rebase(&particles.bases);
-        let [mut fast, mut plain] = [0; 2].map(|_| particles.offsets.clone());
+        // Not as many springs as blocks have room for, in several colors.
+        let sheet = Sheet::new([9, 7], &Fabric::interlock(), waves);
+        let springs = springs(&sheet);
+        let [mut fast, mut plain] = [0; 2].map(|_| sheet.particles.offsets.clone());
         for _ in 0..20 {
             springs.project(&mut fast);
             springs.project_plainly(&mut plain);
