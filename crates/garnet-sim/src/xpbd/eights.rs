@@ -8,8 +8,8 @@
 
 use std::arch::x86_64::{__m256, _CMP_GT_OQ};
 
+use pulp::cast;
 use pulp::x86::V3;
-use pulp::{NullaryFnOnce, cast};
 
 use crate::xpbd::bending::Row;
 use crate::xpbd::particles::Push;
@@ -26,31 +26,17 @@ pub(super) fn project(blocks: &[Block], offsets: &mut [Quad]) -> bool {
     let Some(simd) = V3::try_new() else {
         return false;
     };
-    simd.vectorize(Projection {
-        simd,
-        blocks,
-        offsets,
-    });
-    true
-}
-
-struct Projection<'a> {
-    simd: V3,
-    blocks: &'a [Block],
-    offsets: &'a mut [Quad],
-}
-
-impl NullaryFnOnce for Projection<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        for block in self.blocks {
-            for slot in (0..WIDTH).step_by(SPRINGS) {
-                project_eight(self.simd, block, slot, self.offsets);
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            for block in blocks {
+                for slot in (0..WIDTH).step_by(SPRINGS) {
+                    project_eight(simd, block, slot, offsets);
+                }
             }
-        }
-    }
+        },
+    );
+    true
 }
 
 /// Projects the springs of eight slots.
@@ -104,48 +90,37 @@ pub(super) fn bend(rows: &[Row], offsets: &mut [Quad]) -> bool {
     let Some(simd) = V3::try_new() else {
         return false;
     };
-    simd.vectorize(Folding {
-        simd,
-        rows,
-        offsets,
-    });
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let avx = simd.avx;
+            let (pairs, _) = rows.as_chunks::<2>();
+            for [low, high] in pairs {
+                let [la, lb, lc, ld] = low.vertices.map(|vertex| vertex as usize);
+                let [ha, hb, hc, hd] = high.vertices.map(|vertex| vertex as usize);
+                let a = both(simd, offsets[la], offsets[ha]);
+                let b = both(simd, offsets[lb], offsets[hb]);
+                let c = both(simd, offsets[lc], offsets[hc]);
+                let d = both(simd, offsets[ld], offsets[hd]);
+                let [wa, wb, wc, wd] = each(simd, both(simd, low.weights, high.weights));
+                let [ra, rb, rc, rd] = each(simd, both(simd, low.responses, high.responses));
+                let base = both(simd, low.base, high.base);
+                let first = avx._mm256_add_ps(base, avx._mm256_mul_ps(a, wa));
+                let first = avx._mm256_add_ps(first, avx._mm256_mul_ps(b, wb));
+                let second = avx._mm256_add_ps(avx._mm256_mul_ps(c, wc), avx._mm256_mul_ps(d, wd));
+                let fold = avx._mm256_add_ps(first, second);
+                [offsets[la], offsets[ha]] =
+                    quads(avx._mm256_add_ps(a, avx._mm256_mul_ps(fold, ra)));
+                [offsets[lb], offsets[hb]] =
+                    quads(avx._mm256_add_ps(b, avx._mm256_mul_ps(fold, rb)));
+                [offsets[lc], offsets[hc]] =
+                    quads(avx._mm256_add_ps(c, avx._mm256_mul_ps(fold, rc)));
+                [offsets[ld], offsets[hd]] =
+                    quads(avx._mm256_add_ps(d, avx._mm256_mul_ps(fold, rd)));
+            }
+        },
+    );
     true
-}
-
-struct Folding<'a> {
-    simd: V3,
-    rows: &'a [Row],
-    offsets: &'a mut [Quad],
-}
-
-impl NullaryFnOnce for Folding<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { simd, offsets, .. } = self;
-        let avx = simd.avx;
-        let (pairs, _) = self.rows.as_chunks::<2>();
-        for [low, high] in pairs {
-            let [la, lb, lc, ld] = low.vertices.map(|vertex| vertex as usize);
-            let [ha, hb, hc, hd] = high.vertices.map(|vertex| vertex as usize);
-            let a = both(simd, offsets[la], offsets[ha]);
-            let b = both(simd, offsets[lb], offsets[hb]);
-            let c = both(simd, offsets[lc], offsets[hc]);
-            let d = both(simd, offsets[ld], offsets[hd]);
-            let [wa, wb, wc, wd] = each(simd, both(simd, low.weights, high.weights));
-            let [ra, rb, rc, rd] = each(simd, both(simd, low.responses, high.responses));
-            let base = both(simd, low.base, high.base);
-            let first = avx._mm256_add_ps(base, avx._mm256_mul_ps(a, wa));
-            let first = avx._mm256_add_ps(first, avx._mm256_mul_ps(b, wb));
-            let second = avx._mm256_add_ps(avx._mm256_mul_ps(c, wc), avx._mm256_mul_ps(d, wd));
-            let fold = avx._mm256_add_ps(first, second);
-            [offsets[la], offsets[ha]] = quads(avx._mm256_add_ps(a, avx._mm256_mul_ps(fold, ra)));
-            [offsets[lb], offsets[hb]] = quads(avx._mm256_add_ps(b, avx._mm256_mul_ps(fold, rb)));
-            [offsets[lc], offsets[hc]] = quads(avx._mm256_add_ps(c, avx._mm256_mul_ps(fold, rc)));
-            [offsets[ld], offsets[hd]] = quads(avx._mm256_add_ps(d, avx._mm256_mul_ps(fold, rd)));
-        }
-    }
 }
 
 /// Lets an even number of vertices fly on, if the processor can, and tells whether it did; `wind` has as many, or none.
@@ -153,60 +128,41 @@ pub(super) fn fly(push: Push, offsets: &mut [Quad], last: &mut [Quad], wind: &[Q
     let Some(simd) = V3::try_new() else {
         return false;
     };
-    simd.vectorize(Flight {
-        simd,
-        push,
-        offsets,
-        last,
-        wind,
-    });
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let avx = simd.avx;
+            let fall = Quad([0.0, -push.gravity, 0.0, 0.0]);
+            let fall = both(simd, fall, fall);
+            let keep = avx._mm256_set1_ps(push.keep);
+            let limit = avx._mm256_set1_ps(push.max_travel * push.max_travel);
+            let (offsets, _) = offsets.as_chunks_mut::<2>();
+            let (last, _) = last.as_chunks_mut::<2>();
+            let mut wind = wind.as_chunks::<2>().0.iter();
+            for (offset, last) in offsets.iter_mut().zip(last) {
+                let from = both(simd, offset[0], offset[1]);
+                let before = both(simd, last[0], last[1]);
+                let mut travel = avx._mm256_mul_ps(avx._mm256_sub_ps(from, before), keep);
+                if let Some(wind) = wind.next() {
+                    let wind = both(simd, wind[0], wind[1]);
+                    let share = avx._mm256_permute_ps::<0b11_11_11_11>(wind);
+                    let vector = avx._mm256_blend_ps::<0b1000_1000>(wind, avx._mm256_setzero_ps());
+                    let gained = avx._mm256_mul_ps(avx._mm256_sub_ps(vector, travel), share);
+                    travel = avx._mm256_add_ps(travel, gained);
+                }
+                let squares = squared(simd, travel);
+                let is_too_fast = avx._mm256_cmp_ps::<_CMP_GT_OQ>(squares, limit);
+                if avx._mm256_movemask_ps(is_too_fast) != 0 {
+                    let slower = avx._mm256_sqrt_ps(avx._mm256_div_ps(limit, squares));
+                    let slowed = avx._mm256_mul_ps(travel, slower);
+                    travel = avx._mm256_blendv_ps(travel, slowed, is_too_fast);
+                }
+                *last = *offset;
+                *offset = quads(avx._mm256_add_ps(from, avx._mm256_add_ps(travel, fall)));
+            }
+        },
+    );
     true
-}
-
-struct Flight<'a> {
-    simd: V3,
-    push: Push,
-    offsets: &'a mut [Quad],
-    last: &'a mut [Quad],
-    wind: &'a [Quad],
-}
-
-impl NullaryFnOnce for Flight<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { simd, push, .. } = self;
-        let avx = simd.avx;
-        let fall = Quad([0.0, -push.gravity, 0.0, 0.0]);
-        let fall = both(simd, fall, fall);
-        let keep = avx._mm256_set1_ps(push.keep);
-        let limit = avx._mm256_set1_ps(push.max_travel * push.max_travel);
-        let (offsets, _) = self.offsets.as_chunks_mut::<2>();
-        let (last, _) = self.last.as_chunks_mut::<2>();
-        let mut wind = self.wind.as_chunks::<2>().0.iter();
-        for (offset, last) in offsets.iter_mut().zip(last) {
-            let from = both(simd, offset[0], offset[1]);
-            let before = both(simd, last[0], last[1]);
-            let mut travel = avx._mm256_mul_ps(avx._mm256_sub_ps(from, before), keep);
-            if let Some(wind) = wind.next() {
-                let wind = both(simd, wind[0], wind[1]);
-                let share = avx._mm256_permute_ps::<0b11_11_11_11>(wind);
-                let vector = avx._mm256_blend_ps::<0b1000_1000>(wind, avx._mm256_setzero_ps());
-                let gained = avx._mm256_mul_ps(avx._mm256_sub_ps(vector, travel), share);
-                travel = avx._mm256_add_ps(travel, gained);
-            }
-            let squares = squared(simd, travel);
-            let is_too_fast = avx._mm256_cmp_ps::<_CMP_GT_OQ>(squares, limit);
-            if avx._mm256_movemask_ps(is_too_fast) != 0 {
-                let slower = avx._mm256_sqrt_ps(avx._mm256_div_ps(limit, squares));
-                let slowed = avx._mm256_mul_ps(travel, slower);
-                travel = avx._mm256_blendv_ps(travel, slowed, is_too_fast);
-            }
-            *last = *offset;
-            *offset = quads(avx._mm256_add_ps(from, avx._mm256_add_ps(travel, fall)));
-        }
-    }
 }
 
 /// The offsets of one end of each of four springs from a slot on, and of the next four.
