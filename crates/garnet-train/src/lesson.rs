@@ -31,6 +31,18 @@ pub(crate) fn lesson(
     device: &Device,
     share: f32,
 ) -> Result<Result<Lesson, Trouble>, TrainError> {
+    // Inside the pool, parallel loops need no hand-over of their own.
+    rayon::scope(|_| taught(subject, example, model, device, share))
+}
+
+/// The work of [`lesson`].
+fn taught(
+    subject: &Subject,
+    example: &Example,
+    model: &GarNet,
+    device: &Device,
+    share: f32,
+) -> Result<Result<Lesson, Trouble>, TrainError> {
     let prepared = subject.prepared(example)?;
     let trouble = |kind| {
         Ok(Err(Trouble {
