@@ -251,3 +251,20 @@ impl<'a> Attention<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes_portable::Portable;
+
+    #[test]
+    fn weights_of_padding_are_nothing_beside_others_and_normal_beside_derivatives() {
+        let mut weights = [0.0; Portable::LANES];
+        raised(Portable::splat(NEVER)).store(&mut weights);
+        let num_heads = 64.0;
+        for weight in weights {
+            assert_eq!(1.0 + num_heads * weight, 1.0);
+            assert!((1e-20 * weight).is_normal(), "{weight:e}");
+        }
+    }
+}
