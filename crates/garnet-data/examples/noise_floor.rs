@@ -51,7 +51,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         if let Ok(number) = word.parse() {
             turn = number;
         } else if let Some((name, value)) = word.split_once('=') {
-            constant(&mut Fabric::default(), name).ok_or(USAGE)?;
             changes.push((name, value.parse()?));
         } else if FABRIC_NAMES.contains(&word.as_str()) {
             fabrics.push(word.as_str());
