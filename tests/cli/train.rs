@@ -157,7 +157,7 @@ fn a_tolerance_takes_what_simulates_least() {
         ("--tolerance 6.8", "pose-space", 6),
         ("--tolerance 6", "falling", 8),
         ("--tolerance 4.2", "arrival", 30),
-        ("--tolerance 3", "midway", 30),
+        ("--tolerance 3", "midway", 46),
     ] {
         let within = drape(limit);
         assert_eq!(within["method"], method);

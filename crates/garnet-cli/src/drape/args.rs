@@ -42,7 +42,7 @@ pub(crate) struct DrapeArgs {
     tolerance: Option<f64>,
     /// Simulate the cloth where it was put for so many frames of 1/60 s, the body standing still: strain
     /// gives way and folds get finer [default: 6 for networks that gain by it on their test scenes, 8 for those that put
-    /// cloth where it still falls, 30 for those that put it where it is when the body arrives, or is halfway: there the way is simulated
+    /// cloth where it still falls, 30 for those that put it where it is when the body arrives, 46 where it is halfway: there the way is simulated
     /// first; else 0].
     #[arg(long, value_name = "FRAMES", value_parser = settle_frames)]
     settle: Option<u32>,
