@@ -26,7 +26,7 @@ impl Put {
     /// For how many frames of a sixtieth of a second such cloth settles by default, after the motion if there is one.
     ///
     /// Put where a pose-space deformation told that they rest, T-shirts came no nearer to an earlier teacher in more than 6 frames. Put where networks tell that
-    /// they are midway, they come nearer with each frame, at a fiftieth of the time ([`Schedule::after_arrival`]).
+    /// they are midway, they come nearer with each frame up to 60 at least, for a hundredth of the time each ([`Schedule::after_arrival`]).
     pub const fn frames(self) -> u32 {
         match self {
             Self::AtRest => 6,

@@ -135,14 +135,16 @@ const CARRY: f32 = 300.0;
 /// frames at 2.45, 2.18 and 1.86 mm, 4.4, 4.0 and 3.4°. At a rate of 45 in the last stage they ended 0.15 mm farther off (36 frames, a drag of 5 in the first).
 const AFTER_ARRIVAL: [[f32; 3]; 2] = [[34.0, 8.0, SHAKEN], [LAST_RATE, 0.0, 1.0]];
 
-/// For how many frames of a sixtieth of a second, and of all at most which share, the first of two stages lasts.
+/// For how many frames of a sixtieth of a second the first of two stages lasts at most.
 ///
 /// With two thirds of all the drapes above end 2.62 mm from the teacher after 45 frames, 3.00 after 60, 2.43 after 30 (drags of 5 and 10): cloth
 /// with a third of its friction slides on. With 10 of 46 frames they end at 2.91 mm (with 20 at 2.21; drags of 5 and 10), with 24 at 2.30 (with 20 at 2.15; of 5).
 const SHAKEN_FRAMES: u32 = 20;
+
+/// The share of all frames that it lasts at most.
 const SHAKEN_SHARE: f32 = 2.0 / 3.0;
 
-/// The same of [`Schedule::while_falling`], whose frames are twice as long.
+/// The stages of [`Schedule::while_falling`], whose frames are twice as long.
 ///
 /// T-shirts that fall for 4 of these frames end 5.58 mm from the teacher's (150 test drapes), with drags of 5 and 10 5.66 mm, of 8 and 10 5.61 mm; after 7 frames
 /// of half their length, where contacts are looked for almost twice as often, 5.65 mm; after 5 of three quarters (40 drapes) as far as after 4. At rates of 34 and 54 they
