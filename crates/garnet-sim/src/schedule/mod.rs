@@ -1,6 +1,9 @@
 //! How long and how finely a scene is simulated.
 
-use crate::SimError;
+mod check;
+mod partial;
+
+pub use self::check::MAX_SUBSTEPS;
 
 /// How accurate a drape has to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -106,9 +109,6 @@ pub const MIDWAY: f32 = 0.5;
 /// Standard gravity, m/s².
 pub const STANDARD_GRAVITY: f32 = 9.80665;
 
-/// No schedule may have more substeps.
-pub const MAX_SUBSTEPS: u64 = 2_000_000;
-
 /// Substeps a second of the second and the last stage for each meter of 1/Δx.
 ///
 /// Of 48 T-shirts one still moves in the end. At 68 with 45 and 36 frames in place of 75 and 45 three do, at 41 and 68 three to six: what is
@@ -128,40 +128,6 @@ const FIRST_DRAG: f32 = 30.0;
 /// nearest to each other.
 const CARRY: f32 = 300.0;
 
-/// Stages of [`Schedule::after_arrival`]: rate for each meter of 1/Δx, drag in 1/s, and friction.
-///
-/// 156 validation drapes of a T-shirt that networks put where the cloth is midway ([`Schedule::after_midway`]) end 1.98 mm and 3.59° from the teacher
-/// after 46 frames, with a drag of 5 and 12 in the first stage at 2.08 and 2.05 mm (3.7°), of 5 in both at 2.15 mm, of 5 and 10 at 2.21 mm; after 30, 36 and 60
-/// frames at 2.45, 2.18 and 1.86 mm, 4.4, 4.0 and 3.4°. At a rate of 45 in the last stage they ended 0.15 mm farther off (36 frames, a drag of 5 in the first).
-const AFTER_ARRIVAL: [[f32; 3]; 2] = [[34.0, 8.0, SHAKEN], [LAST_RATE, 0.0, 1.0]];
-
-/// For how many frames of a sixtieth of a second the first of two stages lasts at most.
-///
-/// With two thirds of all the drapes above end 2.62 mm from the teacher after 45 frames, 3.00 after 60, 2.43 after 30 (drags of 5 and 10): cloth
-/// with a third of its friction slides on. With 10 of 46 frames they end at 2.91 mm (with 20 at 2.21; drags of 5 and 10), with 24 at 2.30 (with 20 at 2.15; of 5).
-const SHAKEN_FRAMES: u32 = 20;
-
-/// The share of all frames that it lasts at most.
-const SHAKEN_SHARE: f32 = 2.0 / 3.0;
-
-/// The stages of [`Schedule::while_falling`], whose frames are twice as long.
-///
-/// T-shirts that fall for 4 of these frames end 5.58 mm from the teacher's (150 test drapes), with drags of 5 and 10 5.66 mm, of 8 and 10 5.61 mm; after 7 frames
-/// of half their length, where contacts are looked for almost twice as often, 5.65 mm; after 5 of three quarters (40 drapes) as far as after 4. At rates of 34 and 54 they
-/// ended 0.05 mm nearer than at these with shorter springs, in a quarter more substeps. All of it holds on the 156 validation drapes, too: 4.44 mm and 7.7° in place of
-/// 4.52 mm and 7.9° after the 7 frames and drags of before.
-const WHILE_FALLING: [[f32; 3]; 2] = [[28.0, 10.0, SHAKEN], [45.0, 5.0, 1.0]];
-
-/// Frames of a sixtieth of a second in one of theirs.
-const FALLING_FRAME: u32 = 2;
-
-/// Their [`Schedule::length_share`].
-const FALLING_LENGTHS: f32 = 0.9975;
-
-/// Their [`Schedule::pair_interval`]: at every second refresh they end 5.76 mm from the teacher's, at every fourth 5.77 mm (40 test drapes), and cross
-/// themselves in 42 in place of 51 pairs of triangles (620); without looking for cloth on cloth they ended a fifth farther.
-const FALLING_PAIR_INTERVAL: u32 = 2;
-
 /// How long the body takes to its last place, in seconds. Cloth that had half of it, at half the rate, ended 12 mm from the
 /// teacher's; that was cloth that resisted compression.
 const MOTION_SECONDS: f32 = 1.0;
@@ -178,16 +144,6 @@ const FAST_FRAMES: [u32; 4] = [30, 15, 12, 6];
 /// half of it, 5.06 and 5.07 mm (156 validation drapes); from their arrival on for 30 frames, with pairs looked for rarely, too, 4.12 and 3.93 mm (620 test
 /// drapes), in three quarters of the time.
 const RARELY: u32 = 4;
-
-/// The same of refreshes at which they look for cloth on cloth, if these are a sixtieth of a second apart: 4.56 and 4.55 mm after 8 frames.
-const PAIRS_RARELY: u32 = 2;
-
-/// Rate of [`Schedule::settling`] for each meter of 1/Δx, and what cloth loses of its velocity, 1/s.
-///
-/// On 155 drapes of a T-shirt by a pose-space deformation, 9.3 mm from the teacher (whose cloth still resisted compression), six frames at 30, 34, 40
-/// bring them to 8.2, 7.8, 7.7 mm with a drag of 30; with one of 60 they are at 7.8 and 7.6 mm. 17 is too soft:
-/// cloth sags, 14.5 mm after twelve frames.
-const SETTLING: [f32; 2] = [40.0, 60.0];
 
 /// Patches of cloth that somebody waits for. Of two threads drapes that settle take three quarters of the time, and end as near to the
 /// teacher's (155 validation T-shirts, of cloth that still resisted compression: 5.6 mm with 1 or 2). The teacher's scenes have a thread each.
@@ -287,64 +243,6 @@ impl Schedule {
         }
     }
 
-    /// A short settling of cloth that something else has put where it belongs, but for its strain and finer
-    /// folds, on a body that stands still.
-    pub fn settling(edge_length: f32, frames: u32) -> Self {
-        let [speed, extra_drag] = SETTLING;
-        Self {
-            motion_frames: 0,
-            patches: PATCHES,
-            pair_interval: PAIRS_RARELY,
-            stages: vec![Stage {
-                frames,
-                rate: speed / edge_length.max(MIN_EDGE),
-                extra_drag,
-                friction: SHAKEN,
-            }],
-            ..Self::for_quality(Quality::Teacher, edge_length)
-        }
-    }
-
-    /// The settling of cloth that something else has put where it is when the body comes to its last place
-    /// ([`Drape::arrived`](crate::Drape::arrived)): as the teacher's, but so short that folds still move a little.
-    pub fn after_arrival(edge_length: f32, frames: u32) -> Self {
-        Self::by_table(&AFTER_ARRIVAL, edge_length, frames, 1)
-    }
-
-    /// The settling of cloth that something else has put most of the way from there to where it rests: `frames` of a
-    /// sixtieth of a second, or one more, in frames of twice that length.
-    pub fn while_falling(edge_length: f32, frames: u32) -> Self {
-        let frames = frames.div_ceil(FALLING_FRAME);
-        let schedule = Self::by_table(&WHILE_FALLING, edge_length, frames, FALLING_FRAME);
-        Self {
-            length_share: FALLING_LENGTHS,
-            pair_interval: FALLING_PAIR_INTERVAL,
-            ..schedule
-        }
-    }
-
-    /// Two stages of so many frames in all, each `length` sixtieths of a second long.
-    fn by_table(table: &[[f32; 3]; 2], edge_length: f32, frames: u32, length: u32) -> Self {
-        let first = (SHAKEN_SHARE * frames as f32).round() as u32;
-        let first = first.min(SHAKEN_FRAMES / length);
-        let stage = |[speed, extra_drag, friction]: [f32; 3], frames: u32| Stage {
-            frames,
-            rate: speed / edge_length.max(MIN_EDGE),
-            extra_drag,
-            friction,
-        };
-        let whole = Self::for_quality(Quality::Teacher, edge_length);
-        Self {
-            motion_frames: 0,
-            patches: PATCHES,
-            frame_seconds: length as f32 * whole.frame_seconds,
-            stages: vec![stage(table[0], first), stage(table[1], frames - first)],
-            pair_interval: PAIRS_RARELY,
-            bending_interval: RARELY,
-            ..whole
-        }
-    }
-
     /// The same up to where the body comes to its last place: the cloth has not settled.
     #[must_use]
     pub fn until_arrival(self) -> Self {
@@ -370,33 +268,6 @@ impl Schedule {
         let [from, to] = self.motion_part;
         let share = (MIDWAY - from) / (to - from);
         (share * self.motion_frames as f32).round() as u32
-    }
-
-    /// The second half of the motion, for cloth that something else has put where it is when the body is
-    /// [midway](MIDWAY), and settling as [after the arrival](Schedule::after_arrival) for about so many frames of a
-    /// sixtieth of a second. Contacts are looked for as often as by the teacher, cloth on cloth half as often.
-    ///
-    /// With cloth on cloth looked for as often as by the teacher 156 validation drapes of a T-shirt ended as near to it, with contacts looked for half as
-    /// often, as in the [fast quality](Quality::Fast), a tenth farther off.
-    pub fn after_midway(edge_length: f32, frames: u32) -> Self {
-        let whole = Self::from_rest(edge_length, frames);
-        Self {
-            motion_frames: whole.motion_frames - whole.midway_frame(),
-            motion_part: [MIDWAY, 1.0],
-            refreshes_per_frame: 2,
-            pair_interval: 2,
-            ..whole
-        }
-    }
-
-    /// The same for the whole motion of cloth on the body at rest.
-    pub fn from_rest(edge_length: f32, frames: u32) -> Self {
-        let length = TEACHER_FRAMES[0] / FAST_FRAMES[0];
-        let frames = frames.div_ceil(length);
-        Self {
-            stages: Self::by_table(&AFTER_ARRIVAL, edge_length, frames, length).stages,
-            ..Self::for_quality(Quality::Fast, edge_length)
-        }
     }
 
     /// The same for a garment of one layer: no two of its vertices start near each other but by the
@@ -434,90 +305,6 @@ impl Schedule {
         let between = self.frame_seconds / self.refreshes_per_frame as f32;
         ((rate * between).round() as u32).max(1)
     }
-
-    /// Refuses schedules that cannot be followed or take forever.
-    ///
-    /// # Errors
-    ///
-    /// [`SimError::Schedule`] or [`SimError::TooManySteps`].
-    pub fn check(&self) -> Result<(), SimError> {
-        let mut values = vec![
-            ("seconds a frame", self.frame_seconds, 1e-4, 0.1),
-            ("substeps a second", self.motion_rate, 1.0, 1e6),
-            (
-                "refreshes a frame",
-                self.refreshes_per_frame as f32,
-                1.0,
-                64.0,
-            ),
-            (
-                "refreshes between searches for cloth on cloth",
-                self.pair_interval as f32,
-                1.0,
-                64.0,
-            ),
-            (
-                "substeps between projections of hinges",
-                self.bending_interval as f32,
-                1.0,
-                64.0,
-            ),
-            ("patches", self.patches as f32, 1.0, 64.0),
-            ("a motion from the share of", self.motion_part[0], 0.0, 1.0),
-            ("a motion to the share of", self.motion_part[1], 0.0, 1.0),
-            (
-                "a part of the motion of",
-                self.motion_part[1] - self.motion_part[0],
-                1e-3,
-                1.0,
-            ),
-            (
-                "a share of the rest lengths of",
-                self.length_share,
-                0.5,
-                2.0,
-            ),
-            ("a drag of", self.drag, 0.0, 100.0),
-            ("a share of friction of", self.motion_friction, 0.0, 10.0),
-            ("a rate of carrying of", self.carry, 0.0, 1e5),
-            ("a greatest speed of", self.max_speed, 0.01, 1e4),
-            (
-                "a greatest speed of pushes of",
-                self.max_push_speed,
-                1e-3,
-                1e4,
-            ),
-            ("a gravity of", self.gravity, -100.0, 100.0),
-            ("steps to balance", self.balance_steps as f32, 0.0, 1000.0),
-        ];
-        if let SelfContact::Repulsion { distance, least } = self.self_contact {
-            values.push(("a distance of cloth from cloth of", distance, 0.01, 1.0));
-            values.push(("a share of it at the start of", least, 0.0, 1.0));
-        }
-        for stage in &self.stages {
-            values.push(("substeps a second", stage.rate, 1.0, 1e6));
-            values.push(("an extra drag of", stage.extra_drag, 0.0, 1000.0));
-            values.push(("a share of friction of", stage.friction, 0.0, 10.0));
-        }
-        for (quantity, value, min, max) in values {
-            if !(min..=max).contains(&value) {
-                return Err(SimError::Schedule {
-                    quantity,
-                    value: value.into(),
-                    min: min.into(),
-                    max: max.into(),
-                });
-            }
-        }
-        let steps = self.num_substeps();
-        if steps > MAX_SUBSTEPS {
-            return Err(SimError::TooManySteps {
-                steps,
-                max: MAX_SUBSTEPS,
-            });
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]
@@ -543,60 +330,5 @@ mod tests {
         assert!(last_rate(0.014) > last_rate(0.016));
         assert!(last_rate(0.016) > last_rate(0.05));
         assert_eq!(last_rate(0.05).to_bits(), last_rate(0.02).to_bits());
-    }
-
-    #[test]
-    fn what_has_arrived_settles_for_as_many_frames_as_are_asked_for() {
-        for frames in [0, 1, 2, 12, 30] {
-            let schedule = Schedule::after_arrival(0.016, frames);
-            assert_eq!(schedule.check(), Ok(()));
-            assert_eq!(schedule.num_frames(), u64::from(frames));
-        }
-        let whole = Schedule::for_quality(Quality::Reference, 0.016);
-        let until = whole.clone().until_arrival();
-        assert_eq!(until.num_frames(), u64::from(whole.motion_frames));
-        assert_eq!(until.motion_rate.to_bits(), whole.motion_rate.to_bits());
-        assert_eq!(until.balance_steps, 0);
-    }
-
-    #[test]
-    fn the_motion_has_two_halves() {
-        let [whole, fast] =
-            [Quality::Teacher, Quality::Fast].map(|quality| Schedule::for_quality(quality, 0.016));
-        let until = whole.clone().until_midway();
-        assert_eq!(2 * until.num_frames(), u64::from(whole.motion_frames));
-        assert_eq!(until.midway_frame(), until.motion_frames);
-        assert_eq!(until.check(), Ok(()));
-        for frames in [0, 1, 24, 25] {
-            let after = Schedule::after_midway(0.016, frames);
-            assert_eq!(after.check(), Ok(()));
-            assert_eq!(2 * after.motion_frames, fast.motion_frames);
-            let settling = after.num_frames() - u64::from(after.motion_frames);
-            assert_eq!(settling, u64::from(frames.div_ceil(2)));
-            assert_eq!(after.midway_frame(), 0);
-        }
-        let nothing = Schedule {
-            motion_part: [MIDWAY, MIDWAY],
-            ..fast
-        };
-        assert!(matches!(nothing.check(), Err(SimError::Schedule { .. })));
-    }
-
-    #[test]
-    fn endless_and_absurd_schedules_are_refused() {
-        let schedule = Schedule::for_quality(Quality::Fast, 0.01);
-        let endless = Schedule {
-            motion_frames: u32::MAX,
-            ..schedule.clone()
-        };
-        assert!(matches!(
-            endless.check(),
-            Err(SimError::TooManySteps { .. })
-        ));
-        let absurd = Schedule {
-            frame_seconds: f32::NAN,
-            ..schedule
-        };
-        assert!(matches!(absurd.check(), Err(SimError::Schedule { .. })));
     }
 }
