@@ -131,7 +131,7 @@ fn for_parse(error: &ObjParseError) -> &'static str {
             ObjLineProblem::IndexOutOfRange { .. } => {
                 "the file may be cut off, or was joined from files without renumbering the faces"
             }
-            ObjLineProblem::CoordinateNotFinite { .. } => {
+            ObjLineProblem::CoordinateOutOfRange { .. } => {
                 "the mesh was written by a computation that failed: export it again"
             }
             ObjLineProblem::IndexZero { .. } => "add 1 to all indices of the faces",
@@ -210,7 +210,7 @@ fn for_skin(error: &SkinError) -> Option<&'static str> {
 fn for_mesh(error: &MeshError) -> Option<&'static str> {
     match error {
         MeshError::NoFaces => Some("export the mesh with its faces"),
-        MeshError::FaceIndexOutOfRange { .. } | MeshError::NonFiniteCoordinate { .. } => {
+        MeshError::FaceIndexOutOfRange { .. } | MeshError::CoordinateOutOfRange { .. } => {
             Some("export the mesh again")
         }
         _ => None,

@@ -4,9 +4,9 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KnnError {
-    /// A coordinate is NaN or infinite.
-    #[error("point {index} has the coordinate `{value}`, which is not finite")]
-    NonFiniteCoordinate {
+    /// A coordinate is NaN or infinite, or beyond what surfaces take.
+    #[error("point {index} has the coordinate `{value}`, which is not finite or out of range")]
+    CoordinateOutOfRange {
         /// Number of the point, from 0.
         index: usize,
         /// The coordinate as found.
@@ -32,7 +32,7 @@ pub enum KnnError {
 pub(crate) fn check_finite(points: &[garnet_mesh::Point3]) -> Result<(), KnnError> {
     for (index, point) in points.iter().enumerate() {
         if let Some(&value) = point.iter().find(|value| !value.is_finite()) {
-            return Err(KnnError::NonFiniteCoordinate { index, value });
+            return Err(KnnError::CoordinateOutOfRange { index, value });
         }
     }
     Ok(())

@@ -82,7 +82,7 @@ impl VertexTree {
     ///
     /// # Errors
     ///
-    /// [`KnnError::NonFiniteCoordinate`] or [`KnnError::TooManyPoints`].
+    /// [`KnnError::CoordinateOutOfRange`] or [`KnnError::TooManyPoints`].
     pub fn new(points: &[Point3]) -> Result<Self, KnnError> {
         let count = points.len();
         if count >= u32::MAX as usize {
@@ -287,7 +287,7 @@ mod tests {
     fn coordinates_that_are_not_numbers_are_refused() {
         let points = [Point3::origin(), Point3::new(0.0, f32::INFINITY, 0.0)];
         let error = VertexTree::new(&points).unwrap_err();
-        let expected = KnnError::NonFiniteCoordinate {
+        let expected = KnnError::CoordinateOutOfRange {
             index: 1,
             value: f32::INFINITY,
         };

@@ -1,5 +1,7 @@
 //! What can be wrong with a mesh.
 
+use crate::MAX_COORDINATE;
+
 /// What can be wrong with a mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -14,9 +16,11 @@ pub enum MeshError {
         /// How many vertices there are.
         num_vertices: usize,
     },
-    /// A coordinate is NaN or infinite.
-    #[error("vertex {vertex} has the coordinate `{value}`, which is not finite")]
-    NonFiniteCoordinate {
+    /// A coordinate is NaN, or beyond [`MAX_COORDINATE`].
+    #[error(
+        "vertex {vertex} has the coordinate `{value}`, which is no number from -{MAX_COORDINATE} to {MAX_COORDINATE}"
+    )]
+    CoordinateOutOfRange {
         /// Number of the vertex, from 0.
         vertex: usize,
         /// The coordinate as found.

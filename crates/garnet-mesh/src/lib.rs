@@ -1,7 +1,7 @@
 //! Triangle meshes: OBJ in and lossless out, topology, normals, areas, curvatures, comparison.
 //!
-//! Values are checked once, where they enter: [`ObjFile`] and [`TriMesh`] hold only finite
-//! coordinates and faces that name existing vertices. Everything else takes positions and faces
+//! Values are checked once, where they enter: [`ObjFile`] and [`TriMesh`] hold only
+//! coordinates up to [`MAX_COORDINATE`] and faces that name existing vertices. Everything else takes positions and faces
 //! as slices, so that many poses share one [`Topology`].
 //!
 //! ```
@@ -58,7 +58,7 @@ pub use obj_file::ObjFile;
 pub use obj_output::write_obj;
 pub use subdivide::subdivided;
 pub use topology::{Hinge, Topology};
-pub use tri_mesh::TriMesh;
+pub use tri_mesh::{MAX_COORDINATE, TriMesh, check_range, stray_coordinate};
 pub use units::{Unit, UnitError, UpAxis, guess_body_unit, guess_garment_units, guess_up_axis};
 
 /// A point in space, in metres.

@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-use crate::{MeshError, WriteError};
+use crate::{MAX_COORDINATE, MeshError, WriteError};
 
 /// Why an OBJ file could not be read or written.
 ///
@@ -105,9 +105,9 @@ pub enum ObjLineProblem {
         /// The coordinate as written.
         text: String,
     },
-    /// A coordinate is NaN, infinite, or too large for `f32`.
-    #[error("vertex coordinate `{text}` is not finite")]
-    CoordinateNotFinite {
+    /// A coordinate is NaN, or beyond [`MAX_COORDINATE`].
+    #[error("vertex coordinate `{text}` is not from -{MAX_COORDINATE} to {MAX_COORDINATE}")]
+    CoordinateOutOfRange {
         /// The coordinate as written.
         text: String,
     },

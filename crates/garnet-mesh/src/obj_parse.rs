@@ -7,6 +7,7 @@ use crate::foreign::looks_like;
 use crate::obj_error::{ObjLineProblem, ObjParseError};
 use crate::obj_scan::{Fault, ObjScan};
 use crate::obj_words::{Words, line_number, text_of};
+use crate::tri_mesh::{is_in_range, stray_coordinate};
 
 /// What an OBJ file holds, in the numbering of the file.
 #[derive(Debug, Clone)]
@@ -66,8 +67,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, ObjParseError> {
             return Err(error);
         }
     };
-    let is_finite = |position: &Point3| position.iter().all(|value| value.is_finite());
-    if !positions.iter().all(is_finite) {
+    if stray_coordinate(&positions).is_some() {
         check_numbers(bytes, &scan.vertex_starts)?;
     }
     Ok(Parsed {
@@ -137,7 +137,7 @@ fn push_number(text: &mut Vec<u8>, mut number: usize) {
     text[start..].reverse();
 }
 
-/// Looks for the first coordinate that is not a finite number.
+/// Looks for the first coordinate that is no number in range.
 fn check_numbers(bytes: &[u8], vertex_starts: &[u32]) -> Result<(), ObjParseError> {
     for &start in vertex_starts {
         let mut words = Words::new(bytes, start as usize);
@@ -151,8 +151,8 @@ fn check_numbers(bytes: &[u8], vertex_starts: &[u32]) -> Result<(), ObjParseErro
             let text = text_of(&bytes[span.clone()]);
             let problem = match number(&bytes[span.clone()]) {
                 None => ObjLineProblem::CoordinateNotANumber { text },
-                Some(value) if (value / weight.unwrap_or(1.0)).is_finite() => continue,
-                Some(_) => ObjLineProblem::CoordinateNotFinite { text },
+                Some(value) if is_in_range(value / weight.unwrap_or(1.0)) => continue,
+                Some(_) => ObjLineProblem::CoordinateOutOfRange { text },
             };
             let at = span.start;
             return Err(at_line(bytes, Fault { at, problem }));
@@ -195,11 +195,11 @@ mod tests {
             ),
             (
                 "v 0 nan 1\n",
-                "line 4: vertex coordinate `nan` is not finite",
+                "line 4: vertex coordinate `nan` is not from -1000000 to 1000000",
             ),
             (
                 "v 0 1e999 1\n",
-                "line 4: vertex coordinate `1e999` is not finite",
+                "line 4: vertex coordinate `1e999` is not from -1000000 to 1000000",
             ),
             (
                 "v 0 1\u{a0}2 3 4\n",
@@ -207,7 +207,7 @@ mod tests {
             ),
             (
                 "v 1e38 0 1 0.01\n",
-                "line 4: vertex coordinate `1e38` is not finite",
+                "line 4: vertex coordinate `1e38` is not from -1000000 to 1000000",
             ),
             (
                 "v 0 0 1 0\n",

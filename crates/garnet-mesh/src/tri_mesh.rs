@@ -2,7 +2,13 @@
 
 use crate::{MeshError, Point3};
 
-/// A triangle mesh whose faces name existing vertices and whose coordinates are finite.
+/// The largest coordinate that a mesh may have, in metres (in those of a file before its units are known).
+///
+/// There `f32` tells places apart that are 6 cm from each other; products of four larger lengths may be infinite, and
+/// trees of boxes around such meshes find nothing in good time.
+pub const MAX_COORDINATE: f32 = 1e6;
+
+/// A triangle mesh whose faces name existing vertices, with coordinates up to [`MAX_COORDINATE`].
 ///
 /// Metres; counter-clockwise faces seen from outside. Unused, duplicate and non-manifold vertices
 /// are allowed: real files have them.
@@ -18,7 +24,7 @@ impl TriMesh {
     /// # Errors
     ///
     /// [`MeshError::NoFaces`], [`MeshError::FaceIndexOutOfRange`],
-    /// [`MeshError::NonFiniteCoordinate`] or [`MeshError::TooLarge`].
+    /// [`MeshError::CoordinateOutOfRange`] or [`MeshError::TooLarge`].
     pub fn new(positions: Vec<Point3>, faces: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         let count = positions.len().max(faces.len());
         if count >= u32::MAX as usize {
@@ -39,7 +45,7 @@ impl TriMesh {
                 }
             }
         }
-        check_finite(&positions)?;
+        check_range(&positions)?;
         Ok(Self { positions, faces })
     }
 
@@ -47,7 +53,7 @@ impl TriMesh {
     ///
     /// # Errors
     ///
-    /// [`MeshError::PositionCount`] or [`MeshError::NonFiniteCoordinate`].
+    /// [`MeshError::PositionCount`] or [`MeshError::CoordinateOutOfRange`].
     pub fn with_positions(&self, positions: Vec<Point3>) -> Result<Self, MeshError> {
         if positions.len() != self.positions.len() {
             return Err(MeshError::PositionCount {
@@ -55,7 +61,7 @@ impl TriMesh {
                 expected: self.positions.len(),
             });
         }
-        check_finite(&positions)?;
+        check_range(&positions)?;
         Ok(Self {
             positions,
             faces: self.faces.clone(),
@@ -93,13 +99,29 @@ impl TriMesh {
     }
 }
 
-pub(crate) fn check_finite(positions: &[Point3]) -> Result<(), MeshError> {
-    for (vertex, position) in positions.iter().enumerate() {
-        if let Some(&value) = position.iter().find(|value| !value.is_finite()) {
-            return Err(MeshError::NonFiniteCoordinate { vertex, value });
-        }
+/// Whether a coordinate is a number up to [`MAX_COORDINATE`].
+pub(crate) fn is_in_range(value: f32) -> bool {
+    value.abs() <= MAX_COORDINATE
+}
+
+/// Refuses positions `[vertex]` with a coordinate that is NaN or beyond [`MAX_COORDINATE`].
+///
+/// # Errors
+///
+/// [`MeshError::CoordinateOutOfRange`] of the first one.
+pub fn check_range(positions: &[Point3]) -> Result<(), MeshError> {
+    match stray_coordinate(positions) {
+        Some((vertex, value)) => Err(MeshError::CoordinateOutOfRange { vertex, value }),
+        None => Ok(()),
     }
-    Ok(())
+}
+
+/// The first coordinate that is NaN or beyond [`MAX_COORDINATE`], after the number of its point.
+pub fn stray_coordinate(positions: &[Point3]) -> Option<(usize, f32)> {
+    positions.iter().enumerate().find_map(|(index, position)| {
+        let stray = position.iter().find(|&&value| !is_in_range(value));
+        stray.map(|&value| (index, value))
+    })
 }
 
 #[cfg(test)]
@@ -132,8 +154,20 @@ mod tests {
         let error = TriMesh::new(positions, vec![[0, 1, 2]]).unwrap_err();
         assert!(matches!(
             error,
-            MeshError::NonFiniteCoordinate { vertex: 1, .. }
+            MeshError::CoordinateOutOfRange { vertex: 1, .. }
         ));
+    }
+
+    #[test]
+    fn a_coordinate_of_no_place_on_earth_is_refused() {
+        let mesh = TriMesh::new(corner_points(), vec![[0, 1, 2]]).unwrap();
+        for (value, is_taken) in [(1e6, true), (-1e6, true), (1.1e6, false), (-1e20, false)] {
+            let mut positions = corner_points();
+            positions[2].x = value;
+            let expected = MeshError::CoordinateOutOfRange { vertex: 2, value };
+            let refusal = mesh.with_positions(positions).err();
+            assert_eq!(refusal, (!is_taken).then_some(expected));
+        }
     }
 
     #[test]

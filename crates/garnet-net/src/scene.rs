@@ -4,13 +4,10 @@ use std::sync::Arc;
 
 use garnet_kernel::NeighborTable;
 use garnet_knn::VertexTree;
-use garnet_mesh::{Point3, Vector3};
+use garnet_mesh::{MAX_COORDINATE, Point3, Vector3};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion};
 
 use crate::{BodySampling, Frame, GarNetConfig, GarmentGraph, NetError, UNIT, VertexInput};
-
-/// Beyond this no coordinate belongs to a garment, metres.
-const MAX_COORDINATE: f32 = 1e6;
 
 /// What a scene brings: the skinned garment M and the target body B.
 #[derive(Debug, Clone, Copy)]

@@ -2,7 +2,7 @@
 
 use crate::rest_shape::check_count;
 use crate::{Cloth, Collider, Motion, Point3, SimError};
-use garnet_mesh::MeshError;
+use garnet_mesh::check_range;
 
 /// A garment at its start and a body that moves.
 #[derive(Clone, Copy)]
@@ -81,12 +81,7 @@ impl Scene<'_> {
     pub fn check(&self) -> Result<(), SimError> {
         let num_vertices = self.cloth.num_vertices();
         check_count("positions of the garment", self.start.len(), num_vertices)?;
-        for (vertex, position) in self.start.iter().enumerate() {
-            if let Some(&value) = position.iter().find(|value| !value.is_finite()) {
-                let error = MeshError::NonFiniteCoordinate { vertex, value };
-                return Err(SimError::Garment(error));
-            }
-        }
+        check_range(self.start).map_err(SimError::Garment)?;
         if let Some(masks) = self.body.and_then(|body| body.allowed_parts) {
             check_count("masks of allowed parts", masks.len(), num_vertices)?;
         }
