@@ -93,7 +93,7 @@ fn lines_that_are_wrong() {
         (
             "nan.obj",
             "v nan 0 0\nf 1 2 3",
-            "line 4: vertex coordinate `nan` is not finite",
+            "line 4: vertex coordinate `nan` is not finite or beyond 1000000",
         ),
         ("inf.obj", "v 0 inf 0\nf 1 2 3", "line 4"),
         (

@@ -18,7 +18,7 @@ pub enum MeshError {
     },
     /// A coordinate is NaN, or beyond [`MAX_COORDINATE`].
     #[error(
-        "vertex {vertex} has the coordinate `{value}`, which is no number from -{MAX_COORDINATE} to {MAX_COORDINATE}"
+        "vertex {vertex} has the coordinate `{value}`, which is not finite or beyond {MAX_COORDINATE}"
     )]
     CoordinateOutOfRange {
         /// Number of the vertex, from 0.

@@ -106,7 +106,7 @@ pub enum ObjLineProblem {
         text: String,
     },
     /// A coordinate is NaN, or beyond [`MAX_COORDINATE`].
-    #[error("vertex coordinate `{text}` is not from -{MAX_COORDINATE} to {MAX_COORDINATE}")]
+    #[error("vertex coordinate `{text}` is not finite or beyond {MAX_COORDINATE}")]
     CoordinateOutOfRange {
         /// The coordinate as written.
         text: String,

@@ -195,11 +195,11 @@ mod tests {
             ),
             (
                 "v 0 nan 1\n",
-                "line 4: vertex coordinate `nan` is not from -1000000 to 1000000",
+                "line 4: vertex coordinate `nan` is not finite or beyond 1000000",
             ),
             (
                 "v 0 1e999 1\n",
-                "line 4: vertex coordinate `1e999` is not from -1000000 to 1000000",
+                "line 4: vertex coordinate `1e999` is not finite or beyond 1000000",
             ),
             (
                 "v 0 1\u{a0}2 3 4\n",
@@ -207,7 +207,7 @@ mod tests {
             ),
             (
                 "v 1e38 0 1 0.01\n",
-                "line 4: vertex coordinate `1e38` is not from -1000000 to 1000000",
+                "line 4: vertex coordinate `1e38` is not finite or beyond 1000000",
             ),
             (
                 "v 0 0 1 0\n",
