@@ -1,6 +1,8 @@
 //! No mesh makes the library panic.
 
-use garnet::{Body, Draper, Garment, Joint, Point3, Pose, Skeleton, SkinWeights, TriMesh};
+use garnet::{
+    Body, Draper, Garment, Joint, MAX_COORDINATE, Point3, Pose, Skeleton, SkinWeights, TriMesh,
+};
 use garnet::{UnitQuaternion, Vector3};
 use garnet_tests::capsules::{arm, bent};
 use proptest::prelude::*;
@@ -16,7 +18,7 @@ fn garbage() -> impl Strategy<Value = TriMesh> {
         prop::collection::vec([coordinate.clone(), coordinate.clone(), coordinate], 1..40);
     (positions, scale, any::<bool>()).prop_flat_map(|(positions, scale, is_moderate)| {
         let count = positions.len() as u32;
-        let limit = if is_moderate { 1.0 } else { f32::MAX };
+        let limit = if is_moderate { 1.0 } else { MAX_COORDINATE };
         let place = move |value: f32| (value * scale).clamp(-limit, limit);
         let positions: Vec<Point3> = positions.into_iter().map(|p| p.map(place).into()).collect();
         let faces = prop::collection::vec([0..count, 0..count, 0..count], 1..60);
@@ -76,10 +78,14 @@ proptest! {
     }
 
     #[test]
-    fn no_target_makes_a_fit_panic(mesh in garbage(), target in garbage()) {
+    fn no_target_makes_a_fit_panic(
+        mesh in garbage(),
+        target in garbage(),
+        scale in prop_oneof![3 => Just(1.0_f32), 1 => Just(1e12)],
+    ) {
         let body = body_of(mesh);
         let positions = target.positions().iter().cycle().take(body.rest().num_vertices());
-        let positions: Vec<Point3> = positions.copied().collect();
+        let positions: Vec<Point3> = positions.map(|p| p * scale).collect();
         if let (Ok(posed), Ok(bound)) =
             (body.fitted(&positions), Garment::new(body.rest().clone()).bind(&body))
         {
