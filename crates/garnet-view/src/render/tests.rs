@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use garnet_mesh::{Point3, TriMesh};
+use garnet_mesh::{MAX_COORDINATE, Point3, TriMesh};
 use proptest::prelude::*;
 
 use super::render;
@@ -267,7 +267,8 @@ proptest! {
                 let sign = if index % 2 == 0 { 1.0 } else { -1.0 };
                 sign * 10.0_f32.powi(exponent)
             }).collect();
-        let positions = numbers.chunks(3).map(Point3::from_slice).collect();
+        let in_range = |value: f32| value.clamp(-MAX_COORDINATE, MAX_COORDINATE);
+        let positions = numbers.chunks(3).map(|p| Point3::from_slice(p).map(in_range)).collect();
         let mesh = TriMesh::new(positions, vec![[0, 1, 2], [2, 1, 1]]);
         let mesh = mesh.unwrap();
         let small = shapes::sphere(4, 5);
