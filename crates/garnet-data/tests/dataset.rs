@@ -7,6 +7,7 @@ mod common;
 use std::{
     collections::BTreeMap,
     fs,
+    io::{Cursor, Write},
     path::Path,
     sync::atomic::{AtomicBool, AtomicUsize, Ordering},
 };
@@ -15,7 +16,8 @@ use garnet_data::{
     Counts, DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest,
     Limits, Quality, Sizing, Split, Until, Variations, generate, import,
 };
-use garnet_mesh::write_obj;
+use garnet_mesh::{Point3, write_obj};
+use zip::{ZipWriter, write::SimpleFileOptions};
 
 fn options(threads: usize) -> DatasetOptions {
     DatasetOptions {
@@ -303,6 +305,36 @@ fn drapes_made_elsewhere_are_imported() {
         error.contains("body.obj") && error.contains("the template of the package has"),
         "{error}"
     );
+
+    let mut stray = package.mesh.positions().to_vec();
+    stray[7].y = 1e20;
+    fs::write(path("garment.npz"), npz_of(&stray)).unwrap();
+    let stray = manifest.replace("garment.obj", "garment.npz");
+    fs::write(path("import.json"), stray).unwrap();
+    let scenes = ImportManifest::read(&path("import.json")).unwrap();
+    let error = import(&package, &scenes, folder.path(), &path("out"), &mut |_| {});
+    let error = error.unwrap_err().to_string();
+    assert!(
+        error.contains("garment.npz") && error.contains("vertex 7 has the coordinate 1000000"),
+        "{error}"
+    );
+}
+
+/// An npz archive with the positions as its array `vertices`.
+fn npz_of(positions: &[Point3]) -> Vec<u8> {
+    let shape = format!("({}, 3)", positions.len());
+    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}\n");
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default();
+    archive.start_file("vertices.npy", options).unwrap();
+    archive.write_all(b"\x93NUMPY\x01\0").unwrap();
+    let length = header.len() as u16;
+    archive.write_all(&length.to_le_bytes()).unwrap();
+    archive.write_all(header.as_bytes()).unwrap();
+    for value in positions.iter().flat_map(|position| position.iter()) {
+        archive.write_all(&value.to_le_bytes()).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
 }
 
 #[test]

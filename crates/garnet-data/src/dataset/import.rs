@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use garnet_mesh::{ObjFile, Point3, Unit};
+use garnet_mesh::{MAX_COORDINATE, ObjFile, Point3, Unit, stray_coordinate};
 use garnet_skin::NpzFile;
 use serde::{Deserialize, Serialize};
 
@@ -278,16 +278,18 @@ impl Reader<'_> {
             );
             return Err(DataError::foreign(&path, what));
         }
-        for (vertex, point) in points.iter_mut().enumerate() {
-            if !point.coords.iter().all(|value| value.is_finite()) {
-                return Err(DataError::foreign(
-                    &path,
-                    format!("vertex {vertex} is not finite"),
-                ));
-            }
+        for point in &mut points {
             *point *= self.metres;
         }
-        Ok(points)
+        match stray_coordinate(&points) {
+            None => Ok(points),
+            Some((vertex, metres)) => {
+                let what = format!(
+                    "vertex {vertex} has the coordinate {metres} m, which is not finite or beyond {MAX_COORDINATE} m"
+                );
+                Err(DataError::foreign(&path, what))
+            }
+        }
     }
 }
 
