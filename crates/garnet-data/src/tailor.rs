@@ -202,9 +202,8 @@ pub(crate) fn values(parameters: &Parameters) -> BTreeMap<String, f64> {
 /// The fabric that a garment is usually made of.
 pub fn usual_fabric(kind: GarmentKind) -> StoredFabric {
     let (name, fabric) = match kind {
-        GarmentKind::Tshirt => ("interlock", Fabric::interlock()),
+        GarmentKind::Tshirt | GarmentKind::Dress => ("interlock", Fabric::interlock()),
         GarmentKind::Sweater => ("knit", Fabric::knit()),
-        GarmentKind::Dress => ("cotton", Fabric::cotton()),
         GarmentKind::Jeans => ("denim", Fabric::denim()),
     };
     StoredFabric::new(name, &fabric)
