@@ -296,26 +296,23 @@ fn drapes_made_elsewhere_are_imported() {
     assert_eq!(scene.garment, package.mesh.positions());
     assert_eq!(scene.mesh().unwrap(), package.body.rest().positions());
 
-    let swapped = manifest.replace("\"garment.obj\"", "\"body.obj\"");
-    fs::write(path("import.json"), swapped).unwrap();
-    let scenes = ImportManifest::read(&path("import.json")).unwrap();
-    let error = import(&package, &scenes, folder.path(), &path("out"), &mut |_| {});
-    let error = error.unwrap_err().to_string();
+    let refusal = |manifest: String| {
+        fs::write(path("import.json"), manifest).unwrap();
+        let scenes = ImportManifest::read(&path("import.json")).unwrap();
+        let error = import(&package, &scenes, folder.path(), &path("out"), &mut |_| {});
+        error.unwrap_err().to_string()
+    };
+    let error = refusal(manifest.replace("\"garment.obj\"", "\"body.obj\""));
     assert!(
         error.contains("body.obj") && error.contains("the template of the package has"),
         "{error}"
     );
-
     let mut stray = package.mesh.positions().to_vec();
     stray[7].y = 1e20;
     fs::write(path("garment.npz"), npz_of(&stray)).unwrap();
-    let stray = manifest.replace("garment.obj", "garment.npz");
-    fs::write(path("import.json"), stray).unwrap();
-    let scenes = ImportManifest::read(&path("import.json")).unwrap();
-    let error = import(&package, &scenes, folder.path(), &path("out"), &mut |_| {});
-    let error = error.unwrap_err().to_string();
+    let error = refusal(manifest.replace("garment.obj", "garment.npz"));
     assert!(
-        error.contains("garment.npz") && error.contains("vertex 7 has the coordinate 1000000"),
+        error.contains("garment.npz") && error.contains("vertex 7 has the coordinate `1000000"),
         "{error}"
     );
 }

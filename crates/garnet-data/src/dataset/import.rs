@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use garnet_mesh::{MAX_COORDINATE, ObjFile, Point3, Unit, stray_coordinate};
+use garnet_mesh::{ObjFile, Point3, Unit, check_range};
 use garnet_skin::NpzFile;
 use serde::{Deserialize, Serialize};
 
@@ -281,15 +281,8 @@ impl Reader<'_> {
         for point in &mut points {
             *point *= self.metres;
         }
-        match stray_coordinate(&points) {
-            None => Ok(points),
-            Some((vertex, metres)) => {
-                let what = format!(
-                    "vertex {vertex} has the coordinate {metres} m, which is not finite or beyond {MAX_COORDINATE} m"
-                );
-                Err(DataError::foreign(&path, what))
-            }
-        }
+        check_range(&points).map_err(|error| DataError::foreign(&path, error.to_string()))?;
+        Ok(points)
     }
 }
 
