@@ -1,9 +1,10 @@
 //! The noise floor of the teacher for each garment and fabric:
-//! `cargo run --release -p garnet-data --example noise_floor -- VERTICES POSES [GARMENT…] [FABRIC…] [CONSTANT=VALUE…] [RADIANS]`.
+//! `cargo run --release -p garnet-data --example noise_floor -- VERTICES POSES [GARMENT…] [FABRIC…] [NAME=VALUE…] [RADIANS]`.
 //!
 //! How far a drape moves in the mean if one shoulder (of jeans: one hip) turns by 0.001 rad more, or by what is told, in
 //! millimetres: median and mean over sampled poses of the built-in body, and in how many of them it moves by more than
-//! 0.2 mm. `compression=0.001` and the like change a constant of the fabrics.
+//! 0.2 mm. `compression=0.001` and the like change a constant of the fabrics, `chest-ease=0.2` and the like a parameter of
+//! the patterns.
 
 mod common;
 
@@ -24,7 +25,7 @@ use rayon::prelude::*;
 const BAR: f64 = 2e-4;
 
 const USAGE: &str =
-    "usage: noise_floor VERTICES POSES [GARMENT…] [FABRIC…] [CONSTANT=VALUE…] [RADIANS]";
+    "usage: noise_floor VERTICES POSES [GARMENT…] [FABRIC…] [NAME=VALUE…] [RADIANS]";
 
 /// A constant of a fabric, by the name of its field.
 fn constant<'a>(fabric: &'a mut Fabric, name: &str) -> Option<&'a mut f32> {
@@ -46,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let (vertices, num_poses): (usize, u64) = (vertices.parse()?, num_poses.parse()?);
     let (mut garments, mut fabrics, mut turn) = (Vec::new(), Vec::new(), NOISE_TURN);
-    let mut changes: Vec<(&str, f32)> = Vec::new();
+    let mut changes: Vec<(&str, f64)> = Vec::new();
     for word in words {
         if let Ok(number) = word.parse() {
             turn = number;
@@ -70,11 +71,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     for kind in garments {
         for &name in &fabrics {
             let mut fabric = Fabric::named(name).ok_or("an unknown fabric")?;
+            let mut parameters = kind.parameters();
             for &(changed, value) in &changes {
-                *constant(&mut fabric, changed).ok_or(USAGE)? = value;
+                match constant(&mut fabric, changed) {
+                    Some(constant) => *constant = value as f32,
+                    None => parameters.set(changed, value)?,
+                }
             }
             let stored = StoredFabric::new(name, &fabric);
-            let tailor = Tailor::new(kind.parameters(), vertices, stored)?;
+            let tailor = Tailor::new(parameters, vertices, stored)?;
             let worn = tailor.dress(&body, &wearer, &stop)?;
             let teacher = tailor.teacher(&worn, &body)?;
             let floor = |sound: &SoundPose| {
