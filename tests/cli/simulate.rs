@@ -47,6 +47,124 @@ fn a_simulation_writes_its_way_and_reports() {
     assert_eq!(start.unwrap().num_vertices(), end.unwrap().num_vertices());
 }
 
+/// The names in a folder, sorted.
+fn names_in(fixture: &Fixture, folder: &str) -> Vec<String> {
+    let entries = fs::read_dir(fixture.path(folder)).unwrap();
+    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn each_body_has_its_own_frames_and_no_older_ones() {
+    let fixture = Fixture::new();
+    fixture.moved("bent.obj", "second.obj", |p| Point3::new(p.x, p.y, p.z));
+    let simulate = |bodies: &str, output: &str, quality: &str| {
+        let arguments = format!(
+            "simulate sleeve.obj {bodies} --rig body.rig.npz --quality {quality} -o {output} --frames way -q"
+        );
+        let output = fixture.garnet(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    };
+    simulate("bent.obj second.obj", "drapes", "fast");
+    assert_eq!(names_in(&fixture, "way"), ["bent", "second"]);
+    let of_fast = names_in(&fixture, "way/bent");
+    assert_eq!(of_fast, names_in(&fixture, "way/second"));
+    fs::remove_dir_all(fixture.path("way")).unwrap();
+    simulate("bent.obj", "out.obj", "teacher");
+    fixture.text("way/frame_notes.obj", "");
+    fixture.text("way/frame_9.obj", "");
+    assert!(names_in(&fixture, "way").len() > of_fast.len() + 2);
+    simulate("bent.obj", "out.obj", "fast");
+    let mut expected = of_fast;
+    expected.extend(["frame_9.obj".to_owned(), "frame_notes.obj".to_owned()]);
+    assert_eq!(names_in(&fixture, "way"), expected);
+}
+
+#[test]
+fn where_a_body_stands_and_how_it_faces_does_not_matter() {
+    let fixture = Fixture::new();
+    // By 100 degrees about y, and far away.
+    let (sine, cosine) = 100_f32.to_radians().sin_cos();
+    let away = |p: &Point3| {
+        Point3::new(
+            cosine * p.x + sine * p.z + 7.0,
+            p.y - 3.0,
+            cosine * p.z - sine * p.x - 20.0,
+        )
+    };
+    let back = |p: &Point3| {
+        let (x, z) = (p.x - 7.0, p.z + 20.0);
+        Point3::new(cosine * x - sine * z, p.y + 3.0, cosine * z + sine * x)
+    };
+    fixture.moved("bent.obj", "away.obj", away);
+    for (body, output) in [("bent.obj", "here.obj"), ("away.obj", "there.obj")] {
+        let arguments = format!(
+            "simulate sleeve.obj {body} --rig body.rig.npz --quality fast -o {output} --frames way_{output} --report {output}.json"
+        );
+        let output = fixture.garnet(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
+    let positions = |name: &str| {
+        ObjFile::read(fixture.path(name))
+            .unwrap()
+            .positions()
+            .to_vec()
+    };
+    let (here, there) = (positions("here.obj"), positions("there.obj"));
+    let moved = there
+        .iter()
+        .map(back)
+        .zip(&here)
+        .map(|(a, b)| (a - b).norm());
+    let mean = moved.sum::<f32>() / here.len() as f32;
+    assert!(mean < 5e-4, "{mean}");
+    let frames = names_in(&fixture, "way_there.obj");
+    let last = positions(&format!("way_there.obj/{}", frames.last().unwrap()));
+    assert_eq!(last, there);
+    let report: serde_json::Value =
+        serde_json::from_slice(&fixture.read("there.obj.json")).unwrap();
+    assert_eq!(report["schema"], "garnet.simulate/1");
+    assert_eq!(report["drapes"][0]["penetration"]["inside"], 0);
+}
+
+#[test]
+fn outputs_do_not_take_the_place_of_inputs_or_of_each_other() {
+    let fixture = Fixture::new();
+    let arguments = "simulate sleeve.obj bent.obj --rig body.rig.npz --quality fast";
+    let read = "one of the files that are read";
+    for (output, expected) in [
+        ("-o sleeve.obj", read),
+        ("-o ./bent.obj", read),
+        ("-o out.obj --report body.rig.npz", read),
+        ("-o out.obj --report out.obj", "two outputs have this name"),
+        ("-o -", "name a file"),
+    ] {
+        refused(&fixture, &format!("{arguments} {output}"), expected);
+    }
+    fs::create_dir(fixture.path("drapes")).unwrap();
+    let arguments = "drape sleeve.obj bent.obj body.obj --rig body.rig.npz -o .";
+    refused(&fixture, arguments, read);
+}
+
+#[test]
+fn faces_that_cross_the_skin_are_told() {
+    let fixture = Fixture::new();
+    // Eight sides round a limb: their middles are nearer to it than their corners.
+    fixture.mesh("coarse.obj", &tube(0.158, 0.8, 6, 6));
+    let arguments =
+        "simulate coarse.obj bent.obj --rig body.rig.npz --quality fast -o out.obj --report -";
+    let output = fixture.garnet(arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let report: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let crossing = &report["drapes"][0]["penetration"]["crossing_faces"];
+    assert!(crossing.as_u64().unwrap() > 0, "{report}");
+    let warnings = report["warnings"].as_array().unwrap();
+    let of_crossing = |warning: &serde_json::Value| warning["kind"] == "crossing_faces";
+    assert!(warnings.iter().any(of_crossing), "{report}");
+}
+
 #[test]
 fn the_same_simulation_gives_the_same_bytes() {
     let fixture = Fixture::new();

@@ -415,6 +415,22 @@ fn the_built_in_body_does_not_run_through_itself_in_drawn_poses() {
     }
 }
 
+/// What networks learn from are drawn poses: where a body stands is taken off no farther than they go.
+#[test]
+fn drawn_poses_and_those_of_the_library_are_at_home() {
+    let built = ParametricBody::build(&BodyParameters::new(0.5)).unwrap();
+    let body = built.body();
+    let poser = Poser::new(body.skeleton()).unwrap();
+    let library = key_poses().map(|pose| poser.pose(&pose.angles));
+    let sampler = PoseSampler::new(5);
+    let drawn = (0..100).map(|index| poser.pose(&sampler.sample(index).angles));
+    for pose in library.chain(drawn) {
+        let posed = body.posed(&pose).unwrap();
+        let home = posed.at_home(body).unwrap();
+        assert_eq!(home.body().skin().positions(), posed.skin().positions());
+    }
+}
+
 #[test]
 fn bent_elbows_and_knees_neither_bulge_nor_collapse() {
     const MAX_BULGE: f32 = 0.15;

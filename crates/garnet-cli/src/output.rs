@@ -13,6 +13,13 @@ use crate::failure::refused;
 
 /// Refuses a file that cannot be written, so that no work is done for nothing.
 pub(crate) fn check_file(path: &Path) -> anyhow::Result<()> {
+    if path.as_os_str() == "-" {
+        return Err(refused(
+            "cannot write into `-`",
+            "only reports and `--json` go to stdout",
+            "name a file",
+        ));
+    }
     if path.is_dir() {
         let path = path.to_path_buf();
         return Err(WriteError::IsFolder { path }.into());
@@ -50,6 +57,37 @@ pub(crate) fn check_folder(folder: &Path) -> anyhow::Result<()> {
             ),
             "create the folder first",
         ));
+    }
+    Ok(())
+}
+
+/// Refuses outputs that would take the place of inputs, or of each other.
+pub(crate) fn check_apart(outputs: &[&Path], inputs: &[&Path]) -> anyhow::Result<()> {
+    let inputs: Vec<PathBuf> = inputs
+        .iter()
+        .filter_map(|path| fs::canonicalize(path).ok())
+        .collect();
+    let mut seen: Vec<PathBuf> = Vec::with_capacity(outputs.len());
+    for output in outputs {
+        let name = output.file_name().unwrap_or_default();
+        let folder = fs::canonicalize(folder_of(output)).unwrap_or_default();
+        let place = fs::canonicalize(output).unwrap_or(folder.join(name));
+        let shown = output.display();
+        if inputs.contains(&place) {
+            return Err(refused(
+                format!("cannot write `{shown}`"),
+                "it is one of the files that are read",
+                "write into another file",
+            ));
+        }
+        if seen.contains(&place) {
+            return Err(refused(
+                format!("cannot write `{shown}`"),
+                "two outputs have this name",
+                "give each its own file",
+            ));
+        }
+        seen.push(place);
     }
     Ok(())
 }

@@ -75,6 +75,15 @@ impl PoseSource {
             if let Some(pose) = key_pose(&name) {
                 return of_library(&name, &pose.angles, body);
             }
+            let colons = name.match_indices(':');
+            let mut split = colons.map(|(place, _)| (&name[..place], &name[place + 1..]));
+            if let Some((file, frames)) = split.find(|(file, _)| Path::new(file).is_file()) {
+                return Err(refused(
+                    format!("cannot read frames of `{file}`"),
+                    format!("`{frames}` names none"),
+                    "frames are one, as 12, or FIRST:END:STEP, as 0:100:5, with a step of 1 at least",
+                ));
+            }
             if self.path.extension().is_none() {
                 return Err(refused(
                     format!("there is no pose `{name}`"),

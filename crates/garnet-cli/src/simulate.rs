@@ -41,6 +41,7 @@ pub(crate) fn run(args: SimulateArgs, console: &Console) -> anyhow::Result<ExitS
 
 fn job(args: SimulateArgs) -> anyhow::Result<Job> {
     let mut job = Job::of_input(args.input, args.output)?;
+    job.schema = "garnet.simulate/1";
     job.take_report(args.report)?;
     if let Some(folder) = &args.frames {
         output::check_folder(folder)?;

@@ -29,6 +29,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod at_home;
 mod body;
 mod cloth_graph;
 mod dual_quaternion;
@@ -51,6 +52,7 @@ mod skeleton;
 mod skinning;
 mod weights;
 
+pub use at_home::BodyAtHome;
 pub use body::{Body, Rig};
 pub use cloth_graph::{ClothGraph, HalfEdge};
 pub use dual_quaternion::DualQuaternion;

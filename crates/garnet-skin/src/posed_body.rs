@@ -39,6 +39,20 @@ impl PosedBody {
     pub fn max_residual(&self) -> f32 {
         self.max_residual
     }
+
+    /// The same body moved rigidly: its skin and its joints elsewhere.
+    pub(crate) fn moved(
+        &self,
+        positions: Vec<Point3>,
+        posed_from_rest: Vec<Isometry3<f32>>,
+    ) -> Result<Self, SkinError> {
+        Ok(Self {
+            skin: self.skin.moved(positions)?,
+            posed_from_rest,
+            shape_offsets: self.shape_offsets.clone(),
+            max_residual: self.max_residual,
+        })
+    }
 }
 
 impl Body {

@@ -64,8 +64,8 @@ pub use garnet_pattern as pattern;
 #[cfg(feature = "train")]
 pub use garnet_sim as sim;
 pub use garnet_skin::{
-    Body, Joint, Method, Pose, PosedBody, Rig, Skeleton, SkinError, SkinWeights, TransferOptions,
-    Warp, WarpedGarment,
+    Body, BodyAtHome, Joint, Method, Pose, PosedBody, Rig, Skeleton, SkinError, SkinWeights,
+    TransferOptions, Warp, WarpedGarment,
 };
 #[cfg(feature = "train")]
 pub use garnet_train as train;

@@ -90,13 +90,20 @@ impl PackagedGarment {
         &self.garment
     }
 
-    /// Drapes the garment on the body in another pose and shape.
+    /// Drapes the garment on the body in another pose and shape, wherever it [stands](PosedBody::at_home).
     ///
     /// # Errors
     ///
     /// [`Error::Skin`] if `target` is not of [this body](Self::body); [`Error::Net`] or [`Error::Untangle`] for
     /// coordinates out of any range. A simulation that fails is [no error](PackagedDrape::unsettled).
     pub fn drape(&mut self, target: &PosedBody) -> Result<PackagedDrape, Error> {
+        let home = target.at_home(&self.body)?;
+        let mut draped = self.drape_at_home(home.body())?;
+        draped.drape.positions = home.to_target(draped.drape.positions);
+        Ok(draped)
+    }
+
+    fn drape_at_home(&mut self, target: &PosedBody) -> Result<PackagedDrape, Error> {
         let on_way = match self.settling.put {
             Put::Midway => Some(BodyPath::to_posed(&self.body, target).posed(&self.body, MIDWAY)?),
             Put::AtRest | Put::AtArrival | Put::Falling | Put::OnRestBody => None,

@@ -180,6 +180,8 @@ fn units(text: &str) -> Result<UnitsTaken, String> {
 /// What is to be done, checked as far as that goes without reading files.
 #[derive(Debug)]
 pub(crate) struct Job {
+    /// That of the report.
+    pub(crate) schema: &'static str,
     pub(crate) source: Source,
     /// One for each target; none where the frames of a motion name them.
     pub(crate) outputs: Vec<PathBuf>,
@@ -298,6 +300,7 @@ impl Job {
             vec![output.clone()]
         };
         Ok(Self {
+            schema: "garnet.drape/1",
             source: input.source()?,
             outputs,
             folder: is_several.then_some(output),

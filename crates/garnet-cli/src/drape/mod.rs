@@ -5,6 +5,7 @@ mod choice;
 mod files;
 mod frame;
 mod learned;
+mod outputs;
 mod placement;
 mod prepared;
 mod report;
@@ -16,7 +17,7 @@ mod summary;
 mod timing;
 mod warning;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Context;
 use garnet::{
@@ -31,6 +32,7 @@ pub(crate) use args::{InputArgs, Job, Simulation};
 use choice::ChoiceReport;
 pub(crate) use frame::Frame;
 use learned::{Found, Learned, Unbound};
+use outputs::{check_outputs, outputs_on};
 use prepared::{Prepared, RestBody, Target};
 use report::{
     BodyReport, DrapeOutput, DrapeReport, DrapeSeconds, GarmentReport, OnceSeconds,
@@ -63,6 +65,8 @@ pub(crate) fn do_job(
         let job = make()?;
         let (prepared, read) = timed(|| Prepared::read(&job.source));
         let prepared = prepared?;
+        let outputs = outputs_on(&prepared.targets, &job);
+        check_outputs(&prepared, &outputs, &job)?;
         for note in &prepared.notes {
             console.summary(&format_args!("note: {note}"));
         }
@@ -224,20 +228,9 @@ fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<
     if let Some(folder) = &job.folder {
         output::make_folder(folder)?;
     }
-    let named = bound
-        .targets
-        .iter()
-        .filter_map(|target| target.stem.as_ref());
-    let folder = job.folder.as_deref().unwrap_or(Path::new(""));
-    let named: Vec<PathBuf> = named
-        .map(|stem| folder.join(format!("{stem}.obj")))
-        .collect();
-    let outputs = if named.is_empty() {
-        &job.outputs
-    } else {
-        &named
-    };
-    if let Some(folder) = job.body_out.as_ref().filter(|_| !named.is_empty()) {
+    let outputs = outputs_on(&bound.targets, job);
+    let has_named = bound.targets.iter().any(|target| target.stem.is_some());
+    if let Some(folder) = job.body_out.as_ref().filter(|_| has_named) {
         output::make_folder(folder)?;
     }
     let mut way = Way {
@@ -247,7 +240,7 @@ fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<
     };
     let bar = console.progress(bound.targets.len());
     let mut drapes = Vec::with_capacity(bound.targets.len());
-    for (target, output) in bound.targets.iter().zip(outputs) {
+    for (target, output) in bound.targets.iter().zip(&outputs) {
         bar.set_message(target.path.display().to_string());
         let (drape, problems) = drape_one(bound, &mut way, target, output, job, console)?;
         let warnings = problems.into_iter().map(|problem| Warning {
@@ -307,17 +300,19 @@ fn drape_one(
     problems.extend((fallback.clone()).map(|reason| Problem::Fallback(reason, is_from_rest)));
     problems.extend(unsettled.map(Problem::Unsettled));
     let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
+    problems.extend(simulated.as_ref().and_then(warning::of_rest));
     let failed = balance.filter(|balance| !balance.is_reached);
     problems.extend(failed.map(|found| Problem::OutOfBalance(found.steps, found.residual)));
     let inside = if let Some(report) = &drape.report {
         problems.extend(warning::of_result(report));
         None
     } else {
-        let found = PenetrationReport::of(&drape.positions, posed.skin(), simulated.is_some());
-        let is_inside = found.inside > 0;
-        problems.extend(is_inside.then_some(Problem::Inside(found.inside, found.deepest_m)));
-        let trapped = found.trapped.filter(|&count| count > 0);
-        problems.extend(trapped.map(Problem::Trapped));
+        let draped = bound
+            .garment
+            .mesh()
+            .with_positions(drape.positions.clone())?;
+        let found = PenetrationReport::of(&draped, posed.skin(), simulated.is_some());
+        problems.extend(warning::of_penetration(&found));
         Some(found)
     };
     let positions = bound.garment_frame.to_file(drape.positions);
@@ -381,11 +376,13 @@ fn drape_timed(
     console: &Console,
 ) -> anyhow::Result<Draped> {
     let (posed, fit) = timed(|| target.posed(&bound.body));
-    let posed = posed?;
+    let target_body = posed?;
     let cannot = || {
         let garment = bound.garment_file.path().display();
         format!("cannot drape `{garment}` on `{}`", target.path.display())
     };
+    let home = target_body.at_home(&bound.body).with_context(cannot)?;
+    let posed = home.body();
     let Way {
         draper,
         learned,
@@ -394,21 +391,21 @@ fn drape_timed(
     let is_midway = learned.as_ref().is_some_and(Learned::is_midway);
     let (mut network, mut fallback) = (0.0, None);
     let (brought, mut warp) = timed(|| match (&bound.teacher, learned) {
-        (Some(teaching), _) => teaching.drape(bound, &posed, console),
+        (Some(teaching), _) => teaching.drape(bound, target, &home, console),
         (None, Some(learned)) => {
-            let (moved, seconds) = learned.drape(bound, &posed)?;
+            let (moved, seconds) = learned.drape(bound, posed)?;
             (network, fallback) = (seconds, moved.fallback);
             Ok((moved.garment, None))
         }
-        (None, None) => Ok((draper.warp(&bound.garment, &posed)?, None)),
+        (None, None) => Ok((draper.warp(&bound.garment, posed)?, None)),
     });
     warp -= network;
     let (mut warped, simulated) = brought.with_context(cannot)?;
     let (mut settle, mut unsettled) = (0.0, None);
     let settled = settler.as_ref().and_then(|settler| match fallback {
-        None => Some(settler.settled(bound, &posed, &warped)),
+        None => Some(settler.settled(bound, posed, &warped)),
         // Of a motion that is simulated in any case the network has told the first half.
-        Some(_) if is_midway => Some(settler.whole_way(bound, &posed)),
+        Some(_) if is_midway => Some(settler.whole_way(bound, posed)),
         // What fell back to the warp is far from where cloth rests.
         Some(_) => None,
     });
@@ -419,10 +416,11 @@ fn drape_timed(
         None => {}
     }
     if is_midway && fallback.is_none() && !is_settled {
-        warped = draper.warp(&bound.garment, &posed).with_context(cannot)?;
+        warped = draper.warp(&bound.garment, posed).with_context(cannot)?;
     }
-    let (drape, untangle) = timed(|| draper.finish(&bound.garment, &posed, &warped));
-    let drape = drape.with_context(cannot)?;
+    let (drape, untangle) = timed(|| draper.finish(&bound.garment, posed, &warped));
+    let mut drape = drape.with_context(cannot)?;
+    drape.positions = home.to_target(drape.positions);
     let time = DrapeSeconds {
         fit,
         warp,
@@ -431,8 +429,9 @@ fn drape_timed(
         untangle,
         write: 0.0,
     };
+    drop(home);
     Ok(Draped {
-        posed,
+        posed: target_body,
         drape,
         simulated,
         fallback: fallback.map(|reason| reason.to_string()),
@@ -464,7 +463,7 @@ impl Bound {
         let shown = |path: &Path| path.display().to_string();
         let rest = self.body.rest();
         DrapeReport {
-            schema: "garnet.drape/1",
+            schema: job.schema,
             version: env!("CARGO_PKG_VERSION"),
             garment: GarmentReport {
                 path: shown(self.garment_file.path()),

@@ -1,7 +1,7 @@
-//! The report of `drape`: `garnet.drape/1`. Lengths are metres, times seconds.
+//! The report of `drape` and `simulate`: `garnet.drape/1`, `garnet.simulate/1`. Lengths are metres, times seconds.
 
 use garnet::{
-    Point3, Surface, UntangleReport,
+    Point3, Surface, TriMesh, UntangleReport, Vector3,
     data::{SceneReport, StoredFabric},
     penetration, sim,
 };
@@ -12,7 +12,7 @@ use super::{choice::ChoiceReport, timing::Repeated};
 /// What was draped, how, and what came out.
 #[derive(Debug, Serialize)]
 pub(crate) struct DrapeReport {
-    /// `garnet.drape/1`.
+    /// `garnet.drape/1` or `garnet.simulate/1`.
     pub(crate) schema: &'static str,
     /// The version of garnet.
     pub(crate) version: &'static str,
@@ -140,17 +140,42 @@ pub(crate) struct PenetrationReport {
     /// Those of simulated cloth that the body leaves no room for, because it runs through itself there,
     /// apart; none of warped cloth, where all count as inside.
     pub(crate) trapped: Option<usize>,
+    /// Faces of the garment that cross skin which lies in no other part of the body.
+    pub(crate) crossing_faces: usize,
+}
+
+/// How far before a face of the skin it is probed whether the face lies in another part of the body, in metres.
+const PROBE: f32 = 5e-4;
+
+/// How many faces of a garment cross skin that is outside.
+fn crossing_faces(garment: &TriMesh, skin: &Surface) -> usize {
+    let pairs = Surface::new(garment).intersections(skin);
+    let is_outside = |face: u32| {
+        let corners = skin.faces()[face as usize].map(|vertex| skin.positions()[vertex as usize]);
+        let middle = corners
+            .iter()
+            .map(|corner| corner.coords / 3.0)
+            .sum::<Vector3>();
+        !skin.contains(Point3::from(middle + PROBE * skin.face_normal(face)))
+    };
+    let crossing = pairs.into_iter().filter(|&[_, face]| is_outside(face));
+    let mut faces: Vec<u32> = crossing.map(|[face, _]| face).collect();
+    faces.sort_unstable();
+    faces.dedup();
+    faces.len()
 }
 
 impl PenetrationReport {
-    /// Of positions `[vertex]` against the skin.
-    pub(crate) fn of(positions: &[Point3], skin: &Surface, is_simulated: bool) -> Self {
+    /// Of a garment against the skin.
+    pub(crate) fn of(garment: &TriMesh, skin: &Surface, is_simulated: bool) -> Self {
+        let (positions, crossing_faces) = (garment.positions(), crossing_faces(garment, skin));
         if is_simulated {
             let found = sim::Penetration::of(positions, skin);
             return Self {
                 inside: found.num_inside,
                 deepest_m: found.deepest,
                 trapped: Some(found.num_trapped),
+                crossing_faces,
             };
         }
         let found = penetration(positions, skin);
@@ -158,6 +183,7 @@ impl PenetrationReport {
             inside: found.inside,
             deepest_m: found.deepest,
             trapped: None,
+            crossing_faces,
         }
     }
 }

@@ -1,10 +1,15 @@
 //! The simulation as a way to drape.
 
-use std::{path::PathBuf, sync::atomic::AtomicBool};
+use std::{
+    ffi::OsStr,
+    fs,
+    path::{Path, PathBuf},
+    sync::atomic::AtomicBool,
+};
 
 use anyhow::Context;
 use garnet::{
-    PosedBody, Warped,
+    BodyAtHome, Warped,
     data::{BodyPath, GarmentPackage, Quality, SceneReport, StoredFabric, Teacher, quality_name},
     sim::{Event, Fabric, RestShape},
 };
@@ -12,6 +17,7 @@ use garnet::{
 use super::{
     Bound,
     args::{Simulation, Source},
+    prepared::Target,
     report::SimulationReport,
 };
 use crate::{console::Console, output};
@@ -76,15 +82,32 @@ impl Teaching {
         }
     }
 
-    /// Moves the body from rest to its target, with the garment on it.
+    /// Where the frames of a target go, if they are written: in a folder of its own if there are several.
+    fn frames_of(&self, bound: &Bound, target: &Target) -> anyhow::Result<Option<PathBuf>> {
+        let Some(folder) = &self.frames else {
+            return Ok(None);
+        };
+        if bound.targets.len() < 2 {
+            return Ok(Some(folder.clone()));
+        }
+        let stem = target.stem.as_ref().map(OsStr::new);
+        let own = folder.join(stem.or(target.path.file_stem()).unwrap_or_default());
+        output::make_folder(&own)?;
+        Ok(Some(own))
+    }
+
+    /// Moves the body from rest to its target, with the garment on it. Frames are where the target is.
     pub(super) fn drape(
         &self,
         bound: &Bound,
-        posed: &PosedBody,
+        target: &Target,
+        home: &BodyAtHome<'_>,
         console: &Console,
     ) -> anyhow::Result<(Warped, Option<SceneReport>)> {
-        let path = BodyPath::to_posed(&bound.body, posed);
+        let path = BodyPath::to_posed(&bound.body, home.body());
         let stop = AtomicBool::new(false);
+        let frames = self.frames_of(bound, target)?;
+        let mut num_written = 0;
         let mut written: anyhow::Result<()> = Ok(());
         let bar = console.progress(1000);
         let mut watch = |event: Event<'_>| match event {
@@ -95,11 +118,11 @@ impl Teaching {
                 ..
             } => {
                 bar.set_position((1000.0 * progress) as u64);
-                if let Some(folder) = self.frames.as_ref().filter(|_| written.is_ok()) {
-                    let name = folder.join(format!("frame_{num_done:04}.obj"));
-                    let vertices = bound
-                        .garment_frame
-                        .to_file(self.teacher.vertices(positions));
+                if let Some(folder) = frames.as_ref().filter(|_| written.is_ok()) {
+                    let name = folder.join(frame_name(num_done));
+                    num_written = num_written.max(num_done);
+                    let vertices = home.to_target(self.teacher.vertices(positions));
+                    let vertices = bound.garment_frame.to_file(vertices);
                     let frame = bound.garment_file.write_with_positions(&name, &vertices);
                     written = frame.map_err(anyhow::Error::from);
                 }
@@ -119,10 +142,35 @@ impl Teaching {
         bar.finish_and_clear();
         written?;
         let drape = drape?;
+        if let Some(folder) = &frames {
+            remove_after(folder, num_written)?;
+        }
         let report = SceneReport::from(&drape.report);
         Ok((
             Warped::simulated(&bound.garment, &drape.positions),
             Some(report),
         ))
     }
+}
+
+/// The file of a frame.
+fn frame_name(number: u64) -> String {
+    format!("frame_{number:04}.obj")
+}
+
+/// Removes the frames that a longer simulation has left in a folder.
+fn remove_after(folder: &Path, last: u64) -> anyhow::Result<()> {
+    let cannot = || format!("cannot remove older frames in `{}`", folder.display());
+    for entry in fs::read_dir(folder).with_context(cannot)? {
+        let path = entry.with_context(cannot)?.path();
+        let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
+        let number = name
+            .strip_prefix("frame_")
+            .and_then(|name| name.strip_suffix(".obj"));
+        let number = number.and_then(|number| number.parse().ok());
+        if number.is_some_and(|number: u64| number > last && name == frame_name(number)) {
+            fs::remove_file(&path).with_context(cannot)?;
+        }
+    }
+    Ok(())
 }

@@ -1,8 +1,17 @@
 //! What may be wrong with inputs and outputs although the work was done.
 
-use std::{fmt, path::PathBuf};
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+};
 
-use garnet::{BoundGarment, MeshDiagnosis, Surface, TriMesh, UntangleReport, diagnose};
+use garnet::{
+    BoundGarment, MeshDiagnosis, Surface, TriMesh, UntangleReport,
+    data::{Limits, SceneReport},
+    diagnose,
+};
+
+use super::report::PenetrationReport;
 
 /// What may be wrong with a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +39,10 @@ pub(crate) enum Problem {
     Squeezed(usize),
     BelowClearance(usize, f32),
     CrossingFaces(usize),
+    /// The same of cloth that was not untangled.
+    CrossingUntouched(usize),
+    /// What share of the simulated vertices still moves.
+    Moving(f32),
     /// Cloth is left in the body: how many vertices, and the deepest in metres.
     Inside(usize, f32),
     /// The target was fitted with this error, in metres.
@@ -60,7 +73,8 @@ impl Problem {
             Self::Trapped(_) => "trapped",
             Self::Squeezed(_) => "squeezed",
             Self::BelowClearance(..) => "below_clearance",
-            Self::CrossingFaces(_) => "crossing_faces",
+            Self::CrossingFaces(_) | Self::CrossingUntouched(_) => "crossing_faces",
+            Self::Moving(_) => "moving",
             Self::Inside(..) => "inside",
             Self::PoorFit(_) => "poor_fit",
             Self::Fallback(..) => "fallback",
@@ -86,10 +100,13 @@ impl Problem {
             | Self::Squeezed(count)
             | Self::BelowClearance(count, _)
             | Self::CrossingFaces(count)
+            | Self::CrossingUntouched(count)
             | Self::Inside(count, _) => Some(count),
-            Self::PoorFit(_) | Self::Fallback(..) | Self::Unsettled(_) | Self::OutOfBalance(..) => {
-                None
-            }
+            Self::Moving(_)
+            | Self::PoorFit(_)
+            | Self::Fallback(..)
+            | Self::Unsettled(_)
+            | Self::OutOfBalance(..) => None,
         }
     }
 }
@@ -149,9 +166,11 @@ impl fmt::Display for Warning {
                 vertices(count, is)
                     + &format!(" nearer to the skin than the clearance, the nearest {least} mm")
             }
-            Problem::CrossingFaces(count) => {
-                faces(count, ["crosses", "cross"]) + " the skin between vertices that are outside"
+            Problem::CrossingFaces(count) => faces(count, ["crosses", "cross"]) + CROSSING,
+            Problem::CrossingUntouched(count) => {
+                faces(count, ["crosses", "cross"]) + CROSSING + LIFTED_BY
             }
+            Problem::Moving(share) => still_moving(&self.path, share),
             Problem::Inside(count, deepest) => {
                 let deepest = millimetres(deepest);
                 vertices(count, is) + &format!(" left inside the body, the deepest {deepest} mm")
@@ -168,13 +187,33 @@ impl fmt::Display for Warning {
             Problem::Unsettled(ref reason) => {
                 format!("`{path}` is not settled by simulation: {reason}")
             }
-            Problem::OutOfBalance(steps, residual) => format!(
-                "`{path}` is not in balance after {steps} steps of the reference solver: a force of \
-                 {residual:.2} mean weights of a vertex is left on one"
-            ),
+            Problem::OutOfBalance(steps, residual) => out_of_balance(&self.path, steps, residual),
         };
         formatter.write_str(&text)
     }
+}
+
+/// What faces do that cross the skin.
+const CROSSING: &str = " the skin between vertices that are outside";
+
+/// What to do about those of cloth that was not untangled.
+const LIFTED_BY: &str = ": `garnet drape`, by `--method sim`, too, lifts them";
+
+fn still_moving(path: &Path, share: f32) -> String {
+    let [share, limit] = [share, Limits::default().moving].map(|share| 100.0 * share);
+    let path = path.display();
+    format!(
+        "{share:.1} % of the vertices of `{path}` still move by more than 5 mm/s: of settled cloth \
+         {limit:.1} % do at most"
+    )
+}
+
+fn out_of_balance(path: &Path, steps: usize, residual: f64) -> String {
+    let path = path.display();
+    format!(
+        "`{path}` is not in balance after {steps} steps of the reference solver: a force of \
+         {residual:.2} mean weights of a vertex is left on one"
+    )
 }
 
 fn in_place_of_network(is_simulated: bool) -> &'static str {
@@ -261,6 +300,23 @@ pub(crate) fn of_start(garment: &BoundGarment) -> Option<Problem> {
 /// What is wrong with the fit of a target.
 pub(crate) fn of_fit(residual: f32) -> Option<Problem> {
     (residual > MAX_RESIDUAL).then_some(Problem::PoorFit(residual))
+}
+
+/// Whether simulated cloth has not come to rest.
+pub(crate) fn of_rest(report: &SceneReport) -> Option<Problem> {
+    let is_moving = report.moving > Limits::default().moving;
+    is_moving.then_some(Problem::Moving(report.moving))
+}
+
+/// What is left of cloth that is not untangled.
+pub(crate) fn of_penetration(found: &PenetrationReport) -> Vec<Problem> {
+    let left = [
+        Problem::Inside(found.inside, found.deepest_m),
+        Problem::Trapped(found.trapped.unwrap_or(0)),
+        Problem::CrossingUntouched(found.crossing_faces),
+    ];
+    let is_any = |problem: &Problem| problem.count() != Some(0);
+    left.into_iter().filter(is_any).collect()
 }
 
 /// What untangling left.

@@ -1,0 +1,59 @@
+//! Where drapes go.
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use anyhow::Context;
+
+use super::{
+    args::{Job, Source},
+    prepared::{Prepared, Target},
+};
+use crate::output;
+
+/// Where the drape on each target goes.
+pub(super) fn outputs_on(targets: &[Target], job: &Job) -> Vec<PathBuf> {
+    let named = targets.iter().filter_map(|target| target.stem.as_ref());
+    let folder = job.folder.as_deref().unwrap_or(Path::new(""));
+    let named = named.map(|stem| folder.join(format!("{stem}.obj")));
+    let named: Vec<PathBuf> = named.collect();
+    if named.is_empty() {
+        job.outputs.clone()
+    } else {
+        named
+    }
+}
+
+/// Refuses outputs that would take the place of what is read.
+pub(super) fn check_outputs(
+    prepared: &Prepared,
+    outputs: &[PathBuf],
+    job: &Job,
+) -> anyhow::Result<()> {
+    let in_package = match &job.source {
+        Source::Files(files) => files
+            .package
+            .as_ref()
+            .map_or(Ok(Vec::new()), |folder| files_in(folder)),
+        Source::Scene(_) => Ok(Vec::new()),
+    };
+    let in_package = in_package?;
+    let rest = &prepared.rest;
+    let mut inputs = vec![prepared.garment_file.path(), &rest.path, &rest.rig_path];
+    inputs.extend(prepared.targets.iter().map(|target| target.path.as_path()));
+    inputs.extend(prepared.pose.iter().map(|pose| pose.path.as_path()));
+    inputs.extend(in_package.iter().map(PathBuf::as_path));
+    let body_out = job.body_out.iter().filter(|_| job.folder.is_none());
+    let outputs = outputs.iter().chain(&job.report).chain(body_out);
+    let outputs: Vec<&Path> = outputs.map(PathBuf::as_path).collect();
+    output::check_apart(&outputs, &inputs)
+}
+
+fn files_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let cannot = || format!("cannot read the folder `{}`", folder.display());
+    let entries = fs::read_dir(folder).with_context(cannot)?;
+    let paths: Result<Vec<PathBuf>, _> = entries.map(|entry| Ok(entry?.path())).collect();
+    paths.map_err(|error: io::Error| anyhow::Error::new(error).context(cannot()))
+}
