@@ -172,11 +172,45 @@ fn bodies_of_other_topology() {
         "drape sleeve.obj shuffled.obj --rest-body body.obj -o out.obj",
         &["`shuffled.obj` has another topology", "another order"],
     );
+    // The same mesh with its vertices in another order.
+    let body = garnet::io::ObjFile::read(fixture.path("body.obj")).unwrap();
+    let (positions, faces) = body.mesh().unwrap().into_parts();
+    let count = positions.len() as u32;
+    let rolled = |vertex: u32| (vertex + 50) % count;
+    let mut places = positions.clone();
+    for vertex in 0..count {
+        places[rolled(vertex) as usize] = positions[vertex as usize];
+    }
+    let faces = faces.into_iter().map(|face| face.map(rolled)).collect();
+    fixture.mesh("rolled.obj", &garnet::TriMesh::new(places, faces).unwrap());
+    refused(
+        &fixture,
+        "drape sleeve.obj rolled.obj --rest-body body.obj -o out.obj",
+        &["`rolled.obj` has another topology", "order"],
+    );
+    fixture.moved("bent.obj", "mirrored.obj", |point| {
+        garnet::Point3::new(-point.x, point.y, point.z)
+    });
+    refused(
+        &fixture,
+        "drape sleeve.obj mirrored.obj --rest-body body.obj -o out.obj",
+        &["`mirrored.obj` has another topology", "mirror image"],
+    );
     refused(
         &fixture,
         "drape sleeve.obj bent.obj --rig body.rig.npz --pose bend.json -o out.obj",
         &["`bent.obj` is not the rest body"],
     );
+}
+
+#[test]
+fn garments_that_are_not_there() {
+    let fixture = Fixture::new();
+    std::fs::create_dir(fixture.path("empty")).unwrap();
+    for (name, cause) in [("nowhere", "No such file"), ("empty", "no `garment.toml`")] {
+        let arguments = format!("drape {name} --pose bend.json --rig body.rig.npz -o out.obj");
+        refused(&fixture, &arguments, &[&format!("`{name}`"), cause]);
+    }
 }
 
 #[test]

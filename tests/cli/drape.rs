@@ -75,6 +75,62 @@ fn a_pose_and_its_body_lead_to_the_same_drape() {
 }
 
 #[test]
+fn bodies_that_are_inside_out_are_turned_and_told() {
+    let fixture = Fixture::new();
+    for name in ["body.obj", "bent.obj"] {
+        let mesh = ObjFile::read(fixture.path(name)).unwrap().mesh().unwrap();
+        let (positions, faces) = mesh.into_parts();
+        let faces = faces.into_iter().map(|[a, b, c]| [a, c, b]).collect();
+        let mesh = garnet::TriMesh::new(positions, faces).unwrap();
+        fixture.mesh(&format!("turned_{name}"), &mesh);
+    }
+    let rig = "--rig body.rig.npz -o";
+    reported(
+        &fixture,
+        &format!("drape sleeve.obj bent.obj --rest-body body.obj {rig} right.obj"),
+    );
+    let report = reported(
+        &fixture,
+        &format!("drape sleeve.obj turned_bent.obj --rest-body turned_body.obj {rig} turned.obj"),
+    );
+    assert!(fixture.read("right.obj") == fixture.read("turned.obj"));
+    let warnings = report["warnings"].as_array().unwrap();
+    let told = |warning: &Value| warning["kind"] == "inside_out_body";
+    assert!(warnings.iter().any(told), "{report}");
+}
+
+#[test]
+fn vertices_that_no_face_names_decide_nothing() {
+    let fixture = Fixture::new();
+    for name in ["body.obj", "sleeve.obj"] {
+        let mut text = String::from_utf8(fixture.read(name)).unwrap();
+        text.push_str("v 90 -80 500\n");
+        fixture.text(&format!("more_{name}"), &text);
+    }
+    let report = reported(&fixture, "info more_body.obj");
+    assert_eq!(report["files"][0]["unused_vertices"], 1, "{report}");
+    let report = reported(
+        &fixture,
+        "drape more_sleeve.obj body.obj --rig body.rig.npz -o out.obj",
+    );
+    assert_eq!(report["rest_body"]["units"], "m");
+    assert_eq!(report["drapes"][0]["untangle"]["inside"], 0);
+}
+
+#[test]
+fn cloth_that_would_tear_is_told() {
+    let fixture = Fixture::new();
+    let arguments = "drape sleeve.obj bent.obj --rest-body body.obj --clearance 400 -o out.obj";
+    let report = reported(&fixture, arguments);
+    assert!(report["drapes"][0]["stretch"]["max"].as_f64().unwrap() > 2.0);
+    let warnings = report["warnings"].as_array().unwrap();
+    assert!(
+        warnings.iter().any(|warning| warning["kind"] == "torn"),
+        "{report}"
+    );
+}
+
+#[test]
 fn units_and_axes_do_not_matter() {
     let fixture = Fixture::new();
     let arguments = "drape sleeve.obj bent.obj --rig body.rig.npz --rest-body body.obj -o out.obj";

@@ -197,6 +197,30 @@ fn a_pose_that_the_shirt_does_not_know_is_simulated_all_the_way() {
 }
 
 #[test]
+fn a_damaged_package_is_refused() {
+    let fixture = Fixture::new();
+    let shirt = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/tshirt");
+    std::fs::create_dir(fixture.path("shirt")).unwrap();
+    for name in [
+        "garment.toml",
+        "template.obj",
+        "body.rig.npz",
+        "midway.safetensors",
+    ] {
+        std::fs::copy(
+            format!("{shirt}/{name}"),
+            fixture.path(&format!("shirt/{name}")),
+        )
+        .unwrap();
+    }
+    let output = fixture.garnet("drape shirt --pose wave -o out.obj");
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("template.rest.safetensors"), "{text}");
+    assert!(!fixture.path("out.obj").exists());
+}
+
+#[test]
 fn a_body_unlike_all_in_training_is_draped_by_the_warp() {
     let fixture = prepared();
     done(&fixture, "train net scenes --preset tiny --epochs 1 -q");

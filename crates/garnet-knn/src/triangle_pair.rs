@@ -62,6 +62,8 @@ pub(crate) fn neighbors_intersect(a: &Triangle, b: &Triangle) -> bool {
     let intersect = match shared[..num_shared] {
         [] => triangles_intersect(a, b),
         [(i, j)] => fans_intersect(a, i, b, j),
+        // Two corners of `a` at one place: it has no area.
+        [(_, k), (_, l)] if k == l => false,
         [(i, k), (j, l)] => {
             let apexes = [&a[3 - i - j], &b[(3 - k).abs_diff(l)]];
             is_folded(&a[i], &a[j], apexes)
@@ -265,6 +267,20 @@ mod tests {
         assert!(neighbors_intersect(&FLAT, &with_apex(FLAT[2])));
         let flat = [FLAT[0], FLAT[1], [2.0, 0.0, 0.0]];
         assert!(!neighbors_intersect(&FLAT, &flat));
+    }
+
+    #[test]
+    fn triangles_with_corners_at_one_place_never_intersect() {
+        for shared in FLAT {
+            for place in 0..3 {
+                let mut needle = [shared; 3];
+                needle[place] = [1.0, 2.0, 3.0];
+                assert!(!neighbors_intersect(&needle, &FLAT));
+                assert!(!neighbors_intersect(&FLAT, &needle));
+            }
+            assert!(!neighbors_intersect(&[shared; 3], &FLAT));
+            assert!(!neighbors_intersect(&FLAT, &[shared; 3]));
+        }
     }
 
     #[test]

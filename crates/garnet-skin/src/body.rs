@@ -1,7 +1,7 @@
 //! Bodies: a rest mesh on a skeleton.
 
 use garnet_knn::Surface;
-use garnet_mesh::TriMesh;
+use garnet_mesh::{TriMesh, is_inside_out};
 use nalgebra::Isometry3;
 
 use crate::{
@@ -62,14 +62,19 @@ pub struct Body {
     skin: Surface,
     skeleton: Skeleton,
     weights: SkinWeights,
+    was_inside_out: bool,
 }
 
 impl Body {
-    /// Checks that mesh, skeleton and weights fit together.
+    /// Checks that mesh, skeleton and weights fit together. The faces of a mesh that is inside out are [turned](Body::was_inside_out).
     ///
     /// # Errors
     ///
     /// [`SkinError::VertexCount`] or [`SkinError::JointCount`].
+    ///
+    /// # Panics
+    ///
+    /// Never: a mesh stays one when its faces are turned.
     pub fn new(rest: TriMesh, skeleton: Skeleton, weights: SkinWeights) -> Result<Self, SkinError> {
         if weights.num_vertices() != rest.num_vertices() {
             return Err(SkinError::VertexCount {
@@ -78,12 +83,20 @@ impl Body {
             });
         }
         check_joint_count(&skeleton, &weights)?;
+        let was_inside_out = is_inside_out(rest.positions(), rest.faces());
+        let rest = if was_inside_out { turned(rest) } else { rest };
         Ok(Self {
             skin: Surface::new(&rest),
             rest,
             skeleton,
             weights,
+            was_inside_out,
         })
+    }
+
+    /// Whether the faces of the mesh looked inwards, and were turned.
+    pub fn was_inside_out(&self) -> bool {
+        self.was_inside_out
     }
 
     /// The mesh at rest.
@@ -136,6 +149,13 @@ impl Body {
     }
 }
 
+/// A mesh whose faces look to the other side.
+fn turned(mesh: TriMesh) -> TriMesh {
+    let (positions, faces) = mesh.into_parts();
+    let faces = faces.into_iter().map(|[a, b, c]| [a, c, b]).collect();
+    TriMesh::new(positions, faces).expect("a mesh stays one when its faces are turned")
+}
+
 /// Checks that weights are for as many joints as the skeleton has.
 pub(crate) fn check_joint_count(
     skeleton: &Skeleton,
@@ -171,6 +191,33 @@ mod tests {
             )
             .unwrap(),
             rest_pose: None,
+        }
+    }
+
+    #[test]
+    fn faces_that_look_inwards_are_turned() {
+        let ball = garnet_mesh::primitives::icosphere(2, 0.3);
+        let shifted = ball
+            .positions()
+            .iter()
+            .map(|p| p + crate::Vector3::new(4.0, 0.0, 0.0));
+        let ball = ball.with_positions(shifted.collect()).unwrap();
+        // A hole leaves no doubt.
+        let open = TriMesh::new(ball.positions().to_vec(), ball.faces()[20..].to_vec()).unwrap();
+        for mesh in [ball, open] {
+            let joint = Joint {
+                name: "root".to_owned(),
+                parent: None,
+                rest_position: Point3::origin(),
+            };
+            let skeleton = Skeleton::new(vec![joint]).unwrap();
+            let weights = SkinWeights::from_dense(1, &vec![1.0; mesh.num_vertices()]).unwrap();
+            let of = |mesh| Body::new(mesh, skeleton.clone(), weights.clone()).unwrap();
+            let body = of(mesh.clone());
+            assert!(!body.was_inside_out());
+            let inside_out = of(turned(mesh.clone()));
+            assert!(inside_out.was_inside_out());
+            assert_eq!(inside_out.rest().faces(), mesh.faces());
         }
     }
 

@@ -4,7 +4,7 @@ use garnet_knn::{ClosestPoint, Surface};
 use garnet_mesh::{Point3, Vector3};
 
 use crate::Binding;
-use crate::embedded::EmbeddedSkin;
+use crate::embedded::{EmbeddedSkin, winding};
 use crate::skin_normals::SkinNormals;
 
 /// Own skin that a node may be inside of is looked for no farther than this, in metres.
@@ -183,11 +183,7 @@ impl ContactFinder<'_> {
 
     /// Inside how many parts of the body a point is.
     pub(crate) fn winding(&self, position: Point3) -> i32 {
-        if self.skin.is_closed() {
-            self.skin.winding_number(position)
-        } else {
-            self.skin.generalized_winding_number(position).round() as i32
-        }
+        winding(self.skin, position)
     }
 
     /// The half space in front of the node's own skin, of which `nearest` is the nearest.

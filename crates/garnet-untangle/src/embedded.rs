@@ -3,7 +3,7 @@
 use garnet_knn::{KnnError, Surface, VertexTree};
 use garnet_mesh::Point3;
 
-/// How far in front of a face the body is probed, in metres.
+/// How far in front of and behind a face the body is probed, in metres.
 const PROBE_DISTANCE: f32 = 5e-4;
 
 /// Skin this near to embedded skin leaves no room for cloth, in metres.
@@ -22,7 +22,8 @@ pub(crate) struct EmbeddedSkin {
 
 impl EmbeddedSkin {
     /// Probes the faces near the garment `positions` by the winding number (DESIGN: above 0.5 is
-    /// inside).
+    /// inside): a face is embedded where the body is on its front, too. In a sharp crease, where the probe leaves the
+    /// body by the opposite wall, there is one body alone behind the face: that is no place where cloth may stay inside.
     pub(crate) fn new(skin: &Surface, positions: &[Point3]) -> Result<Self, KnnError> {
         let (low, high) = bounds(positions);
         let mut probed = Vec::new();
@@ -42,9 +43,15 @@ impl EmbeddedSkin {
         let mut is_embedded = vec![false; skin.faces().len()];
         let mut centers = Vec::new();
         let inside = skin.contains_all(&probes);
-        for ((face, center), inside) in probed.into_iter().zip(probed_centers).zip(inside) {
-            is_embedded[face] = inside;
-            if inside {
+        let found = probed
+            .into_iter()
+            .zip(probed_centers)
+            .zip(probes)
+            .zip(inside);
+        for (((face, center), probe), inside) in found {
+            // The probe mirrored at the face.
+            if inside && winding(skin, center + (center - probe)) > 1 {
+                is_embedded[face] = true;
                 centers.push(center);
             }
         }
@@ -83,6 +90,15 @@ impl EmbeddedSkin {
     }
 }
 
+/// Inside how many parts of the body a point is.
+pub(crate) fn winding(skin: &Surface, point: Point3) -> i32 {
+    if skin.is_closed() {
+        skin.winding_number(point)
+    } else {
+        skin.generalized_winding_number(point).round() as i32
+    }
+}
+
 /// The box of the garment, with the reach around it.
 fn bounds(positions: &[Point3]) -> (Point3, Point3) {
     let mut low = Point3::from([f32::INFINITY; 3]);
@@ -95,4 +111,61 @@ fn bounds(positions: &[Point3]) -> (Point3, Point3) {
         low.map(|value| value - REACH),
         high.map(|value| value + REACH),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use garnet_mesh::TriMesh;
+
+    /// The middle of a slit is as wide as twice this, in metres.
+    const HALF_SLIT: f32 = 1e-4;
+
+    /// Two legs on a base with a slit between them, extruded.
+    fn legs() -> TriMesh {
+        let e = HALF_SLIT;
+        let outline = [
+            [-0.2, 0.0],
+            [0.2, 0.0],
+            [0.2, 0.1],
+            [0.2, 0.4],
+            [e, 0.4],
+            [e, 0.1],
+            [-e, 0.1],
+            [-e, 0.4],
+            [-0.2, 0.4],
+            [-0.2, 0.1],
+        ];
+        let caps = [
+            [0, 1, 2],
+            [0, 2, 5],
+            [0, 5, 6],
+            [0, 6, 9],
+            [9, 6, 7],
+            [9, 7, 8],
+            [5, 2, 3],
+            [5, 3, 4],
+        ];
+        let count = outline.len() as u32;
+        let at = |z: f32| outline.map(|[x, y]| Point3::new(x, y, z));
+        let mut faces: Vec<[u32; 3]> = caps.to_vec();
+        faces.extend(caps.map(|[a, b, c]| [a + count, c + count, b + count]));
+        for corner in 0..count {
+            let next = (corner + 1) % count;
+            faces.push([corner, corner + count, next]);
+            faces.push([next, corner + count, next + count]);
+        }
+        TriMesh::new([at(0.1), at(-0.1)].concat(), faces).unwrap()
+    }
+
+    #[test]
+    fn walls_of_a_slit_are_not_embedded() {
+        let skin = Surface::new(&legs());
+        assert!(skin.is_closed());
+        assert!(skin.contains(Point3::new(0.1, 0.2, 0.0)));
+        assert!(!skin.contains(Point3::new(0.0, 0.2, 0.0)));
+        let embedded = EmbeddedSkin::new(&skin, &[Point3::new(0.05, 0.2, 0.0)]).unwrap();
+        let all = 0..skin.faces().len() as u32;
+        assert!(!all.into_iter().any(|face| embedded.is_embedded(face)));
+    }
 }

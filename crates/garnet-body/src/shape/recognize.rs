@@ -122,7 +122,10 @@ pub(crate) fn joints_of(positions: &[Point3]) -> Vec<Point3> {
 ///
 /// Never: the template has a weight for every vertex.
 pub fn recognized(mesh: &TriMesh) -> Recognized {
-    if mesh.faces() != Template::stored().faces {
+    let weights = &shared().weights;
+    // Vertices that no face names may have been added.
+    let has_vertices = mesh.num_vertices() == weights.num_vertices();
+    if !has_vertices || mesh.faces() != Template::stored().faces {
         return Recognized::Stranger;
     }
     let joints = joints_of(mesh.positions());
@@ -136,7 +139,7 @@ pub fn recognized(mesh: &TriMesh) -> Recognized {
         rest_position,
     });
     let skeleton = Skeleton::new(joints.collect()).expect("the built-in joints form a tree");
-    let body = Body::new(mesh.clone(), skeleton, shared().weights.clone());
+    let body = Body::new(mesh.clone(), skeleton, weights.clone());
     Recognized::Rest(Box::new(
         body.expect("the template has a weight for every vertex"),
     ))
@@ -185,6 +188,15 @@ mod tests {
 
     /// Joints found in the mesh alone are this close, in metres.
     const MAX_JOINT_ERROR: f32 = 0.02;
+
+    #[test]
+    fn a_body_with_a_vertex_more_is_a_stranger() {
+        let built = ParametricBody::build(&Population::new(77).sample(0)).unwrap();
+        let (mut positions, faces) = built.body().rest().clone().into_parts();
+        positions.push(Point3::origin());
+        let mesh = TriMesh::new(positions, faces).unwrap();
+        assert!(matches!(recognized(&mesh), Recognized::Stranger));
+    }
 
     #[test]
     fn bodies_are_recognized_at_rest_and_joints_are_where_they_were() {

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use garnet::{
     DrapeOptions, Unit, UnitError, UntangleOptions, UpAxis, Warp,
     data::{GarmentPackage, Quality, StoredFabric},
+    io::ObjFile,
 };
 
 use crate::{
@@ -333,6 +334,17 @@ impl InputArgs {
             (None, None) => anyhow::bail!("neither a garment nor a scene is given"),
         };
         let package = GarmentPackage::is_at(&garment).then(|| garment.clone());
+        if package.is_none() && garment.is_dir() {
+            return Err(refused(
+                format!("there is no garment at `{}`", garment.display()),
+                "the folder is no garment package: it has no `garment.toml`",
+                "name the OBJ of a garment, or the folder of a garment package",
+            ));
+        }
+        if !garment.exists() {
+            // Told before what else is missing.
+            ObjFile::read(&garment)?;
+        }
         let files = match &package {
             Some(folder) => {
                 let manifest = GarmentPackage::read_manifest(folder)?;

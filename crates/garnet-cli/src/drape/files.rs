@@ -33,6 +33,8 @@ pub(crate) struct BodyFile {
     pub(crate) path: PathBuf,
     /// In the unit of the file.
     pub(crate) positions: Vec<Point3>,
+    /// Of its polygons.
+    pub(crate) edges: Vec<[u32; 2]>,
     pub(crate) file: Option<ObjFile>,
 }
 
@@ -119,6 +121,7 @@ fn read_bodies(paths: &[PathBuf]) -> anyhow::Result<Vec<BodyFile>> {
         Ok(BodyFile {
             path: path.clone(),
             positions: file.positions().to_vec(),
+            edges: file.polygon_edges(),
             file: is_single.then_some(file),
         })
     };

@@ -15,6 +15,7 @@ mod settled;
 mod simulated;
 mod summary;
 mod timing;
+mod topology;
 mod warning;
 
 use std::path::Path;
@@ -28,6 +29,7 @@ use garnet::{
 };
 
 pub(crate) use args::DrapeArgs;
+use args::Source;
 pub(crate) use args::{InputArgs, Job, Simulation};
 use choice::ChoiceReport;
 pub(crate) use frame::Frame;
@@ -47,7 +49,7 @@ use warning::{Problem, Warning};
 
 use crate::{
     console::{Console, print_document},
-    failure::ExitStatus,
+    failure::{ExitStatus, Hint},
     machine, output,
 };
 
@@ -109,6 +111,12 @@ pub(crate) fn do_job(
         match Settler::find(&bound, &job, settling) {
             Ok(settler) => bound.settler = settler,
             Err(error) if job.settle.is_some() => return Err(error),
+            // A template that was cut and put on can be simulated, on its own body at least.
+            Err(error) if bound.is_of_package(&job) => {
+                return Err(error).hint(|| {
+                    "the package is damaged: make it anew, or take a copy of it".to_owned()
+                });
+            }
             Err(error) => bound.warnings.push(Warning {
                 path: bound.garment_file.path().to_path_buf(),
                 problem: Problem::Unsettled(format!("{error:#}")),
@@ -205,6 +213,12 @@ impl Bound {
 }
 
 impl Bound {
+    /// Whether the garment is that of a package, on the body of the package.
+    fn is_of_package(&self, job: &Job) -> bool {
+        let has_package = matches!(&job.source, Source::Files(files) if files.package.is_some());
+        has_package && self.refit.is_none()
+    }
+
     /// The garment as it was made `[vertex]`, in metres: what stretch is measured against.
     fn rest_positions(&self) -> &[Point3] {
         let made = (self.refit.as_ref()).map_or(&self.garment, Refit::garment);
@@ -219,7 +233,7 @@ struct Unusual {
 }
 
 fn unusual(garment: &TriMesh, body: &Body) -> Unusual {
-    let of_body = || warning::of_body(body.rest(), body.skin());
+    let of_body = || warning::of_body(body);
     let (garment, body) = rayon::join(|| warning::of_garment(garment), of_body);
     Unusual { garment, body }
 }
@@ -299,6 +313,7 @@ fn drape_one(
     let is_from_rest = time.settle > 0.0;
     problems.extend((fallback.clone()).map(|reason| Problem::Fallback(reason, is_from_rest)));
     problems.extend(unsettled.map(Problem::Unsettled));
+    problems.extend(warning::of_stretch(stretch.max));
     let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
     problems.extend(simulated.as_ref().and_then(warning::of_rest));
     let failed = balance.filter(|balance| !balance.is_reached);
@@ -390,6 +405,7 @@ fn drape_timed(
     } = way;
     let is_midway = learned.as_ref().is_some_and(Learned::is_midway);
     let (mut network, mut fallback) = (0.0, None);
+    let mut is_warped_instead = false;
     let (brought, mut warp) = timed(|| match (&bound.teacher, learned) {
         (Some(teaching), _) => teaching.drape(bound, target, &home, console),
         (None, Some(learned)) => {
@@ -417,6 +433,7 @@ fn drape_timed(
     }
     if is_midway && fallback.is_none() && !is_settled {
         warped = draper.warp(&bound.garment, posed).with_context(cannot)?;
+        is_warped_instead = true;
     }
     let (drape, untangle) = timed(|| draper.finish(&bound.garment, posed, &warped));
     let mut drape = drape.with_context(cannot)?;
@@ -434,7 +451,13 @@ fn drape_timed(
         posed: target_body,
         drape,
         simulated,
-        fallback: fallback.map(|reason| reason.to_string()),
+        fallback: match fallback {
+            Some(reason) => Some(reason.to_string()),
+            None if is_warped_instead => {
+                Some("what is midway could not be simulated further".to_owned())
+            }
+            None => None,
+        },
         unsettled,
         time,
     })

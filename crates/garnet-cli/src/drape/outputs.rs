@@ -26,7 +26,7 @@ pub(super) fn outputs_on(targets: &[Target], job: &Job) -> Vec<PathBuf> {
     }
 }
 
-/// Refuses outputs that would take the place of what is read.
+/// Refuses outputs that would take the place of a body, a rig, a pose or a part of a package that is read.
 pub(super) fn check_outputs(
     prepared: &Prepared,
     outputs: &[PathBuf],
@@ -41,7 +41,8 @@ pub(super) fn check_outputs(
     };
     let in_package = in_package?;
     let rest = &prepared.rest;
-    let mut inputs = vec![prepared.garment_file.path(), &rest.path, &rest.rig_path];
+    // A garment alone may be draped in its place.
+    let mut inputs = vec![rest.path.as_path(), &rest.rig_path];
     inputs.extend(prepared.targets.iter().map(|target| target.path.as_path()));
     inputs.extend(prepared.pose.iter().map(|pose| pose.path.as_path()));
     inputs.extend(in_package.iter().map(PathBuf::as_path));

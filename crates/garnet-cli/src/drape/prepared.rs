@@ -15,6 +15,7 @@ use super::{
     placement,
     rest_body::{RestBodies, Zero, does_not_fit, in_metres, largest_distance, rest_body_of},
     rest_mesh::{Frames, RestMesh, mesh_of, same_vertices},
+    topology::{EdgeSet, not_mirrored},
 };
 use crate::{
     failure::refused,
@@ -121,6 +122,8 @@ impl Prepared {
             .context(does_not_fit(path, &scene.rest_body))?;
         let positions = frame.to_metres(target.positions().to_vec());
         same_vertices(&scene.target_body, &positions, body.rest())?;
+        EdgeSet::of(body.rest()).check(&scene.target_body, &target.polygon_edges())?;
+        not_mirrored(&scene.target_body, &positions, body.rest())?;
         let aim = match scene.posed_from_rest {
             Some(transforms) => Aim::Transforms(positions, transforms),
             None => Aim::Vertices(positions),
@@ -249,9 +252,12 @@ fn mesh_targets(
     frames: &Frames,
 ) -> anyhow::Result<Vec<Target>> {
     let mut targets = Vec::with_capacity(bodies.len());
+    let known = EdgeSet::of(rest.rest());
     for (body, frame) in bodies.into_iter().zip(&frames.bodies) {
         let positions = frame.to_metres(body.positions);
         same_vertices(&body.path, &positions, rest.rest())?;
+        known.check(&body.path, &body.edges)?;
+        not_mirrored(&body.path, &positions, rest.rest())?;
         targets.push(Target {
             path: body.path,
             stem: None,

@@ -69,7 +69,8 @@ impl RestMesh {
         bodies: &[BodyFile],
         source: &SourceFiles,
     ) -> anyhow::Result<Frames> {
-        let positions = self.mesh.positions();
+        // Vertices that no face names may lie anywhere.
+        let positions = &used_positions(&self.mesh);
         let mut decades = Vec::with_capacity(bodies.len());
         for body in bodies {
             decades.push(self.decades(&body.path, &body.positions)?);
@@ -139,6 +140,17 @@ impl RestMesh {
             )),
         }
     }
+}
+
+/// The positions of the vertices that faces name.
+fn used_positions(mesh: &TriMesh) -> Vec<Point3> {
+    let mut is_used = vec![false; mesh.num_vertices()];
+    for &vertex in mesh.faces().as_flattened() {
+        is_used[vertex as usize] = true;
+    }
+    let used = mesh.positions().iter().zip(is_used);
+    used.filter_map(|(position, is_used)| is_used.then_some(*position))
+        .collect()
 }
 
 pub(crate) fn other_topology(path: &Path, cause: String) -> anyhow::Error {

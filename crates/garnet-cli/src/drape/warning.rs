@@ -6,7 +6,7 @@ use std::{
 };
 
 use garnet::{
-    BoundGarment, MeshDiagnosis, Surface, TriMesh, UntangleReport,
+    Body, BoundGarment, MeshDiagnosis, TriMesh, UntangleReport,
     data::{Limits, SceneReport},
     diagnose,
 };
@@ -32,6 +32,10 @@ pub(crate) enum Problem {
     Components(usize),
     OpenBody(usize),
     SelfIntersectingBody(usize),
+    /// The faces of the body looked inwards.
+    InsideOutBody,
+    /// Edges are longer than cloth can be, over their length at rest.
+    Torn(f32),
     /// The garment starts inside the rest body: how many vertices deeper than the limit, and the
     /// deepest in metres.
     StartsInside(usize, f32),
@@ -69,6 +73,8 @@ impl Problem {
             Self::Components(_) => "components",
             Self::OpenBody(_) => "open_body",
             Self::SelfIntersectingBody(_) => "self_intersecting_body",
+            Self::InsideOutBody => "inside_out_body",
+            Self::Torn(_) => "torn",
             Self::StartsInside(..) => "starts_inside",
             Self::Trapped(_) => "trapped",
             Self::Squeezed(_) => "squeezed",
@@ -102,7 +108,9 @@ impl Problem {
             | Self::CrossingFaces(count)
             | Self::CrossingUntouched(count)
             | Self::Inside(count, _) => Some(count),
-            Self::Moving(_)
+            Self::InsideOutBody
+            | Self::Torn(_)
+            | Self::Moving(_)
             | Self::PoorFit(_)
             | Self::Fallback(..)
             | Self::Unsettled(_)
@@ -145,13 +153,10 @@ impl fmt::Display for Warning {
             Problem::SelfIntersectingBody(count) => {
                 format!("the body `{path}` runs through itself (pairs of faces: {count})")
             }
+            Problem::InsideOutBody => format!("the body `{path}` {INSIDE_OUT}"),
+            Problem::Torn(stretch) => torn(&self.path, stretch),
             Problem::StartsInside(count, depth) => {
-                let depth = millimetres(depth);
-                vertices(count, ["starts", "start"])
-                    + &format!(
-                        " more than 30 mm inside the rest body, the deepest {depth} mm: the \
-                         garment may belong to another body"
-                    )
+                vertices(count, ["starts", "start"]) + &too_deep(depth)
             }
             Problem::Trapped(count) => {
                 vertices(count, is) + " caught where the body runs through itself"
@@ -199,6 +204,24 @@ const CROSSING: &str = " the skin between vertices that are outside";
 /// What to do about those of cloth that was not untangled.
 const LIFTED_BY: &str = ": `garnet drape`, by `--method sim`, too, lifts them";
 
+/// What is done with a body whose faces look inwards.
+const INSIDE_OUT: &str = "is inside out: its faces look inwards, and are taken the other way round";
+
+fn too_deep(depth: f32) -> String {
+    let depth = millimetres(depth);
+    format!(
+        " more than 30 mm inside the rest body, the deepest {depth} mm: the garment may belong to another body"
+    )
+}
+
+fn torn(path: &Path, stretch: f32) -> String {
+    let path = path.display();
+    format!(
+        "an edge of `{path}` is {stretch:.1} times as long as in the garment: cloth would tear, and the body may be too \
+         large for it or the clearance too wide"
+    )
+}
+
 fn still_moving(path: &Path, share: f32) -> String {
     let [share, limit] = [share, Limits::default().moving].map(|share| 100.0 * share);
     let path = path.display();
@@ -245,7 +268,8 @@ pub(crate) fn of_garment(mesh: &TriMesh) -> Vec<Problem> {
 }
 
 /// What is unusual about a rest body.
-pub(crate) fn of_body(mesh: &TriMesh, skin: &Surface) -> Vec<Problem> {
+pub(crate) fn of_body(body: &Body) -> Vec<Problem> {
+    let (mesh, skin) = (body.rest(), body.skin());
     let (diagnosis, pairs) = rayon::join(|| diagnose(mesh), || skin.self_intersections());
     let mut problems = of_mesh(&diagnosis);
     if diagnosis.num_components > 1 {
@@ -256,6 +280,9 @@ pub(crate) fn of_body(mesh: &TriMesh, skin: &Surface) -> Vec<Problem> {
     }
     if !pairs.is_empty() {
         problems.push(Problem::SelfIntersectingBody(pairs.len()));
+    }
+    if body.was_inside_out() {
+        problems.push(Problem::InsideOutBody);
     }
     problems
 }
@@ -295,6 +322,14 @@ pub(crate) fn of_start(garment: &BoundGarment) -> Option<Problem> {
     let depths: Vec<f32> = inside.map(|(depth, _)| depth).collect();
     let deepest = depths.iter().copied().fold(0.0, f32::max);
     (!depths.is_empty()).then_some(Problem::StartsInside(depths.len(), deepest))
+}
+
+/// Edges away from trapped places longer than this share of their length at rest are torn.
+const TORN_STRETCH: f32 = 2.0;
+
+/// Whether cloth is longer than it can be.
+pub(crate) fn of_stretch(largest: f32) -> Option<Problem> {
+    (largest > TORN_STRETCH).then_some(Problem::Torn(largest))
 }
 
 /// What is wrong with the fit of a target.

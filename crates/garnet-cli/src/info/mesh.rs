@@ -6,6 +6,7 @@ use anyhow::Context;
 use garnet::{
     Bounds, MeshDiagnosis, Rig, TriMesh, diagnose,
     io::{ObjFile, read_rig},
+    is_inside_out,
     shape::{Recognized, recognized},
 };
 use serde::Serialize;
@@ -48,6 +49,8 @@ pub(crate) struct MeshInfo {
     duplicate_faces: usize,
     non_manifold_edges: usize,
     inconsistent_edges: usize,
+    /// Whether most faces look inwards; of a mesh with rims that says little.
+    is_inside_out: bool,
     /// Tape measures at rest, in centimetres, if it is a built-in body at rest.
     tape_cm: Option<Vec<(&'static str, f64)>>,
 }
@@ -74,6 +77,7 @@ impl MeshInfo {
         };
         Ok(Self {
             tape_cm: rig.as_ref().and_then(tape),
+            is_inside_out: is_inside_out(mesh.positions(), mesh.faces()),
             ..Self::new(&file, &diagnose(&mesh))
         })
     }
@@ -111,6 +115,7 @@ impl MeshInfo {
             duplicate_faces: found.duplicate_faces.len(),
             non_manifold_edges: found.non_manifold_edges.len(),
             inconsistent_edges: found.inconsistent_edges.len(),
+            is_inside_out: false,
             tape_cm: None,
         }
     }
@@ -173,9 +178,12 @@ impl MeshInfo {
             (self.inconsistent_edges, "edges between opposite faces"),
         ];
         let found = oddities.into_iter().filter(|(count, _)| *count > 0);
-        let found: Vec<String> = found
+        let mut found: Vec<String> = found
             .map(|(count, what)| format!("{count} {what}"))
             .collect();
+        if self.is_closed && self.is_inside_out {
+            found.push("faces look inwards".to_owned());
+        }
         if found.is_empty() {
             table.row("unusual", "nothing");
         } else {
