@@ -84,7 +84,11 @@ fn a_garment_that_no_command_would_take_is_refused() {
         &["`inside.obj`", "inside the body"],
     );
     fixture.moved("sleeve.obj", "flat.obj", |p| Point3::new(0.15, p.y, 0.0));
-    refused(&fixture, &from("flat"), &["`flat.obj`", "no area"]);
+    refused(
+        &fixture,
+        &from("flat"),
+        &["`flat.obj`", "no triangle of it has an area"],
+    );
     let text = String::from_utf8(fixture.read("sleeve.obj")).unwrap();
     let face = text.lines().find(|line| line.starts_with("f ")).unwrap();
     fixture.text("doubled.obj", &format!("{text}{face}\n{face}\n"));
@@ -105,17 +109,9 @@ fn errors_name_vertices_as_the_file_does() {
     let fixture = Fixture::new();
     // Each triangle has vertices of its own, which lie at the places of those of its neighbors; the edge from
     // place to place of `v 2` and `v 3` has three of them.
-    let corners = [
-        [[0.2, 0.0, 0.0], [0.2, 0.1, 0.0], [0.2, 0.0, 0.1]],
-        [[0.2, 0.0, 0.1], [0.2, 0.1, 0.0], [0.2, 0.1, 0.1]],
-        [[0.2, 0.0, 0.1], [0.2, 0.1, 0.0], [0.3, 0.1, 0.1]],
-    ];
-    let vertices = corners.as_flattened().iter();
-    let mut text: String = vertices
-        .map(|[x, y, z]| format!("v {x} {y} {z}\n"))
-        .collect();
-    text += "f 1 2 3\nf 4 5 6\nf 7 8 9\n";
-    fixture.text("fan.obj", &text);
+    let text = "v 0.2 0 0\nv 0.2 0.1 0\nv 0.2 0 0.1\nv 0.2 0 0.1\nv 0.2 0.1 0\nv 0.2 0.1 0.1\n\
+                v 0.2 0 0.1\nv 0.2 0.1 0\nv 0.3 0.1 0.1\nf 1 2 3\nf 4 5 6\nf 7 8 9\n";
+    fixture.text("fan.obj", text);
     refused(
         &fixture,
         "garment from-obj fan.obj --rest-body body.obj -o no",
@@ -240,7 +236,7 @@ fn arguments_that_make_no_sense_are_told_with_their_reasons() {
         "{text}"
     );
     // The parameters that fold the pattern together are all named.
-    let corner = "garment tshirt --length 90 --chest-ease=-5 --waist-shape=-12 --hem-flare=-10 \
+    let corner = "garment tshirt --vertices 1000 --length 90 --chest-ease=-5 --waist-shape=-12 --hem-flare=-10 \
                   --sleeve 36 --sleeve-ease 70 --cuff-ease 0 --neck-width 16.5 --neck-depth 5 --shoulder 5 \
                   --armhole 1 -o no";
     refused(
