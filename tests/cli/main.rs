@@ -11,6 +11,7 @@ mod chart;
 mod drape;
 mod fixtures;
 mod garbage;
+mod garment;
 mod glb;
 mod readme;
 mod refit;

@@ -4,10 +4,12 @@ use std::{error::Error as StdError, io};
 
 use garnet::{
     CheckpointError, Error, MeshError, SkinError,
+    data::DataError,
     io::{
         ArrayProblem, FileError, FileProblem, ObjError, ObjLineProblem, ObjParseError, WriteError,
     },
     motion::{MotionError, MotionProblem, RetargetError},
+    sim::SimError,
 };
 
 /// The advice of the innermost cause that has one.
@@ -45,6 +47,12 @@ fn for_link(link: &(dyn StdError + 'static)) -> Option<&'static str> {
     if let Some(error) = link.downcast_ref::<MeshError>() {
         return for_mesh(error);
     }
+    if let Some(error) = link.downcast_ref::<DataError>() {
+        return for_data(error);
+    }
+    if let Some(error) = link.downcast_ref::<SimError>() {
+        return for_sim(error);
+    }
     if let Some(error) = link.downcast_ref::<CheckpointError>() {
         return for_weights(error);
     }
@@ -68,6 +76,41 @@ fn for_garnet(error: &Error) -> Option<&'static str> {
         Error::DifferentUnits { .. } => {
             Some("`garnet info` shows both boxes; `--units GARMENT,BODY` names the units of both")
         }
+        _ => None,
+    }
+}
+
+fn for_data(error: &DataError) -> Option<&'static str> {
+    match error {
+        DataError::Read { source, .. } | DataError::Folder { source, .. } => for_io(source),
+        DataError::Write(error) => for_write(error),
+        DataError::Mesh(error) => for_mesh(error),
+        DataError::Obj(error) => for_obj(error),
+        DataError::Rig(error) => for_file(&error.problem),
+        DataError::Skin(error) => for_skin(error),
+        DataError::Sim(error) => for_sim(error),
+        DataError::Fabric { .. } => Some("correct the value in the file, or make the package anew"),
+        DataError::Foreign { .. } => Some(
+            "copy the file again from where the package came from; a package of a changed garment is made with \
+             `garnet garment from-obj`",
+        ),
+        DataError::InsideAtStart { .. } => Some(
+            "the garment may belong to another body: let it lie on the skin of this one, not in it",
+        ),
+        _ => None,
+    }
+}
+
+fn for_sim(error: &SimError) -> Option<&'static str> {
+    match error {
+        SimError::NonManifoldEdge { .. } => Some(
+            "cloth has one or two faces at an edge: delete doubled and surplus faces of the garment",
+        ),
+        SimError::InvertedFace { .. } => Some(
+            "turn the faces of the garment to one side: recalculate its normals in a 3D program",
+        ),
+        SimError::NoArea { .. } => Some("dissolve faces without area; `garnet info` counts them"),
+        SimError::Garment(error) => for_mesh(error),
         _ => None,
     }
 }

@@ -44,7 +44,7 @@ pub(crate) fn check_folder(folder: &Path) -> anyhow::Result<()> {
     if folder.exists() {
         return Err(refused(
             format!("cannot write into `{shown}`"),
-            "it is a file, and several bodies need a folder",
+            "it is a file, and a folder is needed",
             "name a folder with `-o`",
         ));
     }

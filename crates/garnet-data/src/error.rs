@@ -50,6 +50,14 @@ pub enum DataError {
         /// What was expected and found, with line and column.
         reason: String,
     },
+    /// The fabric of a package is none.
+    #[error("`{}` is not usable", path.display())]
+    Fabric {
+        /// The manifest.
+        path: PathBuf,
+        /// The constant, its value and its range.
+        source: SimError,
+    },
     /// A file belongs to something else or to another version.
     #[error("`{}` does not belong here: {what}", path.display())]
     Foreign {
@@ -87,7 +95,7 @@ pub enum DataError {
     #[error("all bodies wear the template: no sewing parameters can be drawn for each")]
     VariedTemplate,
     /// A garment lies too deep in its body to be simulated.
-    #[error("{inside} of {vertices} vertices of the garment are inside the body at rest, the deepest by {} mm", 1e3 * deepest)]
+    #[error("{inside} of {vertices} vertices of the garment are inside the body at rest, the deepest by {:.1} mm", 1e3 * deepest)]
     InsideAtStart {
         /// Vertices inside.
         inside: usize,

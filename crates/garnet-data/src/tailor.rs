@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use garnet_mesh::{ObjFile, Point3};
-use garnet_pattern::{GarmentKind, Parameters, SewnGarment, Size, Template, Wearer};
+use garnet_pattern::{Fit, GarmentKind, Parameters, SewnGarment, Size, Template, Wearer};
 use garnet_sim::{Cloth, Fabric, GRIP, MovingBody, Quality, RestShape, Scene, Schedule, drape};
 use garnet_skin::{Body, Garment};
 
@@ -102,6 +102,12 @@ impl Tailor {
     /// The parameters that garments are cut with.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
+    }
+
+    /// How the garment, cut in its size or to the measures of `wearer`, fits.
+    pub fn fit(&self, wearer: &Wearer) -> Fit {
+        let cut = self.size.map_or(wearer.measures, Size::measures);
+        self.parameters.fit(&cut, &wearer.measures)
     }
 
     /// Cuts the garment in its size or to the measures of `wearer`, and puts it on `body`, which is the wearer at rest: the seams are closed, the cloth contracts onto the skin.

@@ -87,7 +87,7 @@ impl Teacher {
     /// # Errors
     ///
     /// [`DataError::InsideAtStart`] if a third of the garment is inside the body; [`DataError::Sim`]
-    /// for a mesh that no cloth can be, or constants that no fabric has.
+    /// for a mesh that no cloth can be, by its vertices, or constants that no fabric has.
     pub fn of_garment(
         garment: BoundGarment,
         body: &Body,
@@ -123,9 +123,10 @@ impl Teacher {
         };
         let allowed = allowed_parts(body, garment.weights());
         let allowed = allowed.map(|all| nodes.iter().map(|&node| all[node as usize]).collect());
+        let cloth = Cloth::new(&faces, nodes.len(), &rest, fabric);
         Ok(Self {
             is_sewn: matches!(rest, RestShape::Flat { .. }),
-            cloth: Cloth::new(&faces, nodes.len(), &rest, fabric)?,
+            cloth: cloth.map_err(|error| of_vertices(error, &garment, &nodes))?,
             carried: carried(&garment, &nodes),
             likely_faces: (nodes.iter())
                 .map(|&node| garment.skin()[node as usize].face)
@@ -212,7 +213,7 @@ impl Teacher {
         let run = |scene: &Scene<'_>| drape(scene, &schedule, &mut stopping(stop, observer));
         let result = self.on_way(path, &self.start, run);
         check_stop(stop)?;
-        let mut result = result?;
+        let mut result = result.map_err(|error| of_vertices(error, &self.garment, &self.nodes))?;
         result.positions = self.vertices(&result.positions);
         result.arrived = self.vertices(&result.arrived);
         result.midway = self.vertices(&result.midway);
@@ -304,7 +305,8 @@ impl Teacher {
             })
         };
         check_stop(stop)?;
-        Ok(self.moved(&at_nodes, &result?))
+        let result = result.map_err(|error| of_vertices(error, &self.garment, &self.nodes))?;
+        Ok(self.moved(&at_nodes, &result))
     }
 
     /// A schedule as the layers of the garment ask for it.
@@ -350,6 +352,16 @@ fn settled(
 ) -> Result<Vec<Point3>, SimError> {
     // On a thread of rayon's: another thread would wait to be woken each time that all of them have looked for contacts.
     rayon::scope(|_| settle(scene, schedule, &mut stopping(stop, &mut |_| {})))
+}
+
+/// What a simulation says of its nodes, said of the vertices of the garment's mesh: of the first one at each place.
+fn of_vertices(error: SimError, garment: &BoundGarment, nodes: &[u32]) -> SimError {
+    let node_of_vertex = garment.weld().node_of_vertex();
+    error.with_vertices(|simulated| {
+        let node = nodes[simulated as usize];
+        let vertex = node_of_vertex.iter().position(|&other| other == node);
+        vertex.expect("a node is at the place of a vertex") as u32
+    })
 }
 
 /// An observer that ends the simulation once `stop` is set.

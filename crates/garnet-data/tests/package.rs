@@ -113,3 +113,38 @@ fn edges_of_the_pattern_are_as_long_as_they_were_cut_and_ribs_apart() {
     own.rest = garnet_sim::RestShape::Worn(mesh.positions().to_vec());
     assert_eq!(own.flat_edges().unwrap(), None);
 }
+
+#[test]
+fn a_package_that_cannot_be_written_leaves_the_old_one() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    package.write(folder.path()).unwrap();
+    fs::remove_file(path("body.rig.npz")).unwrap();
+    fs::create_dir(path("body.rig.npz")).unwrap();
+    let names = ["template.obj", "template.rest.safetensors", MANIFEST_FILE];
+    let held = || names.map(|name| fs::read(path(name)).unwrap());
+    let before = held();
+    let mut other = package.clone();
+    other.manifest.name = "other".to_owned();
+    assert!(matches!(
+        other.write(folder.path()),
+        Err(DataError::Write(_))
+    ));
+    assert_eq!(held(), before);
+}
+
+#[test]
+fn a_fabric_that_is_none_is_said_of_the_manifest() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    package.write(folder.path()).unwrap();
+    let mut manifest = package.manifest.clone();
+    manifest.fabric.membrane = f32::NAN;
+    GarmentPackage::write_manifest(folder.path(), &manifest).unwrap();
+    let text = refused(folder.path());
+    assert!(
+        text.contains(MANIFEST_FILE) && text.contains("`NaN`"),
+        "{text}"
+    );
+}

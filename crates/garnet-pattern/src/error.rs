@@ -60,7 +60,7 @@ pub enum PatternError {
         value: f64,
     },
     /// The pattern would hold triangles that are folded over or too thin.
-    #[error("{folded} of {faces} triangles of the pattern would be folded or thinner than {least_degrees:.0} degrees ({share:.2} %); hint: bring {hint} closer to the default", share = 100.0 * *folded as f64 / *faces as f64)]
+    #[error("{folded} of {faces} triangles of the pattern would be folded or thinner than {least_degrees:.0} degrees ({share:.2} %); hint: {hint}", share = 100.0 * *folded as f64 / *faces as f64)]
     Folded {
         /// How many triangles are bad.
         folded: usize,
@@ -68,8 +68,8 @@ pub enum PatternError {
         faces: usize,
         /// The smallest angle that is accepted, in degrees.
         least_degrees: f64,
-        /// The parameter that lies farthest from its default.
-        hint: &'static str,
+        /// The parameters that lie far from their defaults, and what to do with them.
+        hint: String,
     },
     /// No mesh of so many vertices is made.
     #[error("a garment of {asked} vertices is not possible: it lies between {least} and {most}; hint: the default is 5000", least = crate::VERTEX_RANGE[0], most = crate::VERTEX_RANGE[1])]

@@ -61,7 +61,7 @@ impl ParameterSpec {
     }
 
     /// A value in centimetres or per cent, for messages.
-    pub(crate) fn shown(&self, value: f64) -> String {
+    pub fn shown(&self, value: f64) -> String {
         match self.unit {
             ParameterUnit::Metre => format!("{:.1} cm", 100.0 * value),
             ParameterUnit::Share => format!("{:.1} %", 100.0 * value),
@@ -77,6 +77,9 @@ pub struct Parameter {
     /// The value, in metres or a share.
     pub value: f64,
 }
+
+/// Parameters that are less than this share of the way to the end of the range from the default are not blamed.
+const FAR: f64 = 0.5;
 
 /// The values of all parameters of one garment, each within its range.
 ///
@@ -140,14 +143,31 @@ impl Parameters {
         Ok(())
     }
 
-    /// The parameter that lies farthest from its default, as a share of its range.
-    pub(crate) fn farthest(&self) -> &'static str {
+    /// What to do about a pattern that is folded: the parameters that lie far from their defaults, the
+    /// farthest first.
+    pub(crate) fn advice(&self) -> String {
+        // Of the way from the default to the end of the range.
         let away = |parameter: &Parameter| {
-            let [low, high] = parameter.spec.range;
-            (parameter.value - parameter.spec.default).abs() / (high - low)
+            let ([low, high], default) = (parameter.spec.range, parameter.spec.default);
+            let way = parameter.value - default;
+            let whole = if way < 0.0 {
+                default - low
+            } else {
+                high - default
+            };
+            way.abs() / whole.max(f64::MIN_POSITIVE)
         };
-        let farthest = self.iter().max_by(|a, b| away(a).total_cmp(&away(b)));
-        farthest.map_or("", |parameter| parameter.spec.name)
+        let mut far: Vec<Parameter> = self.iter().filter(|found| away(found) >= FAR).collect();
+        far.sort_by(|a, b| away(b).total_cmp(&away(a)));
+        let names: Vec<&str> = far.iter().map(|parameter| parameter.spec.name).collect();
+        match names.as_slice() {
+            [] => "this body is far from those that the pattern is made for".to_owned(),
+            [name] => format!("bring {name} closer to the default"),
+            [all @ .., last] => format!(
+                "these together fold it: bring some of {} and {last} closer to the defaults",
+                all.join(", ")
+            ),
+        }
     }
 
     fn index(&self, name: &str) -> Result<usize, PatternError> {

@@ -5,6 +5,8 @@ use garnet_knn::KnnError;
 use garnet_mesh::MeshError;
 
 /// What can be wrong with a fabric, a garment, a collider or a schedule, or go wrong in a run.
+///
+/// Fields number vertices and faces from 0; texts number the vertices of garments from 1, as OBJ files do, and say so.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {
@@ -87,7 +89,8 @@ pub enum SimError {
         part: u8,
     },
     /// A face of the garment has no area at rest.
-    #[error("face {face} of the garment has no area at rest (corners {corners:?})")]
+    #[error("the face of the vertices {}, {} and {} of the garment, counted from 1, has no area at rest",
+        counted(corners[0]), counted(corners[1]), counted(corners[2]))]
     NoArea {
         /// Number of the face, from 0.
         face: usize,
@@ -95,7 +98,8 @@ pub enum SimError {
         corners: [u32; 3],
     },
     /// An edge of the garment has more than two faces.
-    #[error("the edge between vertices {} and {} of the garment has {num_faces} faces", vertices[0], vertices[1])]
+    #[error("the edge between the vertices {} and {} of the garment, counted from 1, has {num_faces} faces",
+        counted(vertices[0]), counted(vertices[1]))]
     NonManifoldEdge {
         /// The ends of the edge.
         vertices: [u32; 2],
@@ -103,8 +107,8 @@ pub enum SimError {
         num_faces: usize,
     },
     /// The two faces at an edge of the garment look to different sides.
-    #[error("faces {} and {} of the garment look to different sides at the edge between vertices {} and {}",
-        faces[0], faces[1], vertices[0], vertices[1])]
+    #[error("the two faces at the edge between the vertices {} and {} of the garment, counted from 1, look to different sides",
+        counted(vertices[0]), counted(vertices[1]))]
     InvertedFace {
         /// The two faces.
         faces: [u32; 2],
@@ -118,8 +122,8 @@ pub enum SimError {
         faces: [u32; 2],
     },
     /// The two flat lengths of a sewn edge have little to do with each other.
-    #[error("the seam between vertices {} and {} is {} m long on one side and {} m on the other",
-        vertices[0], vertices[1], lengths[0], lengths[1])]
+    #[error("the seam between the vertices {} and {} of the garment, counted from 1, is {} m long on one side and {} m on the other",
+        counted(vertices[0]), counted(vertices[1]), lengths[0], lengths[1])]
     SeamMismatch {
         /// The ends of the edge.
         vertices: [u32; 2],
@@ -127,7 +131,8 @@ pub enum SimError {
         lengths: [f32; 2],
     },
     /// A vertex has become infinitely fast or far.
-    #[error("vertex {vertex} is at ({}, {}, {}) after {seconds} s: the simulation has broken down", at.x, at.y, at.z)]
+    #[error("vertex {} of the garment, counted from 1, is at ({}, {}, {}) after {seconds} s: the simulation has broken down",
+        vertex + 1, at.x, at.y, at.z)]
     Exploded {
         /// The first such vertex.
         vertex: usize,
@@ -137,7 +142,8 @@ pub enum SimError {
         seconds: f32,
     },
     /// A vertex is pulled apart from its neighbors by more than any cloth holds.
-    #[error("the edge between vertices {} and {} is {factor} times as long as at rest after {seconds} s", vertices[0], vertices[1])]
+    #[error("the edge between the vertices {} and {} of the garment, counted from 1, is {factor} times as long as at rest after {seconds} s",
+        counted(vertices[0]), counted(vertices[1]))]
     Torn {
         /// The ends of the worst edge.
         vertices: [u32; 2],
@@ -158,4 +164,35 @@ pub enum SimError {
         /// How many there are.
         size: usize,
     },
+}
+
+/// The number of a vertex in an OBJ file.
+fn counted(vertex: u32) -> u64 {
+    u64::from(vertex) + 1
+}
+
+impl SimError {
+    /// The same of a garment whose vertices are those that `number` gives for those of the cloth.
+    ///
+    /// ```
+    /// use garnet_sim::SimError;
+    ///
+    /// let welded = SimError::NonManifoldEdge { vertices: [1, 2], num_faces: 3 };
+    /// let of_mesh = welded.with_vertices(|vertex| 10 * vertex);
+    /// assert_eq!(of_mesh, SimError::NonManifoldEdge { vertices: [10, 20], num_faces: 3 });
+    /// assert!(of_mesh.to_string().contains("11 and 21 of the garment, counted from 1"));
+    /// ```
+    #[must_use]
+    pub fn with_vertices(mut self, number: impl Fn(u32) -> u32) -> Self {
+        match &mut self {
+            Self::NoArea { corners, .. } => *corners = corners.map(number),
+            Self::NonManifoldEdge { vertices, .. }
+            | Self::InvertedFace { vertices, .. }
+            | Self::SeamMismatch { vertices, .. }
+            | Self::Torn { vertices, .. } => *vertices = vertices.map(number),
+            Self::Exploded { vertex, .. } => *vertex = number(*vertex as u32) as usize,
+            _ => {}
+        }
+        self
+    }
 }

@@ -163,7 +163,7 @@ pub(crate) struct UnitsTaken {
     pub(crate) body: Option<Unit>,
 }
 
-fn units(text: &str) -> Result<UnitsTaken, String> {
+pub(crate) fn units(text: &str) -> Result<UnitsTaken, String> {
     let unit = |name: &str| match name {
         "auto" => Ok(None),
         _ => name

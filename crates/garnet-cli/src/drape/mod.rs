@@ -29,18 +29,19 @@ use garnet::{
 };
 
 pub(crate) use args::DrapeArgs;
-use args::Source;
-pub(crate) use args::{InputArgs, Job, Simulation};
+pub(crate) use args::{InputArgs, Job, Simulation, Source, SourceFiles, UnitsTaken, UpName, units};
 use choice::ChoiceReport;
 pub(crate) use frame::Frame;
 use learned::{Found, Learned, Unbound};
 use outputs::{check_outputs, outputs_on};
-use prepared::{Prepared, RestBody, Target};
+pub(crate) use prepared::Prepared;
+use prepared::{RestBody, Target};
+pub(crate) use report::WarningReport;
 use report::{
     BodyReport, DrapeOutput, DrapeReport, DrapeSeconds, GarmentReport, OnceSeconds,
-    PenetrationReport, PoseReport, RepeatedSeconds, Stretch, WarningReport,
+    PenetrationReport, PoseReport, RepeatedSeconds, Stretch,
 };
-pub(crate) use rest_body::rest_body_of;
+pub(crate) use rest_body::{largest_distance, rest_body_of};
 pub(crate) use rest_mesh::{Frames, RestMesh};
 use settled::Settler;
 use simulated::Teaching;
@@ -224,6 +225,19 @@ impl Bound {
         let made = (self.refit.as_ref()).map_or(&self.garment, Refit::garment);
         made.mesh().positions()
     }
+}
+
+/// What is unusual about a garment that was read from `path`, and about where it lies on its body.
+pub(crate) fn warnings_of(path: &Path, garment: &BoundGarment) -> Vec<WarningReport> {
+    let problems = warning::of_garment(garment.mesh()).into_iter();
+    let problems = problems.chain(warning::of_start(garment));
+    let warnings = problems.map(|problem| Warning {
+        path: path.to_path_buf(),
+        problem,
+    });
+    warnings
+        .map(|warning| WarningReport::from(&warning))
+        .collect()
 }
 
 /// What is unusual about the two meshes.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use garnet::{
     Body, Garment, Isometry3, Method, Point3, Pose, PosedBody, Refit, Rig, TriMesh, Unit, UpAxis,
-    io::ObjFile,
+    data::GarmentPackage, io::ObjFile,
 };
 
 use super::{
@@ -170,6 +170,9 @@ impl Prepared {
         let frames = taken.frames(&bodies, source)?;
         let body = rest_body_of(rig, &taken, &frames, &rig_path)?;
         let garment_mesh = mesh_of(&garment)?;
+        if let Some(folder) = &source.package {
+            check_template(folder, garment.path(), &garment_mesh)?;
+        }
         let garment_frame = Frame {
             unit: source.units.garment.unwrap_or(frames.obj.unit),
             up: frames.obj.up,
@@ -222,6 +225,12 @@ impl Prepared {
             notes,
         })
     }
+}
+
+/// Refuses a template that was changed: networks have learned another one, and the pattern is of another one.
+fn check_template(folder: &Path, path: &Path, mesh: &TriMesh) -> anyhow::Result<()> {
+    let manifest = GarmentPackage::read_manifest(folder)?;
+    Ok(manifest.check_template(path, mesh)?)
 }
 
 /// Whether a garment that lies on one body lies on the other.

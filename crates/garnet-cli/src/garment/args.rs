@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, Subcommand, error::ErrorKind};
 use garnet::pattern::{GarmentKind, ParameterSpec, ParameterUnit, Parameters, Size};
 
+use crate::drape::{UnitsTaken, UpName, units};
+
 /// Arguments of `garment`.
 #[derive(Debug, Args)]
 pub(crate) struct GarmentArgs {
@@ -48,7 +50,7 @@ pub(crate) struct PatternOptions {
     #[arg(long, value_name = "NAME")]
     pub(crate) fabric: Option<String>,
     /// Name of the garment [default: that of the pattern].
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = name)]
     pub(crate) name: Option<String>,
 }
 
@@ -71,8 +73,31 @@ pub(crate) struct OwnArgs {
     #[arg(long, value_name = "NAME", default_value = "cotton")]
     pub(crate) fabric: String,
     /// Name of the garment [default: that of the file].
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", value_parser = name)]
     pub(crate) name: Option<String>,
+    /// Unit of the OBJ files: m, dm, cm, mm or auto; or two, of garment and body: `cm,m`. Packages are in
+    /// metres.
+    #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = units)]
+    pub(crate) units: UnitsTaken,
+    /// Axis of the OBJ files that points up. In packages it is y.
+    #[arg(long, value_name = "AXIS", default_value = "auto")]
+    pub(crate) up: UpName,
+}
+
+/// The longest name of a garment, in characters.
+const MAX_NAME: usize = 80;
+
+/// A name that can stand in a line of a message and in the name of a file.
+pub(crate) fn name(text: &str) -> Result<String, String> {
+    let is_bad = |letter: char| letter.is_control() || matches!(letter, '/' | '\\');
+    let is_name =
+        !text.trim().is_empty() && text.trim() == text && text.chars().count() <= MAX_NAME;
+    if is_name && !text.chars().any(is_bad) && !matches!(text, "." | "..") {
+        return Ok(text.to_owned());
+    }
+    Err(format!(
+        "expected a name of 1 to {MAX_NAME} letters, without line breaks, slashes, and spaces around it"
+    ))
 }
 
 fn size(text: &str) -> Result<Size, String> {
@@ -86,14 +111,17 @@ impl Subcommand for GarmentSource {
     fn augment_subcommands(command: Command) -> Command {
         let mut command = command;
         for kind in GarmentKind::ALL {
-            let about = format!("Cut a {kind} from its pattern, sew it and put it on a body");
-            let pattern = PatternOptions::augment_args(Command::new(kind.name()).about(about));
+            let about = format!(
+                "{}, cut from a pattern, sewn and put on a body",
+                named(kind)
+            );
+            let pattern = PatternOptions::augment_args(Command::new(kind.name()));
             let specs = kind.specs().iter().map(argument);
-            command = command.subcommand(pattern.args(specs));
+            command = command.subcommand(pattern.about(about).args(specs));
         }
-        let own = Command::new(OWN).about("Make a package of a garment of your own");
+        let own = OwnArgs::augment_args(Command::new(OWN));
         command
-            .subcommand(OwnArgs::augment_args(own))
+            .subcommand(own.about("A garment of your own"))
             .subcommand_required(true)
     }
 
@@ -135,6 +163,32 @@ impl FromArgMatches for GarmentSource {
     }
 }
 
+/// A garment as the help calls it.
+const fn named(kind: GarmentKind) -> &'static str {
+    match kind {
+        GarmentKind::Tshirt => "A T-shirt",
+        GarmentKind::Sweater => "A sweater",
+        GarmentKind::Dress => "A dress",
+        GarmentKind::Jeans => "Jeans",
+    }
+}
+
+/// A value in centimetres or per cent, within the range of its parameter.
+fn value(spec: &ParameterSpec, text: &str) -> Result<f64, String> {
+    let [low, high] = spec.range;
+    match text.parse::<f64>() {
+        Ok(value) if (low - ROUNDING..=high + ROUNDING).contains(&(value / 100.0)) => Ok(value),
+        _ => Err(format!(
+            "it lies between {} and {}",
+            spec.shown(low),
+            spec.shown(high)
+        )),
+    }
+}
+
+/// What is typed in centimetres may miss the end of a range by this.
+const ROUNDING: f64 = 1e-9;
+
 /// The argument of a parameter: centimetres, or per cent.
 fn argument(spec: &'static ParameterSpec) -> Arg {
     let (unit, value_name) = match spec.unit {
@@ -150,10 +204,58 @@ fn argument(spec: &'static ParameterSpec) -> Arg {
     Arg::new(spec.name)
         .long(spec.name)
         .value_name(value_name)
-        .value_parser(clap::value_parser!(f64))
+        .value_parser(move |text: &str| value(spec, text))
         .allow_negative_numbers(true)
         .help_heading("Pattern")
         .help(format!(
             "{help}, {low} to {high} {unit} [default: {default}]"
         ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_of_one_line_and_no_paths() {
+        for good in ["tee", "My T-shirt, size 3", "Röckchen", "a.b"] {
+            assert_eq!(name(good).as_deref(), Ok(good));
+        }
+        for bad in [
+            "", " ", "../../x", "a/b", "a\\b", "a\nb", "a\u{7}", "..", " a",
+        ] {
+            assert!(name(bad).is_err(), "{bad:?}");
+        }
+        assert!(name(&"a".repeat(1000)).is_err());
+    }
+
+    #[test]
+    fn values_outside_the_range_of_a_parameter_are_refused() {
+        for spec in GarmentKind::ALL.into_iter().flat_map(GarmentKind::specs) {
+            for end in spec.range {
+                assert!(
+                    value(spec, &(100.0 * end).to_string()).is_ok(),
+                    "{}",
+                    spec.name
+                );
+            }
+            for text in ["nan", "inf", "1e6", "-1e6", "12cm", ""] {
+                assert!(value(spec, text).is_err(), "{} {text}", spec.name);
+            }
+        }
+    }
+
+    #[test]
+    fn each_garment_has_a_line_of_its_own() {
+        let command = GarmentSource::augment_subcommands(Command::new("garment"));
+        let abouts = command.get_subcommands().map(|command| {
+            let about = command.get_about().map(ToString::to_string);
+            about.unwrap_or_default()
+        });
+        let mut abouts: Vec<String> = abouts.collect();
+        abouts.sort();
+        abouts.dedup();
+        assert_eq!(abouts.len(), GarmentKind::ALL.len() + 1);
+        assert!(abouts.iter().any(|about| about.contains("of your own")));
+    }
 }

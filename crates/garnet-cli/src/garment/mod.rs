@@ -1,62 +1,104 @@
 //! `garnet garment`: packages of garments, cut from a pattern or brought along.
 
 mod args;
+mod fit;
+mod own;
 mod report;
+mod wearer;
 
 use std::{path::Path, sync::atomic::AtomicBool, time::Instant};
 
-use anyhow::Context;
 use garnet::{
-    Body, Rig,
     data::{
-        GarmentPackage, PackageParts, StoredFabric, StoredParameters, Tailor, default_rest_body,
+        GarmentPackage, MANIFEST_FILE, StoredFabric, StoredParameters, Tailor, default_rest_body,
         usual_fabric, wearer_of,
     },
-    io::{ObjFile, read_rig},
     shape::ParametricBody,
-    sim::{FABRIC_NAMES, Fabric, RestShape},
+    sim::{FABRIC_NAMES, Fabric},
 };
 
 pub(crate) use args::GarmentArgs;
-use args::{GarmentSource, OwnArgs, PatternArgs};
+use args::{GarmentSource, PatternArgs};
 use report::GarmentReport;
 
 use crate::{
-    body::own,
     console::{Console, print_document},
-    failure::{ExitStatus, refused},
+    drape::WarningReport,
+    failure::{ExitStatus, Hint, refused},
     output,
-    sidecar::rig_beside,
 };
+
+/// A package, and what may be wrong with it.
+struct Made {
+    package: GarmentPackage,
+    warnings: Vec<WarningReport>,
+}
 
 /// Makes a package and tells what is in it.
 pub(crate) fn run(args: &GarmentArgs, console: &Console) -> anyhow::Result<ExitStatus> {
     let start = Instant::now();
-    let (package, folder) = match &args.source {
-        GarmentSource::Pattern(args) => (cut(args)?, &args.common.output),
-        GarmentSource::Own(args) => (packed(args)?, &args.output),
+    let folder = match &args.source {
+        GarmentSource::Pattern(args) => &args.common.output,
+        GarmentSource::Own(args) => &args.output,
     };
+    output::check_folder(folder)?;
+    check_free(folder)?;
+    let made = match &args.source {
+        GarmentSource::Pattern(args) => cut(args)?,
+        GarmentSource::Own(args) => own::packed(args)?,
+    };
+    let is_new = !folder.is_dir();
     output::make_folder(folder)?;
-    let written = package.write(folder)?;
-    let report = GarmentReport::new(&package, &written, start.elapsed());
+    let written = made.package.write(folder);
+    if is_new && written.is_err() {
+        // What is told is why nothing was written.
+        let _ = std::fs::remove_dir(folder);
+    }
+    let report = GarmentReport::new(&made.package, &written?, made.warnings, start.elapsed());
     if console.is_json() {
         print_document(&report)?;
     }
     console.summary(&report);
+    for warning in &report.warnings {
+        console.warning(&warning.text);
+    }
     Ok(ExitStatus::Done)
 }
 
+/// Refuses a folder with trained networks, which would be left with another garment than they have learned.
+fn check_free(folder: &Path) -> anyhow::Result<()> {
+    const ADVICE: &str = "name another folder with `-o`, or remove this one first";
+    if !GarmentPackage::is_at(folder) {
+        return Ok(());
+    }
+    let manifest = GarmentPackage::read_manifest(folder).hint(|| ADVICE.to_owned())?;
+    let variants = manifest.variants.len();
+    if variants == 0 {
+        return Ok(());
+    }
+    Err(refused(
+        format!(
+            "`{}` holds a garment with trained networks",
+            folder.display()
+        ),
+        format!(
+            "`{}` lists {variants}, which have learned that garment alone",
+            folder.join(MANIFEST_FILE).display()
+        ),
+        ADVICE,
+    ))
+}
+
 /// Cuts, sews and puts on.
-fn cut(args: &PatternArgs) -> anyhow::Result<GarmentPackage> {
+fn cut(args: &PatternArgs) -> anyhow::Result<Made> {
     let common = &args.common;
-    output::check_folder(&common.output)?;
     let kind = args.parameters.garment();
     let fabric = match &common.fabric {
         Some(name) => fabric(name)?,
         None => usual_fabric(kind),
     };
     let (body, parameters) = if let Some(path) = &common.body {
-        (own::read(path, None)?.0, None)
+        (wearer::read(path)?, None)
     } else {
         let parameters = default_rest_body();
         let stored = StoredParameters::from(&parameters);
@@ -77,50 +119,9 @@ fn cut(args: &PatternArgs) -> anyhow::Result<GarmentPackage> {
         .name
         .clone()
         .unwrap_or_else(|| kind.name().to_owned());
-    Ok(tailor.package(name, &worn, body, parameters)?)
-}
-
-/// Makes a package of a garment of the user's own.
-fn packed(args: &OwnArgs) -> anyhow::Result<GarmentPackage> {
-    output::check_folder(&args.output)?;
-    let template = ObjFile::read(&args.garment)?;
-    let body = rest_body(args)?;
-    let mesh = template.mesh()?;
-    let stem = args.garment.file_stem().unwrap_or_default();
-    Ok(GarmentPackage::new(PackageParts {
-        name: args
-            .name
-            .clone()
-            .unwrap_or_else(|| stem.to_string_lossy().into_owned()),
-        rest: RestShape::Worn(mesh.positions().to_vec()),
-        template,
-        fabric: fabric(&args.fabric)?,
-        pattern: None,
-        body,
-        parameters: None,
-    })?)
-}
-
-fn rest_body(args: &OwnArgs) -> anyhow::Result<Body> {
-    let beside = args.rest_body.as_deref().map(rig_beside);
-    let rig = args.rig.clone().or(beside.filter(|path| path.is_file()));
-    let Some(path) = rig else {
-        return Err(refused(
-            "there is no rig for the rest body",
-            "no `--rig` is given, and there is none beside the rest body",
-            "give skeleton and weights with `--rig FILE` (npz, GLB, glTF or JSON)",
-        ));
-    };
-    let rig: Rig = read_rig(&path)?;
-    let body = match &args.rest_body {
-        Some(obj) => rig.into_body_with(ObjFile::read(obj)?.mesh()?),
-        None => rig.into_body(),
-    };
-    body.with_context(|| cannot_fit(&path))
-}
-
-fn cannot_fit(path: &Path) -> String {
-    format!("cannot make a body of `{}`", path.display())
+    let package = tailor.package(name, &worn, body, parameters)?;
+    let warnings = fit::warnings(&tailor, &wearer, &package, &common.output)?;
+    Ok(Made { package, warnings })
 }
 
 /// The fabric of a name.

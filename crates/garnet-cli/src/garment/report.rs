@@ -5,6 +5,8 @@ use std::{fmt, path::PathBuf, time::Duration};
 use garnet::{data::GarmentPackage, penetration};
 use serde::Serialize;
 
+use crate::drape::WarningReport;
+
 /// What was made.
 #[derive(Debug, Serialize)]
 pub(crate) struct GarmentReport {
@@ -17,11 +19,18 @@ pub(crate) struct GarmentReport {
     /// Vertices of the template inside the rest body.
     inside: usize,
     deepest_m: f32,
+    /// What may be wrong although the package was made.
+    pub(crate) warnings: Vec<WarningReport>,
     seconds: f64,
 }
 
 impl GarmentReport {
-    pub(crate) fn new(package: &GarmentPackage, written: &[PathBuf], time: Duration) -> Self {
+    pub(crate) fn new(
+        package: &GarmentPackage,
+        written: &[PathBuf],
+        warnings: Vec<WarningReport>,
+        time: Duration,
+    ) -> Self {
         let found = penetration(package.mesh.positions(), package.body.skin());
         Self {
             schema: "garnet.garment/1",
@@ -35,6 +44,7 @@ impl GarmentReport {
             fabric: package.manifest.fabric.name.clone(),
             inside: found.inside,
             deepest_m: found.deepest,
+            warnings,
             seconds: time.as_secs_f64(),
         }
     }

@@ -1,11 +1,14 @@
 //! `garment.toml`: what a garment package says of itself.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
+use garnet_mesh::{Fingerprint, TriMesh};
 use garnet_sim::Fabric;
 use serde::{Deserialize, Serialize};
 
-use crate::{Put, Settling, StoredParameters};
+use super::MANIFEST_FILE;
+use crate::{DataError, Put, Settling, StoredParameters};
 
 /// What this version writes and reads.
 pub const PACKAGE_SCHEMA: &str = "garnet.garment/1";
@@ -45,6 +48,27 @@ impl Manifest {
             Some(place) => self.variants[place] = variant,
             None => self.variants.push(variant),
         }
+    }
+
+    /// Whether a mesh is the template that this was written for, to the last bit of each position: variants have
+    /// learned that one, in its place on its body.
+    ///
+    /// # Errors
+    ///
+    /// [`DataError::Foreign`] with `path`, where the mesh was read.
+    pub fn check_template(&self, path: &Path, mesh: &TriMesh) -> Result<(), DataError> {
+        let found = Fingerprint::of_topology(mesh).to_string();
+        if found != self.fingerprint {
+            let expected = &self.fingerprint;
+            let what = format!("its fingerprint is {found}, `{MANIFEST_FILE}` says {expected}");
+            return Err(DataError::foreign(path, what));
+        }
+        let found = Fingerprint::of_positions(mesh.positions()).to_string();
+        if found != self.positions {
+            let what = format!("its vertices are not those that `{MANIFEST_FILE}` was written for");
+            return Err(DataError::foreign(path, what));
+        }
+        Ok(())
     }
 
     /// The variant of a name.

@@ -1,5 +1,6 @@
 //! Garment packages: a folder with a template, the body that it lies on, and trained variants.
 
+mod before;
 mod manifest;
 
 use std::path::{Path, PathBuf};
@@ -14,6 +15,7 @@ pub use manifest::{
 
 use crate::rest_file;
 use crate::{DataError, StoredParameters};
+use before::Before;
 
 /// Name of the manifest in a package.
 pub const MANIFEST_FILE: &str = "garment.toml";
@@ -129,18 +131,7 @@ impl GarmentPackage {
         let manifest = Self::read_manifest(folder)?;
         let template = ObjFile::read(folder.join(TEMPLATE_FILE))?;
         let mesh = template.mesh()?;
-        let path = folder.join(TEMPLATE_FILE);
-        let found = Fingerprint::of_topology(&mesh).to_string();
-        if found != manifest.fingerprint {
-            let expected = &manifest.fingerprint;
-            let what = format!("its fingerprint is {found}, `{MANIFEST_FILE}` says {expected}");
-            return Err(DataError::foreign(&path, what));
-        }
-        let found = Fingerprint::of_positions(mesh.positions()).to_string();
-        if found != manifest.positions {
-            let what = format!("its vertices are not those that `{MANIFEST_FILE}` was written for");
-            return Err(DataError::foreign(&path, what));
-        }
+        manifest.check_template(&folder.join(TEMPLATE_FILE), &mesh)?;
         let rest = match &manifest.pattern {
             Some(_) => rest_file::read(&folder.join(REST_FILE), mesh.num_faces())?,
             None => RestShape::Worn(mesh.positions().to_vec()),
@@ -179,8 +170,8 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`DataError::Read`], [`DataError::Text`] with the line, or [`DataError::Foreign`] for
-    /// another version.
+    /// [`DataError::Read`], [`DataError::Text`] with the line, [`DataError::Foreign`] for another version, or
+    /// [`DataError::Fabric`].
     pub fn read_manifest(folder: &Path) -> Result<Manifest, DataError> {
         let path = folder.join(MANIFEST_FILE);
         let text =
@@ -196,23 +187,39 @@ impl GarmentPackage {
             );
             return Err(DataError::foreign(&path, what));
         }
+        let checked = manifest.fabric.fabric().check();
+        checked.map_err(|source| DataError::Fabric { path, source })?;
         Ok(manifest)
     }
 
     /// Writes the package into a folder that is there; the manifest last, so that a folder with a
-    /// manifest is whole.
+    /// manifest is whole. After an error the folder holds the files that it held before.
     ///
     /// # Errors
     ///
-    /// [`DataError::Write`] or [`DataError::WriteRig`].
+    /// [`DataError::Write`] or [`DataError::WriteRig`]; [`DataError::Read`] for a file that is there and cannot be read.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, DataError> {
+        let names = [TEMPLATE_FILE, BODY_FILE, REST_FILE, MANIFEST_FILE];
+        let before = Before::of(names.map(|name| folder.join(name)))?;
+        let written = self.write_files(folder);
+        if written.is_err() {
+            before.restore();
+        }
+        written
+    }
+
+    fn write_files(&self, folder: &Path) -> Result<Vec<PathBuf>, DataError> {
         let path = |name: &str| folder.join(name);
         let source = self.template.source();
         write_atomically(path(TEMPLATE_FILE), |writer| writer.write_all(source))?;
         write_rig_npz(path(BODY_FILE), &Rig::from(self.body.clone()))?;
         let mut written = vec![path(TEMPLATE_FILE), path(BODY_FILE)];
-        if rest_file::write(&path(REST_FILE), &self.rest)? {
-            written.push(path(REST_FILE));
+        let rest = path(REST_FILE);
+        if rest_file::write(&rest, &self.rest)? {
+            written.push(rest);
+        } else if rest.exists() {
+            // That of a pattern which was here before.
+            std::fs::remove_file(&rest).map_err(|source| DataError::folder(&rest, source))?;
         }
         written.push(Self::write_manifest(folder, &self.manifest)?);
         Ok(written)

@@ -1,0 +1,83 @@
+//! The body that a pattern is cut for.
+
+use std::path::Path;
+
+use anyhow::Context;
+use garnet::{
+    Body,
+    io::{ObjFile, read_rig},
+    shape::{Recognized, recognized},
+};
+
+use crate::{
+    body::own,
+    drape::{Frame, largest_distance},
+    failure::refused,
+    sidecar::rig_beside,
+};
+
+/// A vertex of a body at rest is no farther than this from its place in the rig, in metres.
+const SAME: f32 = 2e-3;
+
+/// Reads a rig, or an OBJ at rest.
+pub(super) fn read(path: &Path) -> anyhow::Result<Body> {
+    let is_obj = ObjFile::read(path).is_ok();
+    let beside = rig_beside(path);
+    if is_obj && !beside.is_file() {
+        check_known(path)?;
+    }
+    let (body, _) = own::read(path, None)?;
+    if is_obj && beside.is_file() {
+        check_rest(path, &beside, &body)?;
+    }
+    Ok(body)
+}
+
+/// Refuses an OBJ without rig that is not the built-in body at rest.
+fn check_known(path: &Path) -> anyhow::Result<()> {
+    let mesh = ObjFile::read(path)?.mesh();
+    let mesh = mesh.with_context(|| format!("cannot make a body of `{}`", path.display()))?;
+    let cause = match recognized(&mesh) {
+        Recognized::Rest(_) => return Ok(()),
+        Recognized::Posed => {
+            "it is the built-in body in a pose: its measures are not known".to_owned()
+        }
+        Recognized::Stranger => format!(
+            "it is not the built-in body, and there is no `{}`",
+            rig_beside(path).display()
+        ),
+    };
+    Err(refused(
+        format!("a pattern cannot be cut for `{}`", path.display()),
+        cause,
+        "give an OBJ at rest of `garnet body`, or the rig of its body: `--body FILE.rig.npz`",
+    ))
+}
+
+/// Refuses an OBJ that is in another pose than its rig is made for.
+fn check_rest(path: &Path, beside: &Path, body: &Body) -> anyhow::Result<()> {
+    let Some(rest) = read_rig(beside)?.rest else {
+        return Ok(());
+    };
+    let frame = Frame::detected(rest.positions());
+    let rest = frame.to_metres(rest.positions().to_vec());
+    let distance = largest_distance(&rest, body.rest().positions());
+    if distance <= SAME {
+        return Ok(());
+    }
+    Err(refused(
+        format!(
+            "a pattern cannot be cut for `{}`, which is not at rest",
+            path.display()
+        ),
+        format!(
+            "a vertex is {:.1} mm away from its place in the body at rest of `{}`",
+            1e3 * distance,
+            beside.display()
+        ),
+        format!(
+            "give the body at rest: `--body {}`, or an OBJ that was made without a pose",
+            beside.display()
+        ),
+    ))
+}
