@@ -70,6 +70,14 @@ pub enum DataError {
         /// The value that was asked for.
         asked: String,
     },
+    /// A shard has the name of another one.
+    #[error("`{}` is the shard `{name}`", path.display())]
+    MisnamedShard {
+        /// The file.
+        path: PathBuf,
+        /// The name that its split and bodies give it.
+        name: String,
+    },
     /// The size fits too few bodies of the population.
     #[error("the garment fits only {found} of {tried} bodies, {needed} are needed")]
     FewFit {

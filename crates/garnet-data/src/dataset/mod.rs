@@ -46,30 +46,18 @@ impl Dataset {
             folder: folder.to_path_buf(),
         };
         let manifest = DatasetManifest::read(&layout.manifest())?;
-        let shards = layout.shards();
-        let failed = |source| DataError::read(&shards, source);
-        let mut paths = Vec::new();
-        for entry in std::fs::read_dir(&shards).map_err(failed)? {
-            let path = entry.map_err(failed)?.path();
-            if path
-                .extension()
-                .is_some_and(|extension| extension == "safetensors")
-            {
-                paths.push(path);
-            }
-        }
-        paths.sort();
         Ok(Self {
             fingerprint: manifest.fingerprint(),
             manifest,
-            paths,
+            paths: layout.found()?,
         })
     }
 
     /// Reads the shards, one after the other.
     pub fn shards(&self) -> impl Iterator<Item = Result<Shard, DataError>> + '_ {
+        let bodies = self.manifest.bodies_per_shard;
         let paths = self.paths.iter();
-        paths.map(|path| Shard::read(path, self.fingerprint))
+        paths.map(move |path| Shard::read_named(path, self.fingerprint, bodies))
     }
 
     /// Reads the shards of a split, one after the other.
