@@ -78,6 +78,14 @@ pub enum DataError {
         /// The name that its split and bodies give it.
         name: String,
     },
+    /// Another run writes the same shards.
+    #[error("`{}` is being written by another run{}", folder.display(), of_process(*process))]
+    InUse {
+        /// The folder of the data set.
+        folder: PathBuf,
+        /// The number of its process, if it is known.
+        process: Option<u32>,
+    },
     /// The size fits too few bodies of the population.
     #[error("the garment fits only {found} of {tried} bodies, {needed} are needed")]
     FewFit {
@@ -134,6 +142,10 @@ pub enum DataError {
     /// A scene cannot be simulated.
     #[error(transparent)]
     Sim(#[from] SimError),
+}
+
+fn of_process(number: Option<u32>) -> String {
+    number.map_or_else(String::new, |number| format!(" (process {number})"))
 }
 
 impl DataError {

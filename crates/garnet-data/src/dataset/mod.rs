@@ -3,6 +3,7 @@
 mod dress;
 mod generate;
 mod import;
+mod lock;
 mod manifest;
 mod plan;
 mod record;
