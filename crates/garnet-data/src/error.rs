@@ -86,6 +86,14 @@ pub enum DataError {
         /// The number of its process, if it is known.
         process: Option<u32>,
     },
+    /// The garment lies on a body that no body of the population is like.
+    #[error(
+        "the garment lies on a body of {vertices} vertices that is not the built-in one: the bodies of a data set are"
+    )]
+    ForeignBody {
+        /// Vertices of its body.
+        vertices: usize,
+    },
     /// The size fits too few bodies of the population.
     #[error("the garment fits only {found} of {tried} bodies, {needed} are needed")]
     FewFit {
