@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use garnet_mesh::Fingerprint;
 
 pub use generate::{DatasetEvent, DatasetOptions, Tally, generate};
-pub use import::{ImportManifest, ImportScene, import};
+pub use import::{ImportManifest, ImportProblem, ImportScene, import};
 pub use manifest::{DATASET_SCHEMA, DatasetManifest, Sizing, Until};
 pub use plan::{Counts, Plan, sampler, sequences};
 pub use record::{BodyRecord, Posed, Rejection, SceneRecord, Split, StoredParameters};
