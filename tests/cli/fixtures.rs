@@ -21,25 +21,28 @@ pub(crate) struct Fixture {
 /// What a pose file says: the elbow bent by 60 degrees.
 const BEND: &str = r#"{"schema": "garnet.pose/1", "joints": {"elbow": [0.5, 0, 0, 0.866025]}}"#;
 
-/// What an import takes: drapes on the straight and on the bent body.
+/// What an import takes: drapes on the straight body and on bent ones.
 const SCENES: &str = r#"{"schema": "garnet.import/1", "units": "m", "scenes": [
   {"split": "train", "body": "a", "sequence": "bend", "body_mesh": "body.obj", "garment_mesh": "md_straight.obj"},
   {"split": "train", "body": "a", "sequence": "bend", "body_mesh": "bent.obj", "garment_mesh": "md_bent.obj"},
-  {"split": "valid", "body": "b", "sequence": "turn", "body_mesh": "bent.obj", "garment_mesh": "md_bent.obj"},
-  {"split": "test", "body": "c", "sequence": "walk", "body_mesh": "bent.obj", "garment_mesh": "md_bent.obj"}]}"#;
+  {"split": "valid", "body": "b", "sequence": "turn", "body_mesh": "more.obj", "garment_mesh": "md_more.obj"},
+  {"split": "test", "body": "c", "sequence": "walk", "body_mesh": "most.obj", "garment_mesh": "md_most.obj"}]}"#;
 
 impl Fixture {
-    /// `body.obj` with `body.rig.npz`, `bent.obj`, `bend.json`, `scenes.json` and `sleeve.obj`.
+    /// `body.obj` with `body.rig.npz`, `bent.obj`, and more bent `more.obj` and `most.obj`; `bend.json`, `scenes.json` and
+    /// `sleeve.obj`.
     pub(crate) fn new() -> Self {
         let fixture = Self {
             folder: tempfile::tempdir().unwrap(),
         };
         let body = body();
-        let mut pose = Pose::rest(2);
-        pose.rotations[1] = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 1.0);
-        let bent = body.posed(&pose).unwrap().skin().positions().to_vec();
         fixture.mesh("body.obj", body.rest());
-        fixture.mesh("bent.obj", &body.rest().with_positions(bent).unwrap());
+        for (name, angle) in [("bent.obj", 1.0), ("more.obj", 1.05), ("most.obj", 1.1)] {
+            let mut pose = Pose::rest(2);
+            pose.rotations[1] = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
+            let bent = body.posed(&pose).unwrap().skin().positions().to_vec();
+            fixture.mesh(name, &body.rest().with_positions(bent).unwrap());
+        }
         write_rig_npz(fixture.path("body.rig.npz"), &Rig::from(body)).unwrap();
         fixture.mesh("sleeve.obj", &tube(0.13, 0.8, 40, 30));
         fixture.text("bend.json", BEND);

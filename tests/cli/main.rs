@@ -8,6 +8,7 @@
 mod bad_input;
 mod body;
 mod chart;
+mod dataset;
 mod drape;
 mod fixtures;
 mod garbage;

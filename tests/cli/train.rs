@@ -22,7 +22,12 @@ pub(crate) fn prepared() -> Fixture {
         &fixture,
         "garment from-obj sleeve.obj --rest-body body.obj -o net -q",
     );
-    for (body, draped) in [("body.obj", "md_straight.obj"), ("bent.obj", "md_bent.obj")] {
+    for (body, draped) in [
+        ("body.obj", "md_straight.obj"),
+        ("bent.obj", "md_bent.obj"),
+        ("more.obj", "md_more.obj"),
+        ("most.obj", "md_most.obj"),
+    ] {
         done(
             &fixture,
             &format!("drape net {body} --clearance 8 -o {draped} -q"),

@@ -1,5 +1,7 @@
 //! Which drapes are good enough to learn from.
 
+use std::fmt;
+
 use garnet_sim::{DrapeReport, reference::Balance};
 use serde::{Deserialize, Serialize};
 
@@ -108,6 +110,23 @@ impl From<&Balance> for BalanceReport {
             held: balance.held,
             moved: balance.moved,
         }
+    }
+}
+
+impl fmt::Display for Limits {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if *self == Self::NONE {
+            return formatter.write_str("that no scene exceeds");
+        }
+        write!(
+            formatter,
+            "of {} vertices inside, {} % strain, {} % moving, {} and {} pairs",
+            self.inside,
+            100.0 * self.strain_p99,
+            100.0 * self.moving,
+            self.self_intersections,
+            self.trapped_intersections
+        )
     }
 }
 

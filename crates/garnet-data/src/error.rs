@@ -11,6 +11,8 @@ use garnet_pattern::PatternError;
 use garnet_sim::SimError;
 use garnet_skin::{FileError, SkinError, WriteRigError};
 
+use crate::dataset::ImportProblem;
+
 /// Why data cannot be made, read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -78,6 +80,62 @@ pub enum DataError {
         /// The value that was asked for.
         asked: String,
     },
+    /// A shard has the name of another one.
+    #[error("`{}` is the shard `{name}`", path.display())]
+    MisnamedShard {
+        /// The file.
+        path: PathBuf,
+        /// The name that its split and bodies give it.
+        name: String,
+    },
+    /// Another run writes the same shards.
+    #[error("`{}` is being written by another run{}", folder.display(), of_process(*process))]
+    InUse {
+        /// The folder of the data set.
+        folder: PathBuf,
+        /// The number of its process, if it is known.
+        process: Option<u32>,
+    },
+    /// A list of scenes made elsewhere is none.
+    #[error("`{}`: {problem}", path.display())]
+    Import {
+        /// The list.
+        path: PathBuf,
+        /// What is wrong.
+        problem: Box<ImportProblem>,
+    },
+    /// A scene made elsewhere cannot be taken.
+    #[error("cannot take scene {scene}, of body `{body}`, of `{}`", path.display())]
+    ImportScene {
+        /// The list of scenes.
+        path: PathBuf,
+        /// Its place in the list, from 1.
+        scene: usize,
+        /// Its body.
+        body: String,
+        /// Why, with the file.
+        source: Box<Self>,
+    },
+    /// A mesh is too small or too large to be what it should be.
+    #[error("`{}` extends over {found:.4} m, the {of} of the package over {expected:.4} m", path.display())]
+    Extent {
+        /// The file.
+        path: PathBuf,
+        /// Its largest extent, in metres.
+        found: f32,
+        /// What it is compared with.
+        of: &'static str,
+        /// The largest extent of that, in metres.
+        expected: f32,
+    },
+    /// The garment lies on a body that no body of the population is like.
+    #[error(
+        "the garment lies on a body of {vertices} vertices that is not the built-in one: the bodies of a data set are"
+    )]
+    ForeignBody {
+        /// Vertices of its body.
+        vertices: usize,
+    },
     /// The size fits too few bodies of the population.
     #[error("the garment fits only {found} of {tried} bodies, {needed} are needed")]
     FewFit {
@@ -134,6 +192,10 @@ pub enum DataError {
     /// A scene cannot be simulated.
     #[error(transparent)]
     Sim(#[from] SimError),
+}
+
+fn of_process(number: Option<u32>) -> String {
+    number.map_or_else(String::new, |number| format!(" (process {number})"))
 }
 
 impl DataError {

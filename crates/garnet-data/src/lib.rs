@@ -23,8 +23,8 @@ pub use body_path::BodyPath;
 pub use check::{BalanceReport, Limits, SceneReport};
 pub use dataset::{
     BodyRecord, Counts, DATASET_SCHEMA, Dataset, DatasetEvent, DatasetManifest, DatasetOptions,
-    ImportManifest, ImportScene, Plan, Posed, Rejection, SceneRecord, Shard, Sizing, Split,
-    StoredParameters, Tally, Until, Variations, generate, import, sampler, sequences,
+    ImportManifest, ImportProblem, ImportScene, Plan, Posed, Rejection, SceneRecord, Shard, Sizing,
+    Split, StoredParameters, Tally, Until, Variations, generate, import, sampler, sequences,
 };
 pub use error::DataError;
 pub use garnet_sim::MIDWAY;

@@ -1,4 +1,4 @@
-//! Data sets: made, stopped, gone on with, imported.
+//! Data sets: made, stopped, gone on with.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -7,17 +7,16 @@ mod common;
 use std::{
     collections::BTreeMap,
     fs,
-    io::{Cursor, Write},
     path::Path,
     sync::atomic::{AtomicBool, AtomicUsize, Ordering},
 };
 
 use garnet_data::{
-    Counts, DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest,
-    Limits, Quality, Sizing, Split, Until, Variations, generate, import,
+    Counts, DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, Limits, Quality,
+    Sizing, Until, Variations, generate,
 };
-use garnet_mesh::{Point3, write_obj};
-use zip::{ZipWriter, write::SimpleFileOptions};
+use garnet_mesh::TriMesh;
+use garnet_skin::Body;
 
 fn options(threads: usize) -> DatasetOptions {
     DatasetOptions {
@@ -152,6 +151,8 @@ fn a_data_set_may_end_where_bodies_arrive_or_are_midway() {
             matches!(other, Err(DataError::OtherDataset { field: "end", .. })),
             "{other:?}"
         );
+        let text = other.unwrap_err().to_string();
+        assert!(text.ends_with(", asked for is rest"), "{text}");
     }
 }
 
@@ -249,6 +250,90 @@ fn another_data_set_is_not_overwritten() {
     let error = error.unwrap_err().to_string();
     assert!(error.contains("seed 4, asked for is 5"), "{error}");
     assert!(files(folder.path()) == before);
+
+    // Nor are its shards without their manifest.
+    fs::remove_file(folder.path().join("dataset.json")).unwrap();
+    let before = files(folder.path());
+    let error = generate(&package, folder.path(), &other, &|_| {}, &false.into()).unwrap_err();
+    assert!(matches!(error, DataError::Foreign { .. }), "{error}");
+    assert!(files(folder.path()) == before);
+}
+
+#[test]
+fn a_copy_of_a_shard_under_another_name_is_refused() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    let options = DatasetOptions {
+        poses: 1,
+        ..options(1)
+    };
+    make(&package, folder.path(), &options);
+    let shard = |name: &str| folder.path().join("shards").join(name);
+    fs::copy(
+        shard("test_0000.safetensors"),
+        shard("train_0000.safetensors"),
+    )
+    .unwrap();
+    let dataset = Dataset::open(folder.path()).unwrap();
+    let error = dataset.shards().find_map(Result::err).unwrap();
+    assert!(
+        matches!(&error, DataError::MisnamedShard { name, .. } if name == "test_0000.safetensors"),
+        "{error}"
+    );
+}
+
+#[test]
+fn two_runs_do_not_make_the_same_shards_at_once() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    let run = |part, observer: &(dyn Fn(DatasetEvent) + Sync)| {
+        let options = DatasetOptions {
+            part,
+            poses: 1,
+            ..options(1)
+        };
+        let stop = AtomicBool::new(false);
+        let made = generate(&package, folder.path(), &options, observer, &stop);
+        made.map_err(Box::new)
+    };
+    let tried = AtomicUsize::new(0);
+    let beside = |event: DatasetEvent| {
+        if !matches!(event, DatasetEvent::Planned { .. }) {
+            return;
+        }
+        // The run around this one has the first part.
+        for part in [(0, 2), (0, 1)] {
+            let error = run(part, &|_| {}).unwrap_err();
+            assert!(matches!(*error, DataError::InUse { .. }), "{error}");
+        }
+        run((1, 2), &|_| {}).unwrap();
+        tried.store(1, Ordering::Relaxed);
+    };
+    let tally = run((0, 2), &beside).unwrap();
+    assert_eq!(tried.into_inner(), 1);
+    assert_eq!(tally.accepted + tally.rejected, 3);
+    assert!(!folder.path().join("unfinished").exists());
+}
+
+#[test]
+fn a_garment_on_another_body_is_refused_before_anything_is_written() {
+    let package = common::tshirt();
+    let body = &package.body;
+    // The same body without its last face.
+    let mut faces = body.rest().faces().to_vec();
+    faces.pop();
+    let rest = TriMesh::new(body.rest().positions().to_vec(), faces).unwrap();
+    let vertices = rest.num_vertices();
+    let skeleton = body.skeleton().clone();
+    let body = Body::new(rest, skeleton, body.weights().clone()).unwrap();
+    let package = GarmentPackage { body, ..package };
+    let folder = tempfile::tempdir().unwrap();
+    let result = generate(&package, folder.path(), &options(1), &|_| {}, &false.into());
+    assert!(
+        matches!(result, Err(DataError::ForeignBody { vertices: found }) if found == vertices),
+        "{result:?}"
+    );
+    assert!(files(folder.path()).is_empty());
 }
 
 #[test]
@@ -273,79 +358,4 @@ fn damaged_shards_are_named() {
         let error = dataset.shards().next().unwrap().unwrap_err().to_string();
         assert!(error.contains("train_0000.safetensors"), "{error}");
     }
-}
-
-#[test]
-fn drapes_made_elsewhere_are_imported() {
-    let package = common::tshirt();
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name);
-    write_obj(path("body.obj"), package.body.rest()).unwrap();
-    write_obj(path("garment.obj"), &package.mesh).unwrap();
-    let manifest = r#"{"schema": "garnet.import/1", "units": "m", "scenes": [
-        {"split": "train", "body": "a", "sequence": "stand", "body_mesh": "body.obj", "garment_mesh": "garment.obj"},
-        {"split": "test", "body": "b", "body_mesh": "body.obj", "garment_mesh": "garment.obj"}]}"#;
-    fs::write(path("import.json"), manifest).unwrap();
-    let scenes = ImportManifest::read(&path("import.json")).unwrap();
-    fs::create_dir(path("out")).unwrap();
-    import(&package, &scenes, folder.path(), &path("out"), &mut |_| {}).unwrap();
-    let dataset = Dataset::open(&path("out")).unwrap();
-    assert_eq!(dataset.manifest.bodies.train, 1);
-    let train: Vec<_> = dataset.split(Split::Train).collect();
-    let scene = &train[0].as_ref().unwrap().scenes[0];
-    assert_eq!(scene.garment, package.mesh.positions());
-    assert_eq!(scene.mesh().unwrap(), package.body.rest().positions());
-
-    let refusal = |manifest: String| {
-        fs::write(path("import.json"), manifest).unwrap();
-        let scenes = ImportManifest::read(&path("import.json")).unwrap();
-        let error = import(&package, &scenes, folder.path(), &path("out"), &mut |_| {});
-        error.unwrap_err().to_string()
-    };
-    let error = refusal(manifest.replace("\"garment.obj\"", "\"body.obj\""));
-    assert!(
-        error.contains("body.obj") && error.contains("the template of the package has"),
-        "{error}"
-    );
-    let mut stray = package.mesh.positions().to_vec();
-    stray[7].y = 1e20;
-    fs::write(path("garment.npz"), npz_of(&stray)).unwrap();
-    let error = refusal(manifest.replace("garment.obj", "garment.npz"));
-    assert!(
-        error.contains("garment.npz") && error.contains("vertex 7 has the coordinate `1000000"),
-        "{error}"
-    );
-}
-
-/// An npz archive with the positions as its array `vertices`.
-fn npz_of(positions: &[Point3]) -> Vec<u8> {
-    let shape = format!("({}, 3)", positions.len());
-    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}\n");
-    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-    let options = SimpleFileOptions::default();
-    archive.start_file("vertices.npy", options).unwrap();
-    archive.write_all(b"\x93NUMPY\x01\0").unwrap();
-    let length = header.len() as u16;
-    archive.write_all(&length.to_le_bytes()).unwrap();
-    archive.write_all(header.as_bytes()).unwrap();
-    for value in positions.iter().flat_map(|position| position.iter()) {
-        archive.write_all(&value.to_le_bytes()).unwrap();
-    }
-    archive.finish().unwrap().into_inner()
-}
-
-#[test]
-fn the_shirts_of_wang_2018_are_listed() {
-    let folder = tempfile::tempdir().unwrap();
-    for name in ["AAA", "BBB", "P3ORMPBNJJAJ"] {
-        let sample = folder.path().join(name);
-        fs::create_dir(&sample).unwrap();
-        fs::write(sample.join("shirt_mesh_r_tmp.obj"), "").unwrap();
-        fs::write(sample.join("shirt_info.txt"), "0\n0\n0.5 0.25 1\n").unwrap();
-    }
-    let manifest = ImportManifest::wang_2018(folder.path(), "body.obj", garnet_mesh::Unit::Metre);
-    let manifest = manifest.unwrap();
-    assert_eq!(manifest.scenes.len(), 2);
-    assert_eq!(manifest.scenes[1].body_mesh, Path::new("BBB/body.obj"));
-    assert!((manifest.scenes[0].parameters["p1"] - 0.25).abs() < 1e-12);
 }

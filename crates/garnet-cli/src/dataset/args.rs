@@ -8,6 +8,8 @@ use garnet::{
     data::{Counts, GarmentPackage, Quality, Sizing, Until, Variations},
 };
 
+use crate::failure::refused;
+
 /// Arguments of `dataset`.
 #[derive(Debug, Args)]
 #[command(after_long_help = LONG_HELP)]
@@ -19,16 +21,33 @@ pub(crate) struct DatasetArgs {
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
     /// Bodies for training, validation and test.
-    #[arg(long, value_name = "TRAIN/VALID/TEST", default_value = "500/20/80", value_parser = counts)]
+    #[arg(
+        long,
+        value_name = "TRAIN/VALID/TEST",
+        default_value = "500/20/80",
+        value_parser = counts,
+        conflicts_with = "import"
+    )]
     pub(crate) bodies: Counts,
     /// Scenes on each body.
-    #[arg(long, value_name = "N", default_value = "8", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "8",
+        value_parser = clap::value_parser!(u32).range(1..=10_000),
+        conflicts_with = "import"
+    )]
     pub(crate) poses: u32,
     /// Named seed of bodies and poses.
-    #[arg(long, value_name = "S", default_value = "1")]
+    #[arg(long, value_name = "S", default_value = "1", conflicts_with = "import")]
     pub(crate) seed: u64,
     /// Quality of the simulation.
-    #[arg(long, value_name = "QUALITY", default_value = "teacher")]
+    #[arg(
+        long,
+        value_name = "QUALITY",
+        default_value = "teacher",
+        conflicts_with = "import"
+    )]
     pub(crate) quality: QualityName,
     /// How far the simulation goes.
     #[arg(
@@ -39,17 +58,17 @@ pub(crate) struct DatasetArgs {
     )]
     pub(crate) until: UntilName,
     /// Who wears what [default: made-to-measure for jeans and with --vary, one-size for all else].
-    #[arg(long, value_name = "SIZING")]
+    #[arg(long, value_name = "SIZING", conflicts_with = "import")]
     pub(crate) sizing: Option<SizingName>,
     /// Draw a parameter of the pattern for each body, in centimetres or per cent as `garnet garment` takes
     /// it; for garments that are made to measure. May be given several times.
-    #[arg(long, value_name = "NAME=MIN:MAX", value_parser = variation)]
+    #[arg(long, value_name = "NAME=MIN:MAX", value_parser = variation, conflicts_with = "import")]
     pub(crate) vary: Vec<(String, [f64; 2])>,
     /// Keep the scenes that the checks would reject, to look at them.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "import")]
     pub(crate) keep_all: bool,
     /// Make the K-th of N parts of the data set, each on a machine of its own.
-    #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = part)]
+    #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = part, conflicts_with = "import")]
     pub(crate) shard: (u32, u32),
     /// Take drapes made elsewhere: a manifest, or a folder laid out as the shirts of Wang et al. 2018.
     #[arg(long, value_name = "JSON|DIR")]
@@ -57,9 +76,9 @@ pub(crate) struct DatasetArgs {
     /// Name of the body's OBJ in each sample of such a folder.
     #[arg(long, value_name = "NAME", requires = "import")]
     pub(crate) body_file: Option<String>,
-    /// Unit of such a folder.
-    #[arg(long, value_name = "UNIT", requires = "import", default_value = "m", value_parser = unit)]
-    pub(crate) units: Unit,
+    /// Unit of such a folder [default: m].
+    #[arg(long, value_name = "UNIT", requires = "import", value_parser = unit)]
+    pub(crate) units: Option<Unit>,
 }
 
 const LONG_HELP: &str = "\
@@ -68,7 +87,8 @@ Parts made on several machines (--shard) are one data set once their shards are 
 
 A manifest is JSON: {\"schema\": \"garnet.import/1\", \"units\": \"m\", \"scenes\": [{\"split\": \
 \"train\", \"body\": \"b1\", \"sequence\": \"walk\", \"body_mesh\": \"b1.obj\", \"garment_mesh\": \
-\"g1.obj\"}]}, with meshes as OBJ, or as npz with an array `vertices`.";
+\"g1.obj\"}]}, with meshes as OBJ, or as npz with an array `vertices` of floats, or of integers if the unit is \
+mm. A body, and a sequence, is in one split alone.";
 
 /// Quality of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -122,12 +142,20 @@ impl UntilName {
 }
 
 impl DatasetArgs {
-    /// The parameters that are drawn for each body.
-    pub(crate) fn variations(&self) -> Variations {
-        let all = self.vary.iter().cloned();
-        all.fold(Variations::default(), |all, (name, range)| {
-            all.with(name, range)
-        })
+    /// The parameters that are drawn for each body; refused if one is named twice.
+    pub(crate) fn variations(&self) -> anyhow::Result<Variations> {
+        let mut all = Variations::default();
+        for (number, (name, range)) in self.vary.iter().enumerate() {
+            if self.vary[..number].iter().any(|(other, _)| other == name) {
+                return Err(refused(
+                    format!("`--vary` names `{name}` twice"),
+                    "a parameter is drawn from one range",
+                    "leave out one of them",
+                ));
+            }
+            all = all.with(name, *range);
+        }
+        Ok(all)
     }
 
     pub(crate) fn sizing(&self, package: &GarmentPackage) -> Sizing {
@@ -144,15 +172,16 @@ impl DatasetArgs {
 fn counts(text: &str) -> Result<Counts, String> {
     const MOST: u32 = 1_000_000;
     let numbers: Option<Vec<u32>> = text.split('/').map(|word| word.parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[train, valid, test])
-            if [train, valid, test].iter().all(|&count| count <= MOST)
-                && train + valid + test > 0 =>
-        {
-            Ok(Counts { train, valid, test })
-        }
-        _ => Err("expected three numbers of bodies, as in 500/20/80".to_owned()),
+    let Some(&[train, valid, test]) = numbers.as_deref() else {
+        return Err("expected three numbers of bodies, as in 500/20/80".to_owned());
+    };
+    if [train, valid, test].iter().any(|&count| count > MOST) {
+        return Err(format!("expected {MOST} bodies at most for each"));
     }
+    if train + valid + test == 0 {
+        return Err("expected at least one body".to_owned());
+    }
+    Ok(Counts { train, valid, test })
 }
 
 /// A parameter and its range, in metres or shares.

@@ -1,14 +1,19 @@
 //! `garnet dataset`: many simulated scenes of one garment.
 
 mod args;
+mod hints;
 mod progress;
+mod rejected;
 mod report;
 
 use std::{path::Path, sync::atomic::AtomicBool, time::Instant};
 
-use garnet::data::{
-    DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest, Limits,
-    generate, import,
+use garnet::{
+    Unit,
+    data::{
+        Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest, Limits, generate,
+        import,
+    },
 };
 
 pub(crate) use args::{DatasetArgs, QualityName};
@@ -17,16 +22,23 @@ use report::DatasetReport;
 
 use crate::{
     console::{Console, print_document},
-    failure::{ExitStatus, Hint, refused},
+    failure::{ExitStatus, refused},
     output,
 };
+use hints::Hinting;
 
 /// Makes a data set, goes on with one, or imports one.
 pub(crate) fn run(args: &DatasetArgs, console: &Console) -> anyhow::Result<ExitStatus> {
     let start = Instant::now();
     output::check_folder(&args.output)?;
     let package = read_package(&args.garment)?;
-    output::make_folder(&args.output)?;
+    if GarmentPackage::is_at(&args.output) {
+        return Err(refused(
+            format!("cannot make a data set in `{}`", args.output.display()),
+            "it is a garment package",
+            "name another folder with `-o`",
+        ));
+    }
     let tried = match &args.import {
         Some(manifest) => {
             take(manifest, args, &package, console)?;
@@ -34,13 +46,20 @@ pub(crate) fn run(args: &DatasetArgs, console: &Console) -> anyhow::Result<ExitS
         }
         None => Some(make(args, &package, console)?),
     };
-    let dataset = Dataset::open(&args.output)?;
+    let dataset = Dataset::open(&args.output).hinting()?;
     let report = DatasetReport::new(&dataset, &args.output, tried, start.elapsed())?;
     if console.is_json() {
         print_document(&report)?;
     }
     console.summary(&report);
-    Ok(ExitStatus::Done)
+    match &report.mostly_rejected {
+        Some(mostly) if mostly.are_all() => Err(mostly.failure()),
+        Some(mostly) => {
+            console.warning(mostly);
+            Ok(ExitStatus::Done)
+        }
+        None => Ok(ExitStatus::Done),
+    }
 }
 
 /// Reads a garment package, or tells how to make one.
@@ -65,7 +84,7 @@ fn make(args: &DatasetArgs, package: &GarmentPackage, console: &Console) -> anyh
         quality: args.quality.quality(),
         until: args.until.until(),
         sizing: args.sizing(package),
-        vary: args.variations(),
+        vary: args.variations()?,
         limits: if args.keep_all {
             Limits::NONE
         } else {
@@ -84,25 +103,8 @@ fn make(args: &DatasetArgs, package: &GarmentPackage, console: &Console) -> anyh
         &AtomicBool::new(false),
     );
     progress.finish();
-    let hint = made.as_ref().err().and_then(hint_for);
-    match hint {
-        Some(hint) => made.hint(|| hint.to_owned()).map(|_| ())?,
-        None => made.map(|_| ())?,
-    }
+    made.hinting()?;
     Ok(progress.tried())
-}
-
-/// What helps against an error, where that does not say it itself.
-fn hint_for(error: &DataError) -> Option<&'static str> {
-    match error {
-        DataError::VariedTemplate => Some("leave out `--sizing one-size`, or `--vary`"),
-        DataError::NoPattern => Some("leave out `--sizing made-to-measure` and `--vary`"),
-        DataError::Pattern(_) => None,
-        _ => Some(
-            "the data set goes on where it was if the command is run again with the same arguments; \
-             other arguments need another folder",
-        ),
-    }
 }
 
 /// Imports.
@@ -112,7 +114,7 @@ fn take(
     package: &GarmentPackage,
     console: &Console,
 ) -> anyhow::Result<()> {
-    let (scenes, base) = if manifest.is_dir() {
+    let scenes = if manifest.is_dir() {
         let body = args.body_file.as_deref().ok_or_else(|| {
             refused(
                 format!(
@@ -123,18 +125,23 @@ fn take(
                 "name it with `--body-file NAME`, or give a manifest instead of a folder",
             )
         })?;
-        (
-            ImportManifest::wang_2018(manifest, body, args.units)?,
-            manifest,
-        )
+        let unit = args.units.unwrap_or(Unit::Metre);
+        ImportManifest::wang_2018(manifest, body, unit).hinting()?
     } else {
-        let base = manifest.parent().unwrap_or(Path::new(""));
-        (ImportManifest::read(manifest)?, base)
+        if args.units.is_some() || args.body_file.is_some() {
+            return Err(refused(
+                format!("`{}` is no folder of shirts", manifest.display()),
+                "`--units` and `--body-file` are for such a folder",
+                "leave them out: a manifest names its unit and its meshes",
+            ));
+        }
+        ImportManifest::read(manifest).hinting()?
     };
     let bar = console.progress(scenes.scenes.len());
-    import(package, &scenes, base, &args.output, &mut |done| {
+    let taken = import(package, &scenes, manifest, &args.output, &mut |done| {
         bar.set_position(done as u64);
-    })?;
+    });
     bar.finish_and_clear();
+    taken.hinting()?;
     Ok(())
 }

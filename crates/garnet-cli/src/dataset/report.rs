@@ -5,6 +5,8 @@ use std::{collections::BTreeMap, fmt, path::Path, time::Duration};
 use garnet::data::{Dataset, SceneReport, Split};
 use serde::Serialize;
 
+use super::{hints::Hinting, rejected::MostlyRejected};
+
 /// What a data set has got.
 #[derive(Debug, Serialize)]
 pub(crate) struct DatasetReport {
@@ -25,6 +27,9 @@ pub(crate) struct DatasetReport {
     measured: Option<Measured>,
     bytes: u64,
     seconds: f64,
+    /// What to do if more than half of the scenes were rejected.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mostly_rejected: Option<MostlyRejected>,
 }
 
 #[derive(Debug, Default, Serialize)]
@@ -35,13 +40,13 @@ struct SplitReport {
 }
 
 #[derive(Debug, Serialize)]
-struct RejectionReport {
+pub(super) struct RejectionReport {
     split: &'static str,
     body: u32,
     pose: u32,
     sequence: String,
-    kind: String,
-    reason: String,
+    pub(super) kind: String,
+    pub(super) reason: String,
 }
 
 /// What the simulation measured: median and worst of the scenes that were accepted.
@@ -68,7 +73,7 @@ impl DatasetReport {
             splits.insert(split.name(), SplitReport::default());
         }
         for shard in dataset.shards() {
-            let shard = shard?;
+            let shard = shard.hinting()?;
             let split = splits.entry(shard.split.name()).or_default();
             split.bodies += shard.bodies.len();
             split.scenes += shard.scenes.len();
@@ -86,6 +91,8 @@ impl DatasetReport {
                 });
             }
         }
+        let accepted = splits.values().map(|split| split.scenes).sum();
+        let mostly_rejected = MostlyRejected::of(&dataset.manifest, accepted, &rejections);
         Ok(Self {
             schema: "garnet.dataset-report/1",
             folder: folder.display().to_string(),
@@ -97,8 +104,9 @@ impl DatasetReport {
             rejections,
             bodies_tried: tried,
             measured: Measured::of(&reports),
-            bytes: dataset.num_bytes()?,
+            bytes: dataset.num_bytes().hinting()?,
             seconds: time.as_secs_f64(),
+            mostly_rejected,
         })
     }
 }

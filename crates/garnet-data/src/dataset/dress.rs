@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use garnet_body::{
     poses::{PoseSampler, Poser, SelfContact},
-    shape::{BodyParameters, ParametricBody, Population},
+    shape::{BodyParameters, ParametricBody, Population, tape_measures},
 };
 use garnet_pattern::Wearer;
 
@@ -70,7 +70,13 @@ impl<'a> Dresser<'a> {
         options: &DatasetOptions,
     ) -> Result<Self, DataError> {
         let tailor = match options.sizing {
-            Sizing::OneSize if options.vary.is_empty() => None,
+            Sizing::OneSize if options.vary.is_empty() => {
+                if tape_measures(&package.body).is_none() {
+                    let vertices = package.body.rest().num_vertices();
+                    return Err(DataError::ForeignBody { vertices });
+                }
+                None
+            }
             Sizing::OneSize => return Err(DataError::VariedTemplate),
             Sizing::MadeToMeasure => {
                 let tailor = Tailor::of_package(package)?.ok_or(DataError::NoPattern)?;

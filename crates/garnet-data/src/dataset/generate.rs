@@ -13,6 +13,7 @@ use std::{
 use garnet_mesh::Fingerprint;
 
 use super::dress::{Dresser, Outcome};
+use super::lock::Lock;
 use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing, Until};
 use super::plan::{Counts, Plan, sampler};
 use super::record::{Rejection, SceneRecord, Split};
@@ -121,7 +122,8 @@ struct Pending {
 ///
 /// # Errors
 ///
-/// [`DataError::OtherDataset`] if the folder holds another data set, [`DataError::FewFit`],
+/// [`DataError::OtherDataset`] if the folder holds another data set, [`DataError::InUse`] while another run
+/// writes shards of this part, [`DataError::FewFit`], [`DataError::ForeignBody`],
 /// [`DataError::Pattern`] for variations that the pattern does not allow, [`DataError::VariedTemplate`],
 /// [`DataError::Stopped`] after `stop` was set, or that a file cannot be read or written. A scene
 /// that cannot be simulated is a rejection, not an error.
@@ -138,7 +140,7 @@ pub fn generate(
     let manifest = DatasetManifest::asked(package, options);
     // Before anything is written.
     let dresser = Dresser::new(package, options)?;
-    begin(&layout, &manifest)?;
+    let _lock = begin(&layout, &manifest, options.part)?;
     let plan = Plan::new(options.seed, options.bodies, |body| dresser.fits(body))?;
     let (shards, tasks) = tasks(&plan, &layout, options);
     let job = Job {
@@ -178,17 +180,25 @@ impl DatasetManifest {
     }
 }
 
-/// Makes the folders and the manifest, or checks the manifest that is there.
-fn begin(layout: &Layout, manifest: &DatasetManifest) -> Result<(), DataError> {
-    for folder in [layout.shards(), layout.pieces()] {
-        fs::create_dir_all(&folder).map_err(|source| DataError::folder(&folder, source))?;
-    }
+/// Makes the folders and the manifest, or checks the manifest that is there, and takes the part.
+fn begin(layout: &Layout, manifest: &DatasetManifest, part: (u32, u32)) -> Result<Lock, DataError> {
     let path = layout.manifest();
     if path.exists() {
-        DatasetManifest::read(&path)?.check_same(manifest, &path)
-    } else {
-        manifest.write(&path)
+        DatasetManifest::read(&path)?.check_same(manifest, &path)?;
     }
+    let lock = Lock::of_part(layout, part)?;
+    let shards = layout.shards();
+    fs::create_dir_all(&shards).map_err(|source| DataError::folder(&shards, source))?;
+    // Another part may have come between.
+    if path.exists() {
+        DatasetManifest::read(&path)?.check_same(manifest, &path)?;
+    } else {
+        for shard in layout.found()? {
+            Shard::read_named(&shard, manifest.fingerprint(), manifest.bodies_per_shard)?;
+        }
+        manifest.write(&path)?;
+    }
+    Ok(lock)
 }
 
 /// Counts what a data set has got.

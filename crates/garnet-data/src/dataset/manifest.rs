@@ -59,6 +59,15 @@ pub enum Until {
 }
 
 impl Until {
+    /// The name in files and messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rest => "rest",
+            Self::Arrival => "arrival",
+            Self::Midway => "midway",
+        }
+    }
+
     /// Whether it is the default.
     pub fn is_rest(&self) -> bool {
         *self == Self::Rest
@@ -73,6 +82,16 @@ pub enum Sizing {
     OneSize,
     /// Each body wears a garment cut to its measures.
     MadeToMeasure,
+}
+
+impl Sizing {
+    /// The name in files and messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::OneSize => "one-size",
+            Self::MadeToMeasure => "made-to-measure",
+        }
+    }
 }
 
 impl DatasetManifest {
@@ -137,10 +156,17 @@ impl DatasetManifest {
                     ),
                 ),
                 ("poses", manifest.poses.to_string()),
-                ("quality", manifest.quality.clone().unwrap_or_default()),
-                ("end", format!("{:?}", manifest.until)),
-                ("sizing", format!("{:?}", manifest.sizing)),
-                ("varied parameters", format!("{:?}", manifest.vary)),
+                (
+                    "quality",
+                    manifest
+                        .quality
+                        .clone()
+                        .unwrap_or_else(|| "none: it was imported".to_owned()),
+                ),
+                ("end", manifest.until.name().to_owned()),
+                ("sizing", manifest.sizing.name().to_owned()),
+                ("varied parameters", manifest.vary.to_string()),
+                ("limits", manifest.limits.to_string()),
                 ("version", manifest.generator.clone()),
                 ("fingerprint", manifest.fingerprint().to_string()),
             ]

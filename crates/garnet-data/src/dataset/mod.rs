@@ -3,6 +3,7 @@
 mod dress;
 mod generate;
 mod import;
+mod lock;
 mod manifest;
 mod plan;
 mod record;
@@ -14,7 +15,7 @@ use std::path::{Path, PathBuf};
 use garnet_mesh::Fingerprint;
 
 pub use generate::{DatasetEvent, DatasetOptions, Tally, generate};
-pub use import::{ImportManifest, ImportScene, import};
+pub use import::{ImportManifest, ImportProblem, ImportScene, import};
 pub use manifest::{DATASET_SCHEMA, DatasetManifest, Sizing, Until};
 pub use plan::{Counts, Plan, sampler, sequences};
 pub use record::{BodyRecord, Posed, Rejection, SceneRecord, Split, StoredParameters};
@@ -46,30 +47,18 @@ impl Dataset {
             folder: folder.to_path_buf(),
         };
         let manifest = DatasetManifest::read(&layout.manifest())?;
-        let shards = layout.shards();
-        let failed = |source| DataError::read(&shards, source);
-        let mut paths = Vec::new();
-        for entry in std::fs::read_dir(&shards).map_err(failed)? {
-            let path = entry.map_err(failed)?.path();
-            if path
-                .extension()
-                .is_some_and(|extension| extension == "safetensors")
-            {
-                paths.push(path);
-            }
-        }
-        paths.sort();
         Ok(Self {
             fingerprint: manifest.fingerprint(),
             manifest,
-            paths,
+            paths: layout.found()?,
         })
     }
 
     /// Reads the shards, one after the other.
     pub fn shards(&self) -> impl Iterator<Item = Result<Shard, DataError>> + '_ {
+        let bodies = self.manifest.bodies_per_shard;
         let paths = self.paths.iter();
-        paths.map(|path| Shard::read(path, self.fingerprint))
+        paths.map(move |path| Shard::read_named(path, self.fingerprint, bodies))
     }
 
     /// Reads the shards of a split, one after the other.

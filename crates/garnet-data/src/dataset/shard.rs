@@ -200,6 +200,25 @@ impl Shard {
         }
         Reading { path, contents }.shard(text)
     }
+
+    /// Reads the file of a data set, and refuses a copy under another name, whose scenes would count twice.
+    pub(super) fn read_named(
+        path: &Path,
+        dataset: Fingerprint,
+        bodies_per_shard: u32,
+    ) -> Result<Self, DataError> {
+        let shard = Self::read(path, dataset)?;
+        if let Some(first) = shard.bodies.first() {
+            let name = shard_name(shard.split, first.number / bodies_per_shard.max(1));
+            if path.file_name().is_some_and(|found| found != name.as_str()) {
+                return Err(DataError::MisnamedShard {
+                    path: path.to_path_buf(),
+                    name,
+                });
+            }
+        }
+        Ok(shard)
+    }
 }
 
 /// A file that is being read.
@@ -310,6 +329,10 @@ impl From<&SceneRecord> for SceneText {
     }
 }
 
+pub(super) fn shard_name(split: Split, number: u32) -> String {
+    format!("{}_{number:04}.safetensors", split.name())
+}
+
 /// Where the files of a data set are.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Layout {
@@ -332,8 +355,23 @@ impl Layout {
     }
 
     pub(super) fn shard(&self, split: Split, number: u32) -> PathBuf {
-        let name = format!("{}_{number:04}.safetensors", split.name());
-        self.shards().join(name)
+        self.shards().join(shard_name(split, number))
+    }
+
+    /// The shards that are there, sorted.
+    pub(super) fn found(&self) -> Result<Vec<PathBuf>, DataError> {
+        let shards = self.shards();
+        let failed = |source| DataError::read(&shards, source);
+        let mut paths = Vec::new();
+        for entry in std::fs::read_dir(&shards).map_err(failed)? {
+            let path = entry.map_err(failed)?.path();
+            let extension = path.extension();
+            if extension.is_some_and(|extension| extension == "safetensors") {
+                paths.push(path);
+            }
+        }
+        paths.sort();
+        Ok(paths)
     }
 
     pub(super) fn piece(&self, split: Split, body: u32, pose: u32) -> PathBuf {

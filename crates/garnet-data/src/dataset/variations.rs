@@ -1,6 +1,6 @@
 //! Sewing parameters that are drawn for each body.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, fmt};
 
 use garnet_body::uniform;
 use garnet_pattern::{Parameters, PatternError};
@@ -77,6 +77,22 @@ impl Variations {
     }
 }
 
+impl fmt::Display for Variations {
+    /// As the command takes them, in centimetres or per cent.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.ranges.is_empty() {
+            return formatter.write_str("none");
+        }
+        for (number, (name, range)) in self.ranges.iter().enumerate() {
+            // Without the last digits of a product by a hundred.
+            let [low, high] = range.map(|end| (1e8 * end).round() / 1e6);
+            let comma = if number > 0 { ", " } else { "" };
+            write!(formatter, "{comma}{name}={low}:{high}")?;
+        }
+        Ok(())
+    }
+}
+
 /// A number from 0 to 1, without 1.
 fn share(seed: u64, body: u64, name: &str) -> f64 {
     let mut bytes = [0_u8; 32];
@@ -116,6 +132,14 @@ mod tests {
         let sleeve = |drawn: &Parameters| drawn.get("sleeve").unwrap().to_bits();
         assert_eq!(sleeve(&again), sleeve(&all[7]));
         assert_ne!(again, one.drawn(&mean, 4, 7).unwrap());
+    }
+
+    #[test]
+    fn ranges_are_shown_as_they_are_given() {
+        assert_eq!(Variations::default().to_string(), "none");
+        let both = Variations::default().with("sleeve", [0.07, 0.34]);
+        let both = both.with("length", [0.605, 0.7]);
+        assert_eq!(both.to_string(), "length=60.5:70, sleeve=7:34");
     }
 
     #[test]

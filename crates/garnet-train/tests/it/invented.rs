@@ -112,7 +112,7 @@ impl Invented {
         let manifest = DatasetManifest::read(&self.dataset().join("dataset.json")).unwrap();
         let path = self
             .dataset()
-            .join(format!("shards/{}.safetensors", shard.split.name()));
+            .join(format!("shards/{}_0000.safetensors", shard.split.name()));
         shard.write(&path, manifest.fingerprint()).unwrap();
     }
 
@@ -121,7 +121,7 @@ impl Invented {
         let manifest = DatasetManifest::read(&self.dataset().join("dataset.json")).unwrap();
         let path = self
             .dataset()
-            .join(format!("shards/{}.safetensors", split.name()));
+            .join(format!("shards/{}_0000.safetensors", split.name()));
         Shard::read(&path, manifest.fingerprint()).unwrap()
     }
 
@@ -177,7 +177,7 @@ fn manifest(package: &GarmentPackage) -> DatasetManifest {
         sizing: Sizing::OneSize,
         vary: Variations::default(),
         limits: Limits::NONE,
-        bodies_per_shard: 1,
+        bodies_per_shard: 1000,
     }
 }
 

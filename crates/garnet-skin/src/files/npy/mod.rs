@@ -33,6 +33,7 @@ pub struct NpyArray {
     pub values: NpyValues,
     /// What -1 becomes where the element type is unsigned.
     pub(super) wrapped_minus_one: Option<i64>,
+    is_boolean: bool,
 }
 
 impl NpyArray {
@@ -78,11 +79,18 @@ impl NpyArray {
             values
         };
         let is_unsigned = element.kind == b'u';
+        let is_boolean = element.kind == b'b';
         Ok(Self {
             shape,
             values,
             wrapped_minus_one: is_unsigned.then(|| element.integer(&[0xff; 8][..element.size])),
+            is_boolean,
         })
+    }
+
+    /// Whether the elements are `b1`, which are read as integers.
+    pub fn is_boolean(&self) -> bool {
+        self.is_boolean
     }
 
     /// The elements as floats, in C order; integers are converted.
@@ -273,6 +281,7 @@ mod tests {
                 let array =
                     NpyArray::parse(&encode(&format!("{order}{kind}"), &[3], data)).unwrap();
                 assert_eq!(array.floats().unwrap(), expected, "{order}{kind}");
+                assert_eq!(array.is_boolean(), kind == "b1");
             }
         }
     }

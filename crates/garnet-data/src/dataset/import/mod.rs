@@ -1,13 +1,16 @@
 //! Data sets made elsewhere.
 
+mod meshes;
+mod problem;
+mod staged;
+
 use std::{
     collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
 };
 
-use garnet_mesh::{ObjFile, Point3, Unit, check_range};
-use garnet_skin::NpzFile;
+use garnet_mesh::Unit;
 use serde::{Deserialize, Serialize};
 
 use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing, Until};
@@ -16,6 +19,10 @@ use super::record::{BodyRecord, Posed, SceneRecord, Split};
 use super::shard::{Layout, Shard};
 use super::variations::Variations;
 use crate::{DataError, GarmentPackage, Limits};
+use meshes::Reader;
+use staged::Staged;
+
+pub use problem::ImportProblem;
 
 /// What this version reads.
 pub(super) const IMPORT_SCHEMA: &str = "garnet.import/1";
@@ -35,16 +42,16 @@ pub struct ImportManifest {
     pub scenes: Vec<ImportScene>,
 }
 
-/// A scene made elsewhere. Meshes are OBJ, or npz with an array `vertices` `[vertex, 3]`; paths are
-/// relative to the manifest.
+/// A scene made elsewhere. Meshes are OBJ, or npz with an array `vertices` `[vertex, 3]` of floats, or of integers
+/// if the unit is mm; paths are relative to the manifest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImportScene {
-    /// The split that its body is in.
+    /// The split that its body and its sequence are in.
     pub split: Split,
     /// Name of the body; scenes with one name show one body.
     pub body: String,
-    /// Name of the sequence that the pose is from.
+    /// Name of the sequence that the pose is from; empty if it is from none.
     #[serde(default)]
     pub sequence: String,
     /// The posed body, with the vertices of the package's rest body.
@@ -110,7 +117,8 @@ impl ImportManifest {
                     _ => Split::Train,
                 },
                 body: name.clone(),
-                sequence: "t_pose".to_owned(),
+                // All stand with their arms held out: that is no sequence which could be kept for the test.
+                sequence: String::new(),
                 body_mesh: Path::new(&name).join(body_file),
                 garment_mesh: Path::new(&name).join("shirt_mesh_r_tmp.obj"),
                 parameters: shirt_parameters(&sample.join("shirt_info.txt"))?,
@@ -143,36 +151,43 @@ fn shirt_parameters(path: &Path) -> Result<BTreeMap<String, f64>, DataError> {
 }
 
 /// Makes a data set of drapes made elsewhere: reads every mesh once, checks it against the package,
-/// and writes shards. `observer` is told after each scene how many are done.
+/// and writes shards. `path` is the manifest, or the folder that was listed. `observer` is told after each scene
+/// how many are done.
+///
+/// The shards come to their places when all are written: a data set is whole or not there.
 ///
 /// # Errors
 ///
-/// [`DataError`] that names the file; a manifest of an earlier import is replaced last, so that a
-/// data set is whole or not there.
+/// [`DataError::Import`] and [`DataError::ImportScene`] for what is wrong with the list and with a scene,
+/// [`DataError::OtherDataset`] and [`DataError::Foreign`] if the folder holds another data set,
+/// [`DataError::InUse`], or that a file cannot be written. The folder is then as it was.
 pub fn import(
     package: &GarmentPackage,
     manifest: &ImportManifest,
-    base: &Path,
+    path: &Path,
     folder: &Path,
     observer: &mut dyn FnMut(usize),
 ) -> Result<DatasetManifest, DataError> {
-    let unit: Unit = manifest
-        .units
-        .parse()
-        .map_err(|error: garnet_mesh::UnitError| DataError::foreign(base, error.to_string()))?;
+    let unit = manifest.check().map_err(|problem| DataError::Import {
+        path: path.to_path_buf(),
+        problem: Box::new(problem),
+    })?;
     let layout = Layout {
         folder: folder.to_path_buf(),
     };
-    let shards = layout.shards();
-    fs::create_dir_all(&shards).map_err(|source| DataError::folder(&shards, source))?;
     let bodies = Split::ALL.map(|split| bodies_of(manifest, split));
     let dataset = described(package, &bodies, manifest);
     let fingerprint = dataset.fingerprint();
-    let mut reader = Reader {
+    let reader = Reader {
         package,
-        base,
-        metres: unit.in_metres(),
+        base: if path.is_dir() {
+            path
+        } else {
+            path.parent().unwrap_or(Path::new(""))
+        },
+        unit,
     };
+    let mut staged = Staged::new(layout, &dataset)?;
     let mut done = 0;
     for (split, bodies) in Split::ALL.into_iter().zip(&bodies) {
         let names: Vec<&str> = bodies.keys().copied().collect();
@@ -184,33 +199,44 @@ pub fn import(
                 shard.bodies.push(BodyRecord {
                     number: body,
                     parameters: None,
-                    garment: scenes[0].parameters.clone(),
+                    garment: manifest.scenes[scenes[0]].parameters.clone(),
                     worn: None,
                 });
-                for (pose, scene) in scenes.iter().enumerate() {
-                    shard.scenes.push(reader.scene(scene, body, pose as u32)?);
+                for (pose, &index) in scenes.iter().enumerate() {
+                    let scene = &manifest.scenes[index];
+                    let record = reader.scene(scene, body, pose as u32);
+                    let record = record.map_err(|source| DataError::ImportScene {
+                        path: path.to_path_buf(),
+                        scene: index + 1,
+                        body: scene.body.clone(),
+                        source: Box::new(source),
+                    })?;
+                    shard.scenes.push(record);
                     done += 1;
                     observer(done);
                 }
             }
-            shard.write(&layout.shard(split, number as u32), fingerprint)?;
+            staged.write(&shard, number as u32, fingerprint)?;
         }
     }
-    dataset.write(&layout.manifest())?;
+    staged.publish(&dataset)?;
     Ok(dataset)
 }
 
-fn bodies_of(manifest: &ImportManifest, split: Split) -> BTreeMap<&str, Vec<&ImportScene>> {
-    let mut bodies: BTreeMap<&str, Vec<&ImportScene>> = BTreeMap::new();
-    for scene in manifest.scenes.iter().filter(|scene| scene.split == split) {
-        bodies.entry(&scene.body).or_default().push(scene);
+/// Places in the list of the scenes of each body.
+fn bodies_of(manifest: &ImportManifest, split: Split) -> BTreeMap<&str, Vec<usize>> {
+    let mut bodies: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (index, scene) in manifest.scenes.iter().enumerate() {
+        if scene.split == split {
+            bodies.entry(&scene.body).or_default().push(index);
+        }
     }
     bodies
 }
 
 fn described(
     package: &GarmentPackage,
-    bodies: &[BTreeMap<&str, Vec<&ImportScene>>; 3],
+    bodies: &[BTreeMap<&str, Vec<usize>>; 3],
     manifest: &ImportManifest,
 ) -> DatasetManifest {
     let mut garment = package.manifest.clone();
@@ -239,71 +265,4 @@ fn described(
         limits: Limits::default(),
         bodies_per_shard: BODIES_PER_SHARD as u32,
     }
-}
-
-struct Reader<'a> {
-    package: &'a GarmentPackage,
-    base: &'a Path,
-    metres: f32,
-}
-
-impl Reader<'_> {
-    fn scene(
-        &mut self,
-        scene: &ImportScene,
-        body: u32,
-        pose: u32,
-    ) -> Result<SceneRecord, DataError> {
-        let num_body = self.package.body.rest().num_vertices();
-        let num_garment = self.package.mesh.num_vertices();
-        Ok(SceneRecord {
-            body,
-            pose,
-            sequence: scene.sequence.clone(),
-            posed: Posed::Mesh(self.points(&scene.body_mesh, num_body, "rest body")?),
-            garment: self.points(&scene.garment_mesh, num_garment, "template")?,
-            arrived: None,
-            midway: None,
-            report: None,
-        })
-    }
-
-    fn points(&self, path: &Path, expected: usize, of: &str) -> Result<Vec<Point3>, DataError> {
-        let path = self.base.join(path);
-        let mut points = read_points(&path)?;
-        if points.len() != expected {
-            let what = format!(
-                "it has {} vertices, the {of} of the package has {expected}",
-                points.len()
-            );
-            return Err(DataError::foreign(&path, what));
-        }
-        for point in &mut points {
-            *point *= self.metres;
-        }
-        check_range(&points).map_err(|error| DataError::foreign(&path, error.to_string()))?;
-        Ok(points)
-    }
-}
-
-fn read_points(path: &Path) -> Result<Vec<Point3>, DataError> {
-    let is_npz = path.extension().is_some_and(|extension| extension == "npz");
-    if !is_npz {
-        return Ok(ObjFile::read(path)?.positions().to_vec());
-    }
-    let mut file = NpzFile::open(path)?;
-    file.require(&["vertices"])?;
-    let array = file.array("vertices")?;
-    let array = array.ok_or_else(|| DataError::foreign(path, "it has no array `vertices`"))?;
-    let values = array
-        .floats()
-        .map_err(|problem| file.wrong("vertices", problem))?;
-    if values.len() % 3 != 0 {
-        let what = format!("`vertices` has {} values, not three a vertex", values.len());
-        return Err(DataError::foreign(path, what));
-    }
-    let points = values.chunks_exact(3);
-    Ok(points
-        .map(|p| Point3::new(p[0] as f32, p[1] as f32, p[2] as f32))
-        .collect())
 }

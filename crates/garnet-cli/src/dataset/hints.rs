@@ -1,0 +1,114 @@
+//! Advice for what can be wrong with data sets.
+
+use std::io;
+
+use garnet::{
+    data::{DataError, ImportProblem},
+    io::{FileProblem, ObjError, WriteError},
+};
+
+use crate::failure::Hint;
+
+/// Adds what helps against an error of a data set, where the error has no advice of its own.
+pub(super) trait Hinting<T> {
+    fn hinting(self) -> anyhow::Result<T>;
+}
+
+impl<T> Hinting<T> for Result<T, DataError> {
+    fn hinting(self) -> anyhow::Result<T> {
+        match self.as_ref().err().and_then(hint_for) {
+            Some(hint) => self.hint(|| hint),
+            None => Ok(self?),
+        }
+    }
+}
+
+const GOES_ON: &str =
+    "the data set goes on where it was if the command is run again with the same arguments";
+
+fn hint_for(error: &DataError) -> Option<String> {
+    let hint = match error {
+        DataError::VariedTemplate => "leave out `--sizing one-size`, or `--vary`",
+        DataError::NoPattern => "leave out `--sizing made-to-measure` and `--vary`",
+        DataError::ForeignBody { .. } => {
+            "bring the garment to the built-in body: `garnet body -o rest.obj`, `garnet drape GARMENT \
+             rest.obj -o worn.obj`, `garnet garment from-obj worn.obj --rest-body rest.obj -o DIR`"
+        }
+        DataError::OtherDataset { .. } => {
+            "give the arguments that it was begun with, or name another folder with `-o`"
+        }
+        DataError::InUse { .. } => {
+            "wait until that ends; `--shard 1/2` and `--shard 2/2` can run at the same time"
+        }
+        DataError::Stopped => GOES_ON,
+        DataError::Write(WriteError::Io { source, .. }) | DataError::Folder { source, .. }
+            if is_full(source) =>
+        {
+            return Some(format!("make room on the disk: {GOES_ON}"));
+        }
+        DataError::Text { path, .. } if path.ends_with("dataset.json") => {
+            "copy it again, or make the data set anew in another folder"
+        }
+        DataError::Tensors { path, .. }
+        | DataError::MisnamedShard { path, .. }
+        | DataError::Text { path, .. }
+            if path.extension().is_some_and(|name| name == "safetensors") =>
+        {
+            return Some(format!(
+                "delete `{}`: what is missing is made anew when the command is run again",
+                path.display()
+            ));
+        }
+        DataError::Foreign { path, .. }
+            if path.extension().is_some_and(|name| name == "safetensors") =>
+        {
+            "move it out of the folder, or name another folder with `-o`"
+        }
+        DataError::Import { problem, .. } => for_list(problem)?,
+        DataError::ImportScene { source, .. } => for_scene(source)?,
+        _ => return None,
+    };
+    Some(hint.to_owned())
+}
+
+fn is_full(error: &io::Error) -> bool {
+    use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+    matches!(error.kind(), StorageFull | QuotaExceeded | FileTooLarge)
+}
+
+fn for_list(problem: &ImportProblem) -> Option<&'static str> {
+    match problem {
+        ImportProblem::NoScenes => {
+            Some("list drapes under `scenes`; `garnet dataset --help` shows the form")
+        }
+        ImportProblem::Unit(_) => Some("`units` is the unit of all meshes"),
+        ImportProblem::Repeated { .. } => Some("list each drape once"),
+        ImportProblem::BodyInTwoSplits { .. } | ImportProblem::SequenceInTwoSplits { .. } => Some(
+            "put all its scenes into one split: a model would be judged by what it has learned from",
+        ),
+        _ => None,
+    }
+}
+
+fn for_scene(error: &DataError) -> Option<&'static str> {
+    const ARRAY: &str =
+        "meshes are OBJ, or npz with an array `vertices` of floats and of the shape (N, 3)";
+    const BESIDE: &str = "check the path: paths in a manifest are relative to it";
+    let is_missing = |error: &io::Error| error.kind() == io::ErrorKind::NotFound;
+    match error {
+        DataError::Obj(ObjError::Read { source, .. }) if is_missing(source) => Some(BESIDE),
+        DataError::Rig(error) => match &error.problem {
+            FileProblem::Io(source) if is_missing(source) => Some(BESIDE),
+            FileProblem::Archive(_) => Some("the file may be cut off: copy or save it again"),
+            FileProblem::MissingKeys { .. } | FileProblem::Array { .. } => Some(ARRAY),
+            _ => None,
+        },
+        DataError::Extent { .. } => Some(
+            "its vertices may be at one place, or in another unit than `units` names for all meshes",
+        ),
+        DataError::Foreign { .. } => {
+            Some("meshes have the vertices of the package, in the same order")
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,229 @@
+//! Data sets: what is refused before anything is written, and what is told of scenes that were rejected.
+
+use std::fs;
+
+use crate::fixtures::{Fixture, stderr, stdout};
+use crate::train::{done, prepared};
+
+/// Runs a command that must be refused with all of `expected` and without leaving anything behind.
+fn refused(fixture: &Fixture, arguments: &str, expected: &[&str]) {
+    let before = fixture.names();
+    let output = fixture.garnet(arguments);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
+    for words in expected {
+        assert!(
+            text.contains(words),
+            "{arguments}: `{words}` is not in {text}"
+        );
+    }
+    assert_eq!(fixture.names(), before, "{arguments}");
+}
+
+#[test]
+fn a_garment_on_another_body_is_refused_with_the_way_out() {
+    let fixture = Fixture::new();
+    done(
+        &fixture,
+        "garment from-obj sleeve.obj --rest-body body.obj -o net -q",
+    );
+    refused(
+        &fixture,
+        "dataset net -o out --bodies 2/0/0 --poses 2",
+        &[
+            "vertices that is not the built-in one",
+            "hint: bring the garment to the built-in body: `garnet body -o rest.obj`",
+        ],
+    );
+}
+
+#[test]
+fn what_the_hint_says_brings_a_garment_to_the_built_in_body() {
+    let fixture = Fixture::new();
+    done(&fixture, "body --stature 170 -o own.obj -q");
+    done(&fixture, "garment tshirt --vertices 600 -o cut -q");
+    done(&fixture, "drape cut own.obj -o worn.obj -q");
+    done(
+        &fixture,
+        "garment from-obj worn.obj --rest-body own.obj -o package -q",
+    );
+    let report = done(
+        &fixture,
+        "dataset package -o out --bodies 1/0/0 --poses 1 --until midway --json",
+    );
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["splits"]["train"]["scenes"], 1);
+}
+
+#[test]
+fn scenes_that_are_mostly_rejected_are_told() {
+    let fixture = Fixture::new();
+    done(&fixture, "garment tshirt --vertices 1500 -o tee -q");
+    let output = fixture.garnet("dataset tee -o out --bodies 1/0/0 --poses 8 --quality fast");
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    let expected = "warning: [..] of 8 scenes were rejected, [..] of them for unsettled: ";
+    for part in expected.split("[..]") {
+        assert!(text.contains(part), "{text}");
+    }
+    assert!(
+        text.contains("; `--quality teacher` settles for longer; other arguments"),
+        "{text}"
+    );
+    assert!(!fixture.path("out/unfinished").exists());
+}
+
+#[test]
+fn a_data_set_without_scenes_is_an_error() {
+    let fixture = Fixture::new();
+    done(&fixture, "garment tshirt --vertices 700 -o tee -q");
+    let arguments = "dataset tee -o out --bodies 1/0/0 --poses 2 --quality fast --json";
+    let output = fixture.garnet(arguments);
+    assert_eq!(output.status.code(), Some(2));
+    let report: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(report["mostly_rejected"]["kind"], "unsettled");
+    let error: serde_json::Value = serde_json::from_str(&stderr(&output)).unwrap();
+    assert_eq!(error["error"], "the data set has no scenes");
+}
+
+#[test]
+fn hints_fit_what_is_wrong_with_the_files_of_a_data_set() {
+    let fixture = Fixture::new();
+    done(&fixture, "garment tshirt --vertices 600 -o tee -q");
+    let asked = "dataset tee -o out --bodies 1/0/1 --poses 1 --until midway";
+    done(&fixture, &format!("{asked} -q"));
+    refused(
+        &fixture,
+        "dataset tee -o out --bodies 1/0/1 --poses 1",
+        &[
+            "with end midway, asked for is rest",
+            "hint: give the arguments that it was begun with",
+        ],
+    );
+    refused(
+        &fixture,
+        &format!("{asked} --sizing made-to-measure"),
+        &["with sizing one-size, asked for is made-to-measure"],
+    );
+    refused(
+        &fixture,
+        &format!("{asked} --keep-all"),
+        &["with limits of 0 vertices inside"],
+    );
+
+    let shard = "out/shards/train_0000.safetensors";
+    let whole = fixture.read(shard);
+    fixture.half(shard, shard);
+    let delete = format!("hint: delete `{shard}`");
+    refused(&fixture, asked, &["no sound safetensors file", &delete]);
+    fixture.bytes(shard, &fixture.read("out/shards/test_0000.safetensors"));
+    refused(
+        &fixture,
+        asked,
+        &["is the shard `test_0000.safetensors`", &delete],
+    );
+    fs::remove_file(fixture.path(shard)).unwrap();
+    done(&fixture, &format!("{asked} -q"));
+    assert_eq!(fixture.read(shard), whole);
+
+    fixture.half("out/dataset.json", "out/dataset.json");
+    refused(
+        &fixture,
+        asked,
+        &["dataset.json`: EOF", "hint: copy it again"],
+    );
+}
+
+#[test]
+fn arguments_that_contradict_each_other_are_refused() {
+    let fixture = prepared();
+    for option in [
+        "--bodies 1/0/0",
+        "--poses 3",
+        "--seed 1",
+        "--quality fast",
+        "--until rest",
+        "--sizing one-size",
+        "--vary sleeve=1:2",
+        "--keep-all",
+        "--shard 1/2",
+    ] {
+        refused(
+            &fixture,
+            &format!("dataset net --import scenes.json -o out {option}"),
+            &["cannot be used with"],
+        );
+    }
+    refused(
+        &fixture,
+        "dataset net --import scenes.json -o out --units cm",
+        &["`--units` and `--body-file` are for such a folder"],
+    );
+    refused(
+        &fixture,
+        "dataset net -o out --vary sleeve=20:20 --vary sleeve=22:24",
+        &["`--vary` names `sleeve` twice"],
+    );
+    refused(&fixture, "dataset net -o net", &["it is a garment package"]);
+    refused(
+        &fixture,
+        "dataset net -o out --bodies 0/0/0",
+        &["expected at least one body"],
+    );
+}
+
+#[test]
+fn imports_that_are_wrong_leave_everything_as_it_was() {
+    let fixture = prepared();
+    let manifest = String::from_utf8(fixture.read("scenes.json")).unwrap();
+    let wrong = |from: &str, to: &str, expected: &[&str]| {
+        fixture.text("wrong.json", &manifest.replace(from, to));
+        refused(&fixture, "dataset net --import wrong.json -o out", expected);
+    };
+    wrong(
+        "\"body\": \"c\"",
+        "\"body\": \"a\"",
+        &[
+            "`wrong.json`: the body `a` is in `train` by scene 1 and in `test` by scene 4",
+            "hint: put all its scenes into one split",
+        ],
+    );
+    wrong(
+        "\"walk\"",
+        "\"bend\"",
+        &["the sequence `bend` is in `train` by scene 1 and in `test` by scene 4"],
+    );
+    wrong(
+        "md_most.obj",
+        "nowhere.obj",
+        &[
+            "cannot take scene 4, of body `c`, of `wrong.json`",
+            "nowhere.obj",
+            "hint: check the path: paths in a manifest are relative to it",
+        ],
+    );
+    wrong(
+        "md_most.obj",
+        "body.rig.npz",
+        &[
+            "body.rig.npz",
+            "the template of the package has",
+            "hint: meshes have the vertices of the package",
+        ],
+    );
+    fixture.bytes("cut.npz", b"PK");
+    wrong(
+        "md_most.obj",
+        "cut.npz",
+        &["cut.npz", "hint: the file may be cut off"],
+    );
+
+    let before = fixture.read("scenes/shards/train_0000.safetensors");
+    fixture.text("wrong.json", &manifest.replace("\"valid\"", "\"train\""));
+    refused(
+        &fixture,
+        "dataset net --import wrong.json -o scenes",
+        &["with bodies 1/1/1, asked for is 2/0/1"],
+    );
+    assert_eq!(fixture.read("scenes/shards/train_0000.safetensors"), before);
+}
