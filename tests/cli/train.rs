@@ -205,14 +205,14 @@ fn a_pose_that_the_shirt_does_not_know_is_simulated_all_the_way() {
 fn a_damaged_package_is_refused() {
     let fixture = Fixture::new();
     let shirt = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/tshirt");
-    std::fs::create_dir(fixture.path("shirt")).unwrap();
+    fs::create_dir(fixture.path("shirt")).unwrap();
     for name in [
         "garment.toml",
         "template.obj",
         "body.rig.npz",
         "midway.safetensors",
     ] {
-        std::fs::copy(
+        fs::copy(
             format!("{shirt}/{name}"),
             fixture.path(&format!("shirt/{name}")),
         )

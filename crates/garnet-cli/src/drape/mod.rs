@@ -46,6 +46,7 @@ pub(crate) use rest_mesh::{Frames, RestMesh};
 use settled::Settler;
 use simulated::Teaching;
 use timing::timed;
+pub(crate) use warning::warnings_of;
 use warning::{Problem, Warning};
 
 use crate::{
@@ -225,19 +226,6 @@ impl Bound {
         let made = (self.refit.as_ref()).map_or(&self.garment, Refit::garment);
         made.mesh().positions()
     }
-}
-
-/// What is unusual about a garment that was read from `path`, and about where it lies on its body.
-pub(crate) fn warnings_of(path: &Path, garment: &BoundGarment) -> Vec<WarningReport> {
-    let problems = warning::of_garment(garment.mesh()).into_iter();
-    let problems = problems.chain(warning::of_start(garment));
-    let warnings = problems.map(|problem| Warning {
-        path: path.to_path_buf(),
-        problem,
-    });
-    warnings
-        .map(|warning| WarningReport::from(&warning))
-        .collect()
 }
 
 /// What is unusual about the two meshes.
@@ -550,17 +538,6 @@ fn method_name(warp: Warp) -> &'static str {
         Warp::Linear => "lbs",
         Warp::DualQuaternion => "dqs",
         Warp::Shape => "warp",
-    }
-}
-
-impl From<&Warning> for WarningReport {
-    fn from(warning: &Warning) -> Self {
-        Self {
-            kind: warning.problem.kind(),
-            path: warning.path.display().to_string(),
-            count: warning.problem.count(),
-            text: warning.to_string(),
-        }
     }
 }
 

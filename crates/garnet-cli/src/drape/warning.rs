@@ -11,7 +11,7 @@ use garnet::{
     diagnose,
 };
 
-use super::report::PenetrationReport;
+use super::report::{PenetrationReport, WarningReport};
 
 /// What may be wrong with a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -251,11 +251,35 @@ fn millimetres(metres: f32) -> String {
     format!("{:.1}", 1e3 * metres)
 }
 
+impl From<&Warning> for WarningReport {
+    fn from(warning: &Warning) -> Self {
+        Self {
+            kind: warning.problem.kind(),
+            path: warning.path.display().to_string(),
+            count: warning.problem.count(),
+            text: warning.to_string(),
+        }
+    }
+}
+
 /// A garment whose vertices are deeper than this in the rest body may belong to another, in metres.
 const MAX_START_DEPTH: f32 = 0.03;
 
 /// A target that differs from the posed rest body by more than a change of shape does, in metres.
 const MAX_RESIDUAL: f32 = 0.15;
+
+/// What is unusual about a garment that was read from `path`, and about where it lies on its body.
+pub(crate) fn warnings_of(path: &Path, garment: &BoundGarment) -> Vec<WarningReport> {
+    let problems = of_garment(garment.mesh()).into_iter();
+    let problems = problems.chain(of_start(garment));
+    let warnings = problems.map(|problem| Warning {
+        path: path.to_path_buf(),
+        problem,
+    });
+    warnings
+        .map(|warning| WarningReport::from(&warning))
+        .collect()
+}
 
 /// What is unusual about a garment.
 pub(crate) fn of_garment(mesh: &TriMesh) -> Vec<Problem> {
