@@ -204,6 +204,24 @@ fn bodies_of_other_topology() {
 }
 
 #[test]
+fn a_rig_elsewhere_than_the_body() {
+    let fixture = Fixture::new();
+    for name in ["body.obj", "bent.obj", "sleeve.obj"] {
+        fixture.moved(name, &format!("far_{name}"), |point| {
+            point + garnet::Vector3::z() * 10.0
+        });
+    }
+    refused(
+        &fixture,
+        "drape far_sleeve.obj far_bent.obj --rest-body far_body.obj --rig body.rig.npz -o out.obj",
+        &[
+            "`body.rig.npz` does not fit the rest body `far_body.obj`",
+            "joints lie outside",
+        ],
+    );
+}
+
+#[test]
 fn garments_that_are_not_there() {
     let fixture = Fixture::new();
     std::fs::create_dir(fixture.path("empty")).unwrap();

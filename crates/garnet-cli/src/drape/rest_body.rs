@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use garnet::{
-    Body, Isometry3, Joint, Method, Point3, Pose, Quaternion, Rig, Skeleton, TriMesh, Unit,
+    Body, Bounds, Isometry3, Joint, Method, Point3, Pose, Quaternion, Rig, Skeleton, TriMesh, Unit,
     UnitQuaternion, UpAxis, Vector3,
 };
 
@@ -60,6 +60,7 @@ pub(crate) fn rest_body_of(
     }
     let skeleton = placed(&rig.skeleton, rig_frame).with_context(fits)?;
     let mesh = in_metres(taken.mesh.clone(), frames.rest)?;
+    check_joints(&skeleton, &mesh).with_context(fits)?;
     let rest_pose = rig.rest_pose.map(|pose| turned(&pose, rig_frame));
     if let (Some(pose), Some(zero_mesh)) = (rest_pose, zero_mesh) {
         let zero = Body::new(zero_mesh, skeleton.clone(), rig.weights.clone());
@@ -95,6 +96,34 @@ pub(crate) fn does_not_fit(rig: &Path, rest: &Path) -> String {
         rig.display(),
         rest.display()
     )
+}
+
+/// Joints are as far as this outside the box of their body at most, over the size of the box: those at the tips of hands and feet.
+const JOINT_MARGIN: f32 = 0.1;
+
+/// Refuses a skeleton most of which lies outside the body: rig and mesh are in two places, or of two sizes.
+fn check_joints(skeleton: &Skeleton, mesh: &TriMesh) -> anyhow::Result<()> {
+    let Some(Bounds { min, max }) = Bounds::of(mesh.positions()) else {
+        return Ok(());
+    };
+    let margin = Vector3::repeat(JOINT_MARGIN * (max - min).norm());
+    let (low, high) = (min - margin, max + margin);
+    let is_outside = |joint: &&Joint| {
+        let place = joint.rest_position;
+        (0..3).any(|axis| !(low[axis]..=high[axis]).contains(&place[axis]))
+    };
+    let joints = skeleton.joints();
+    let num_outside = joints.iter().filter(is_outside).count();
+    if 2 * num_outside <= joints.len() {
+        return Ok(());
+    }
+    let cause = format!(
+        "{num_outside} of its {} joints lie outside the body",
+        joints.len()
+    );
+    Err(anyhow::anyhow!(cause)).hint(|| {
+        "export rig and rest body from one scene, in one place and unit, or name the unit with `--units`".to_owned()
+    })
 }
 
 /// A skeleton in metres with y up.

@@ -169,9 +169,14 @@ impl<'a> Progress<'a> {
             began.num_train,
             began.num_valid,
         ));
+        let when = if began.past.len() > 1 {
+            "now"
+        } else {
+            "at the start"
+        };
         for value in began.terms.iter().filter(|value| value.weight > 0.0) {
             self.console.summary(&format_args!(
-                "  {}: {:.3e} at the start, times {} is {:.3e}",
+                "  {}: {:.3e} {when}, times {} is {:.3e}",
                 value.term.name(),
                 value.value,
                 value.weight,
