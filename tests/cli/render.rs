@@ -3,6 +3,15 @@
 use crate::fixtures::{Fixture, stderr, stdout};
 
 #[test]
+fn a_picture_is_not_named_as_another_kind() {
+    let fixture = Fixture::new();
+    let output = fixture.garnet("render sleeve.obj -o sleeve.jpg");
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("pictures are PNG, not jpg"));
+    assert!(!fixture.path("sleeve.jpg").exists());
+}
+
+#[test]
 fn pictures_are_png_of_the_size_asked_for() {
     let fixture = Fixture::new();
     for options in [

@@ -26,7 +26,7 @@ pub(crate) struct DrapeArgs {
     /// Where the draped OBJ goes; a folder for several bodies.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Write the posed body, as OBJ; a folder for several.
+    /// With `--pose`: write the posed body, as OBJ; a folder for several.
     #[arg(long, value_name = "OBJ", requires = "pose")]
     body_out: Option<PathBuf>,
     /// How the garment is brought to the body: auto (the network of the package, else warp), lbs,
