@@ -77,7 +77,8 @@ impl PosedBody {
         let place = root_from_rest * root_at_rest;
         let shift = place - root_at_rest;
         let sideways = shift.x.hypot(shift.z);
-        let rise = ground(self.skin().positions()) - ground(rest.rest().positions());
+        let ground_of = |positions| ground(rest.of_skin(positions));
+        let rise = ground_of(self.skin().positions()) - ground_of(rest.rest().positions());
         let turn = turn_about_y(&root_from_rest.rotation);
         let kept = [
             kept(sideways, OWN_SHIFT),
@@ -131,8 +132,8 @@ fn turn_about_y(rotation: &UnitQuaternion<f64>) -> f64 {
 }
 
 /// The height of the lowest point, in metres.
-fn ground(points: &[Point3]) -> f64 {
-    let heights = points.iter().map(|point| f64::from(point.y));
+fn ground<'a>(points: impl Iterator<Item = &'a Point3>) -> f64 {
+    let heights = points.map(|point| f64::from(point.y));
     heights.fold(f64::INFINITY, f64::min)
 }
 
@@ -198,7 +199,7 @@ mod tests {
             let posed = body.posed(&pose(turn, shift)).unwrap();
             let near = posed.at_home(&body).unwrap();
             let places = near.body().skin().positions();
-            let ground_at_home = ground(places) - ground(body.rest().positions());
+            let ground_at_home = ground(places.iter()) - ground(body.rest().positions().iter());
             assert!(ground_at_home.abs() < 1e-4, "{ground_at_home}");
             let first = first.get_or_insert_with(|| places.to_vec());
             assert!(farthest(first, places) < 2e-5);

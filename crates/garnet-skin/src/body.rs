@@ -63,6 +63,20 @@ pub struct Body {
     skeleton: Skeleton,
     weights: SkinWeights,
     was_inside_out: bool,
+    /// Whether a face names each vertex `[vertex]`; empty if all are named.
+    is_named: Vec<bool>,
+}
+
+/// Whether a face names each vertex `[vertex]`; empty if all are named.
+fn named_vertices(mesh: &TriMesh) -> Vec<bool> {
+    let mut is_named = vec![false; mesh.num_vertices()];
+    for &vertex in mesh.faces().as_flattened() {
+        is_named[vertex as usize] = true;
+    }
+    if is_named.iter().all(|&is_named| is_named) {
+        is_named.clear();
+    }
+    is_named
 }
 
 impl Body {
@@ -87,11 +101,44 @@ impl Body {
         let rest = if was_inside_out { turned(rest) } else { rest };
         Ok(Self {
             skin: Surface::new(&rest),
+            is_named: named_vertices(&rest),
             rest,
             skeleton,
             weights,
             was_inside_out,
         })
+    }
+
+    /// Those of `values` `[vertex]` whose vertices are named by a face: the others are no part of the skin.
+    pub(crate) fn of_skin<'a, T>(&'a self, values: &'a [T]) -> impl Iterator<Item = &'a T> {
+        let values = values.iter().enumerate();
+        let is_named = |vertex: usize| self.is_named.get(vertex).is_none_or(|&named| named);
+        values.filter_map(move |(vertex, value)| is_named(vertex).then_some(value))
+    }
+
+    /// The same body without vertices that no face names; none if there are none.
+    pub(crate) fn without_strays(&self) -> Option<Self> {
+        if self.is_named.is_empty() {
+            return None;
+        }
+        let mut place = vec![0_u32; self.is_named.len()];
+        let mut kept = Vec::with_capacity(self.is_named.len());
+        for (vertex, _) in self
+            .is_named
+            .iter()
+            .enumerate()
+            .filter(|&(_, &named)| named)
+        {
+            place[vertex] = kept.len() as u32;
+            kept.push(vertex);
+        }
+        let faces = self.rest.faces().iter();
+        let faces = faces.map(|face| face.map(|vertex| place[vertex as usize]));
+        let positions = self.of_skin(self.rest.positions()).copied().collect();
+        let rest = TriMesh::new(positions, faces.collect()).ok()?;
+        let rows = kept.into_iter().map(|vertex| self.weights.vertex(vertex));
+        let weights = SkinWeights::from_influences(self.skeleton.num_joints(), rows).ok()?;
+        Self::new(rest, self.skeleton.clone(), weights).ok()
     }
 
     /// Whether the faces of the mesh looked inwards, and were turned.

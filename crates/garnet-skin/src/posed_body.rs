@@ -111,7 +111,7 @@ impl Body {
         let (method, max_residual) = [Method::Linear, Method::DualQuaternion]
             .map(|method| {
                 let posed = self.transformed_positions(&posed_from_rest, method);
-                (method, max_distance(&posed, target))
+                (method, max_distance(self, &posed, target))
             })
             .into_iter()
             .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -129,7 +129,9 @@ impl Body {
     }
 }
 
-fn max_distance(a: &[Point3], b: &[Point3]) -> f32 {
-    let distances = a.iter().zip(b).map(|(a, b)| (a - b).norm());
+/// The largest distance between two places of the skin of a body.
+fn max_distance(body: &Body, a: &[Point3], b: &[Point3]) -> f32 {
+    let distances = body.of_skin(a).zip(body.of_skin(b));
+    let distances = distances.map(|(a, b)| (a - b).norm());
     distances.fold(0.0, f32::max)
 }

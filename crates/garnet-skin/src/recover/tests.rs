@@ -158,3 +158,27 @@ fn the_result_is_the_same_with_any_number_of_threads() {
     };
     assert_eq!(on(1), on(2));
 }
+
+#[test]
+fn vertices_that_no_face_names_tell_nothing_of_the_pose() {
+    let body = tube(3);
+    let mut pose = Pose::rest(3);
+    pose.rotations[1] = UnitQuaternion::from_scaled_axis(Vector3::new(0.7, 0.1, 0.0));
+    let posed = body.posed(&pose).unwrap().skin().positions().to_vec();
+    let strays = [Point3::new(5.0, -5.0, 5.0), Point3::new(-5.0, 9.0, 5.0)];
+    let with = |places: &[Point3]| [places, &strays].concat();
+    let mesh = TriMesh::new(with(body.rest().positions()), body.rest().faces().to_vec());
+    let rows: Vec<Vec<(usize, f32)>> = (0..body.rest().num_vertices())
+        .map(|vertex| body.weights().vertex(vertex).collect())
+        .chain([vec![(2, 1.0)], vec![(1, 1.0)]])
+        .collect();
+    let weights = SkinWeights::from_influences(3, rows).unwrap();
+    let more = Body::new(mesh.unwrap(), body.skeleton().clone(), weights).unwrap();
+    let expected = recover_pose(&body, &posed).unwrap();
+    assert_eq!(recover_pose(&more, &with(&posed)).unwrap(), expected);
+    let fitted = more.fitted(&with(&posed)).unwrap();
+    assert!(fitted.max_residual() < REPRODUCED);
+    assert!(fitted.shape_offsets().is_none());
+    let home = fitted.at_home(&more).unwrap();
+    assert_eq!(home.body().skin().positions(), fitted.skin().positions());
+}
