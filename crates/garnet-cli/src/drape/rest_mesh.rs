@@ -143,7 +143,7 @@ impl RestMesh {
 }
 
 /// The positions of the vertices that faces name.
-fn used_positions(mesh: &TriMesh) -> Vec<Point3> {
+pub(crate) fn used_positions(mesh: &TriMesh) -> Vec<Point3> {
     let mut is_used = vec![false; mesh.num_vertices()];
     for &vertex in mesh.faces().as_flattened() {
         is_used[vertex as usize] = true;
