@@ -31,6 +31,16 @@ impl Bounds {
         Some(bounds)
     }
 
+    /// The bounds of the vertices that faces name, or nothing without faces: other vertices may lie anywhere.
+    ///
+    /// # Panics
+    ///
+    /// If a face names a vertex that there is not.
+    pub fn of_faces(positions: &[Point3], faces: &[[u32; 3]]) -> Option<Self> {
+        let corners = faces.as_flattened().iter();
+        Self::of(corners.map(|&vertex| &positions[vertex as usize]))
+    }
+
     /// Sizes along x, y and z.
     pub fn extent(&self) -> Vector3 {
         self.max - self.min

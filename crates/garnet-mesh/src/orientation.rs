@@ -21,8 +21,7 @@ const MIN_ENCLOSED: f64 = 1e-3;
 ///
 /// If a face names a vertex that there is not.
 pub fn is_inside_out(positions: &[Point3], faces: &[[u32; 3]]) -> bool {
-    let corners = faces.as_flattened().iter();
-    let Some(bounds) = Bounds::of(corners.map(|&vertex| &positions[vertex as usize])) else {
+    let Some(bounds) = Bounds::of_faces(positions, faces) else {
         return false;
     };
     let middle = nalgebra::center(&bounds.min, &bounds.max);

@@ -252,14 +252,7 @@ mod tests {
         // A hole leaves no doubt.
         let open = TriMesh::new(ball.positions().to_vec(), ball.faces()[20..].to_vec()).unwrap();
         for mesh in [ball, open] {
-            let joint = Joint {
-                name: "root".to_owned(),
-                parent: None,
-                rest_position: Point3::origin(),
-            };
-            let skeleton = Skeleton::new(vec![joint]).unwrap();
-            let weights = SkinWeights::from_dense(1, &vec![1.0; mesh.num_vertices()]).unwrap();
-            let of = |mesh| Body::new(mesh, skeleton.clone(), weights.clone()).unwrap();
+            let of = |mesh: TriMesh| rig(mesh.num_vertices(), 1).into_body_with(mesh).unwrap();
             let body = of(mesh.clone());
             assert!(!body.was_inside_out());
             let inside_out = of(turned(mesh.clone()));

@@ -8,6 +8,7 @@ use garnet_mesh::{Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::contact::{Contact, ContactFinder};
+use crate::embedded::is_embedded;
 
 /// Samples on a crossing triangle are no farther apart than this, in metres, ...
 const SAMPLE_DISTANCE: f32 = 0.008;
@@ -28,6 +29,16 @@ pub(crate) fn crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
         .into_iter()
         .map(|[face, _]| face)
         .collect();
+    faces.dedup();
+    faces
+}
+
+/// The faces of a garment that cross skin which lies in no other part of the body, sorted.
+pub fn free_crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
+    let pairs = garment.intersections(skin).into_iter();
+    let free = pairs.filter(|&[_, face]| !is_embedded(skin, face));
+    let mut faces: Vec<u32> = free.map(|[face, _]| face).collect();
+    faces.sort_unstable();
     faces.dedup();
     faces
 }

@@ -1,7 +1,7 @@
 //! Where a posed body runs through itself.
 
 use garnet_knn::{KnnError, Surface, VertexTree};
-use garnet_mesh::Point3;
+use garnet_mesh::{Point3, Vector3};
 
 /// How far in front of and behind a face the body is probed, in metres.
 const PROBE_DISTANCE: f32 = 5e-4;
@@ -29,14 +29,13 @@ impl EmbeddedSkin {
         let mut probed = Vec::new();
         let mut probes = Vec::new();
         let mut probed_centers = Vec::new();
-        for (face, corners) in skin.faces().iter().enumerate() {
-            let [a, b, c] = corners.map(|vertex| skin.positions()[vertex as usize].coords);
+        for face in 0..skin.faces().len() {
+            let [a, b, c] = corners(skin, face);
             let center = Point3::from((a + b + c) / 3.0);
             let is_near = (0..3).all(|axis| (low[axis]..=high[axis]).contains(&center[axis]));
-            let normal = (b - a).cross(&(c - a));
-            if let (true, Some(normal)) = (is_near, normal.try_normalize(f32::MIN_POSITIVE)) {
+            if let Some(probe) = probe(skin, face).filter(|_| is_near) {
                 probed.push(face);
-                probes.push(center + PROBE_DISTANCE * normal);
+                probes.push(probe);
                 probed_centers.push(center);
             }
         }
@@ -49,8 +48,7 @@ impl EmbeddedSkin {
             .zip(probes)
             .zip(inside);
         for (((face, center), probe), inside) in found {
-            // The probe mirrored at the face.
-            if inside && winding(skin, center + (center - probe)) > 1 {
+            if inside && has_two_parts_behind(skin, center, probe) {
                 is_embedded[face] = true;
                 centers.push(center);
             }
@@ -97,6 +95,30 @@ pub(crate) fn winding(skin: &Surface, point: Point3) -> i32 {
     } else {
         skin.generalized_winding_number(point).round() as i32
     }
+}
+
+fn corners(skin: &Surface, face: usize) -> [Vector3; 3] {
+    skin.faces()[face].map(|vertex| skin.positions()[vertex as usize].coords)
+}
+
+/// The place just before the middle of a face; none if the face has no area.
+fn probe(skin: &Surface, face: usize) -> Option<Point3> {
+    let [a, b, c] = corners(skin, face);
+    let normal = (b - a).cross(&(c - a)).try_normalize(f32::MIN_POSITIVE)?;
+    Some(Point3::from((a + b + c) / 3.0) + PROBE_DISTANCE * normal)
+}
+
+/// Whether two parts of the body are behind a face, where its probe is mirrored.
+fn has_two_parts_behind(skin: &Surface, center: Point3, probe: Point3) -> bool {
+    winding(skin, center + (center - probe)) > 1
+}
+
+/// Whether a face lies inside another part of the body, as [`EmbeddedSkin`] tells for all.
+pub(crate) fn is_embedded(skin: &Surface, face: u32) -> bool {
+    let [a, b, c] = corners(skin, face as usize);
+    let center = Point3::from((a + b + c) / 3.0);
+    let probe = probe(skin, face as usize);
+    probe.is_some_and(|probe| skin.contains(probe) && has_two_parts_behind(skin, center, probe))
 }
 
 /// The box of the garment, with the reach around it.

@@ -50,6 +50,7 @@ mod verify;
 mod way_out;
 
 pub use binding::{Binding, UntangleError};
+pub use crossing::free_crossing_faces;
 pub use options::UntangleOptions;
 pub use report::UntangleReport;
 pub use untangle::{Untangled, untangle};

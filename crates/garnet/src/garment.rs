@@ -47,8 +47,9 @@ impl Garment {
     /// [`Error::NotOnBody`] or [`Error::DifferentUnits`] if the garment does not lie on the body;
     /// [`Error::Skin`] or [`Error::Untangle`] for a garment too degenerate to be smoothed.
     pub fn bind(self, body: &Body) -> Result<BoundGarment, Error> {
-        let garment_bounds = used_bounds(self.mesh()).ok_or(MeshError::NoFaces)?;
-        let body_bounds = used_bounds(body.rest()).ok_or(MeshError::NoFaces)?;
+        let bounds = |mesh: &TriMesh| Bounds::of_faces(mesh.positions(), mesh.faces());
+        let garment_bounds = bounds(self.mesh()).ok_or(MeshError::NoFaces)?;
+        let body_bounds = bounds(body.rest()).ok_or(MeshError::NoFaces)?;
         let (garment_size, body_size) = (garment_bounds.diagonal(), body_bounds.diagonal());
         let ratio = garment_size / body_size.max(f32::MIN_POSITIVE);
         if !(SIZE_RATIO[0]..=SIZE_RATIO[1]).contains(&ratio) {
@@ -70,12 +71,6 @@ impl Garment {
         let binding = Binding::new(&cloth)?;
         Ok(BoundGarment { cloth, binding })
     }
-}
-
-/// Bounds of the vertices that faces name: the others are no part of what is seen.
-fn used_bounds(mesh: &TriMesh) -> Option<Bounds> {
-    let corners = mesh.faces().as_flattened().iter();
-    Bounds::of(corners.map(|&vertex| &mesh.positions()[vertex as usize]))
 }
 
 /// A garment bound to a body: everything that is computed once.

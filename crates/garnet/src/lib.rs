@@ -69,7 +69,7 @@ pub use garnet_skin::{
 };
 #[cfg(feature = "train")]
 pub use garnet_train as train;
-pub use garnet_untangle::{UntangleOptions, UntangleReport};
+pub use garnet_untangle::{UntangleOptions, UntangleReport, free_crossing_faces};
 pub use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 pub use network::{Moved, Network};
 #[cfg(feature = "train")]

@@ -57,7 +57,7 @@ pub(crate) fn read(path: &Path, rig: Option<&Path>) -> anyhow::Result<(Body, Opt
 
 /// The body of a rig in metres with y up, and how its mesh was given.
 fn in_metres(rig: Rig, taken: &RestMesh, rig_path: &Path) -> anyhow::Result<(Body, Frame)> {
-    let frame = Frame::detected(taken.mesh.positions());
+    let frame = Frame::detected(&taken.mesh);
     let frames = Frames {
         obj: frame,
         rest: frame,

@@ -1,6 +1,8 @@
 //! Units and axes of files, and the way from them to metres with y up and back.
 
-use garnet::{Bounds, Point3, Unit, UpAxis, edge_stretch, guess_body_unit, guess_up_axis};
+use garnet::{
+    Bounds, Point3, TriMesh, Unit, UpAxis, Vector3, edge_stretch, guess_body_unit, guess_up_axis,
+};
 
 /// Unit of length and up axis of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,10 +19,10 @@ impl Frame {
     };
 
     /// The frame of a body, by its height.
-    pub(crate) fn detected(positions: &[Point3]) -> Self {
+    pub(crate) fn detected(mesh: &TriMesh) -> Self {
         Self {
-            unit: detected_unit(positions),
-            up: detected_up(positions),
+            unit: detected_unit(mesh),
+            up: detected_up(mesh),
         }
     }
 
@@ -57,15 +59,19 @@ impl Frame {
 }
 
 /// The up axis of a rest body: the longer of y and z, and y in doubt.
-pub(crate) fn detected_up(positions: &[Point3]) -> UpAxis {
-    let bounds = Bounds::of(positions).unwrap_or_default();
-    guess_up_axis(bounds.extent()).unwrap_or(UpAxis::Y)
+pub(crate) fn detected_up(mesh: &TriMesh) -> UpAxis {
+    guess_up_axis(extent(mesh)).unwrap_or(UpAxis::Y)
 }
 
 /// The unit in which a rest body has the height of a body; metres in doubt.
-pub(crate) fn detected_unit(positions: &[Point3]) -> Unit {
-    let extent = Bounds::of(positions).unwrap_or_default().extent();
+pub(crate) fn detected_unit(mesh: &TriMesh) -> Unit {
+    let extent = extent(mesh);
     guess_body_unit(extent.y.max(extent.z)).unwrap_or(Unit::Metre)
+}
+
+fn extent(mesh: &TriMesh) -> Vector3 {
+    let bounds = Bounds::of_faces(mesh.positions(), mesh.faces());
+    bounds.unwrap_or_default().extent()
 }
 
 /// How two sets of positions of one mesh are related.

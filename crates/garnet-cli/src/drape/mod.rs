@@ -18,7 +18,7 @@ mod timing;
 mod topology;
 mod warning;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
@@ -124,7 +124,7 @@ pub(crate) fn do_job(
                 problem: Problem::Unsettled(format!("{error:#}")),
             }),
         }
-        let drapes = drape_all(&mut bound, &job, console)?;
+        let drapes = drape_all(&mut bound, &job, &outputs, console)?;
         let seconds = OnceSeconds {
             read,
             bind,
@@ -240,11 +240,15 @@ fn unusual(garment: &TriMesh, body: &Body) -> Unusual {
     Unusual { garment, body }
 }
 
-fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<Vec<DrapeOutput>> {
+fn drape_all(
+    bound: &mut Bound,
+    job: &Job,
+    outputs: &[PathBuf],
+    console: &Console,
+) -> anyhow::Result<Vec<DrapeOutput>> {
     if let Some(folder) = &job.folder {
         output::make_folder(folder)?;
     }
-    let outputs = outputs_on(&bound.targets, job);
     let has_named = bound.targets.iter().any(|target| target.stem.is_some());
     if let Some(folder) = job.body_out.as_ref().filter(|_| has_named) {
         output::make_folder(folder)?;
@@ -256,7 +260,7 @@ fn drape_all(bound: &mut Bound, job: &Job, console: &Console) -> anyhow::Result<
     };
     let bar = console.progress(bound.targets.len());
     let mut drapes = Vec::with_capacity(bound.targets.len());
-    for (target, output) in bound.targets.iter().zip(&outputs) {
+    for (target, output) in bound.targets.iter().zip(outputs) {
         bar.set_message(target.path.display().to_string());
         let (drape, problems) = drape_one(bound, &mut way, target, output, job, console)?;
         let warnings = problems.into_iter().map(|problem| Warning {
@@ -407,7 +411,6 @@ fn drape_timed(
     } = way;
     let is_midway = learned.as_ref().is_some_and(Learned::is_midway);
     let (mut network, mut fallback) = (0.0, None);
-    let mut is_warped_instead = false;
     let (brought, mut warp) = timed(|| match (&bound.teacher, learned) {
         (Some(teaching), _) => teaching.drape(bound, target, &home, console),
         (None, Some(learned)) => {
@@ -433,9 +436,9 @@ fn drape_timed(
         Some(Err(error)) => unsettled = Some(format!("{error:#}")),
         None => {}
     }
-    if is_midway && fallback.is_none() && !is_settled {
+    let is_left_midway = is_midway && fallback.is_none() && !is_settled;
+    if is_left_midway {
         warped = draper.warp(&bound.garment, posed).with_context(cannot)?;
-        is_warped_instead = true;
     }
     let (drape, untangle) = timed(|| draper.finish(&bound.garment, posed, &warped));
     let mut drape = drape.with_context(cannot)?;
@@ -455,7 +458,7 @@ fn drape_timed(
         simulated,
         fallback: match fallback {
             Some(reason) => Some(reason.to_string()),
-            None if is_warped_instead => {
+            None if is_left_midway => {
                 Some("what is midway could not be simulated further".to_owned())
             }
             None => None,

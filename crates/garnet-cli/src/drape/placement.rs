@@ -93,9 +93,7 @@ pub(crate) fn check(
 
 /// Bounds of the vertices that faces name, in metres.
 fn used_bounds(mesh: &TriMesh, frame: Frame) -> Option<Bounds> {
-    let corners = mesh.faces().as_flattened().iter();
-    let positions = mesh.positions();
-    let used = Bounds::of(corners.map(|&vertex| &positions[vertex as usize]))?;
+    let used = Bounds::of_faces(mesh.positions(), mesh.faces())?;
     Bounds::of(&[used.min, used.max].map(|corner: Point3| frame.point_to_metres(&corner)))
 }
 

@@ -14,8 +14,8 @@ use super::{
     frame::Frame,
     placement,
     rest_body::{RestBodies, Zero, does_not_fit, in_metres, largest_distance, rest_body_of},
-    rest_mesh::{Frames, RestMesh, mesh_of, same_vertices},
-    topology::{EdgeSet, not_mirrored},
+    rest_mesh::{Frames, RestMesh, mesh_of},
+    topology::Known,
 };
 use crate::{
     failure::refused,
@@ -121,9 +121,8 @@ impl Prepared {
             .into_body()
             .context(does_not_fit(path, &scene.rest_body))?;
         let positions = frame.to_metres(target.positions().to_vec());
-        same_vertices(&scene.target_body, &positions, body.rest())?;
-        EdgeSet::of(body.rest()).check(&scene.target_body, &target.polygon_edges())?;
-        not_mirrored(&scene.target_body, &positions, body.rest())?;
+        let known = Known::of(body.rest());
+        known.check(&scene.target_body, &positions, &target.polygon_edges())?;
         let aim = match scene.posed_from_rest {
             Some(transforms) => Aim::Transforms(positions, transforms),
             None => Aim::Vertices(positions),
@@ -261,12 +260,10 @@ fn mesh_targets(
     frames: &Frames,
 ) -> anyhow::Result<Vec<Target>> {
     let mut targets = Vec::with_capacity(bodies.len());
-    let known = EdgeSet::of(rest.rest());
+    let known = Known::of(rest.rest());
     for (body, frame) in bodies.into_iter().zip(&frames.bodies) {
         let positions = frame.to_metres(body.positions);
-        same_vertices(&body.path, &positions, rest.rest())?;
-        known.check(&body.path, &body.edges)?;
-        not_mirrored(&body.path, &positions, rest.rest())?;
+        known.check(&body.path, &positions, &body.edges)?;
         targets.push(Target {
             path: body.path,
             stem: None,

@@ -1,9 +1,9 @@
 //! The report of `drape` and `simulate`: `garnet.drape/1`, `garnet.simulate/1`. Lengths are metres, times seconds.
 
 use garnet::{
-    Point3, Surface, TriMesh, UntangleReport, Vector3,
+    Surface, TriMesh, UntangleReport,
     data::{SceneReport, StoredFabric},
-    penetration, sim,
+    free_crossing_faces, penetration, sim,
 };
 use serde::Serialize;
 
@@ -144,31 +144,11 @@ pub(crate) struct PenetrationReport {
     pub(crate) crossing_faces: usize,
 }
 
-/// How far before a face of the skin it is probed whether the face lies in another part of the body, in metres.
-const PROBE: f32 = 5e-4;
-
-/// How many faces of a garment cross skin that is outside.
-fn crossing_faces(garment: &TriMesh, skin: &Surface) -> usize {
-    let pairs = Surface::new(garment).intersections(skin);
-    let is_outside = |face: u32| {
-        let corners = skin.faces()[face as usize].map(|vertex| skin.positions()[vertex as usize]);
-        let middle = corners
-            .iter()
-            .map(|corner| corner.coords / 3.0)
-            .sum::<Vector3>();
-        !skin.contains(Point3::from(middle + PROBE * skin.face_normal(face)))
-    };
-    let crossing = pairs.into_iter().filter(|&[_, face]| is_outside(face));
-    let mut faces: Vec<u32> = crossing.map(|[face, _]| face).collect();
-    faces.sort_unstable();
-    faces.dedup();
-    faces.len()
-}
-
 impl PenetrationReport {
     /// Of a garment against the skin.
     pub(crate) fn of(garment: &TriMesh, skin: &Surface, is_simulated: bool) -> Self {
-        let (positions, crossing_faces) = (garment.positions(), crossing_faces(garment, skin));
+        let positions = garment.positions();
+        let crossing_faces = free_crossing_faces(&Surface::new(garment), skin).len();
         if is_simulated {
             let found = sim::Penetration::of(positions, skin);
             return Self {

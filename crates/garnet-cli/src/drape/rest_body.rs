@@ -10,7 +10,7 @@ use garnet::{
 
 use super::{
     frame::{Frame, Kinship, detected_up, kinship, name, shorter},
-    rest_mesh::{Frames, RestMesh, other_topology, used_positions},
+    rest_mesh::{Frames, RestMesh, other_topology},
 };
 use crate::failure::Hint;
 
@@ -51,7 +51,7 @@ pub(crate) fn rest_body_of(
             };
             rig_frame = Frame {
                 unit: shorter(frames.rest.unit, decades).unwrap_or(Unit::Metre),
-                up: detected_up(&used_positions(mesh)),
+                up: detected_up(mesh),
             };
         }
         zero_mesh = Some(in_metres(mesh.clone(), rig_frame)?);
@@ -103,7 +103,7 @@ const JOINT_MARGIN: f32 = 0.1;
 
 /// Refuses a skeleton most of which lies outside the body: rig and mesh are in two places, or of two sizes.
 fn check_joints(skeleton: &Skeleton, mesh: &TriMesh) -> anyhow::Result<()> {
-    let Some(Bounds { min, max }) = Bounds::of(&used_positions(mesh)) else {
+    let Some(Bounds { min, max }) = Bounds::of_faces(mesh.positions(), mesh.faces()) else {
         return Ok(());
     };
     let margin = Vector3::repeat(JOINT_MARGIN * (max - min).norm());

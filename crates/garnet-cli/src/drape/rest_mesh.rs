@@ -69,20 +69,18 @@ impl RestMesh {
         bodies: &[BodyFile],
         source: &SourceFiles,
     ) -> anyhow::Result<Frames> {
-        // Vertices that no face names may lie anywhere.
-        let positions = &used_positions(&self.mesh);
         let mut decades = Vec::with_capacity(bodies.len());
         for body in bodies {
             decades.push(self.decades(&body.path, &body.positions)?);
         }
         let first = decades.first().copied().unwrap_or_default();
-        let detected = detected_unit(positions);
+        let detected = detected_unit(&self.mesh);
         let unit = match (source.units.body, self.is_obj) {
             (None, _) => detected,
             (Some(unit), true) => unit,
             (Some(unit), false) => shorter(unit, -first).unwrap_or(unit),
         };
-        let up = detected_up(positions);
+        let up = detected_up(&self.mesh);
         let obj_up = source.up.unwrap_or(up);
         let rest = Frame {
             unit,
@@ -140,17 +138,6 @@ impl RestMesh {
             )),
         }
     }
-}
-
-/// The positions of the vertices that faces name.
-pub(crate) fn used_positions(mesh: &TriMesh) -> Vec<Point3> {
-    let mut is_used = vec![false; mesh.num_vertices()];
-    for &vertex in mesh.faces().as_flattened() {
-        is_used[vertex as usize] = true;
-    }
-    let used = mesh.positions().iter().zip(is_used);
-    used.filter_map(|(position, is_used)| is_used.then_some(*position))
-        .collect()
 }
 
 pub(crate) fn other_topology(path: &Path, cause: String) -> anyhow::Error {

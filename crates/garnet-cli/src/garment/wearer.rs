@@ -59,7 +59,7 @@ fn check_rest(path: &Path, beside: &Path, body: &Body) -> anyhow::Result<()> {
     let Some(rest) = read_rig(beside)?.rest else {
         return Ok(());
     };
-    let frame = Frame::detected(rest.positions());
+    let frame = Frame::detected(&rest);
     let rest = frame.to_metres(rest.positions().to_vec());
     let distance = largest_distance(&rest, body.rest().positions());
     if distance <= SAME {

@@ -57,7 +57,7 @@ pub(crate) struct MeshInfo {
 
 /// The built-in body in metres, if the mesh is one at rest.
 fn built_in(mesh: &TriMesh) -> Option<Rig> {
-    let positions = Frame::detected(mesh.positions()).to_metres(mesh.positions().to_vec());
+    let positions = Frame::detected(mesh).to_metres(mesh.positions().to_vec());
     match recognized(&mesh.with_positions(positions).ok()?) {
         Recognized::Rest(body) => Some(Rig::from(*body)),
         _ => None,
