@@ -1,6 +1,9 @@
 //! What `drape` writes.
 
-use garnet::io::ObjFile;
+use garnet::{
+    Point3, Rig, SkinWeights, TriMesh,
+    io::{ObjFile, read_rig, write_rig_npz},
+};
 use serde_json::Value;
 
 use crate::fixtures::{Fixture, stderr};
@@ -115,6 +118,82 @@ fn vertices_that_no_face_names_decide_nothing() {
     );
     assert_eq!(report["rest_body"]["units"], "m");
     assert_eq!(report["drapes"][0]["untangle"]["inside"], 0);
+}
+
+/// A copy of `body.rig.npz` with a vertex that no face names, and of meshes with one elsewhere in each.
+fn with_strays(fixture: &Fixture) {
+    let rig = read_rig(fixture.path("body.rig.npz")).unwrap();
+    let (mut positions, faces) = rig.rest.unwrap().into_parts();
+    let rows = (0..positions.len()).map(|vertex| rig.weights.vertex(vertex).collect::<Vec<_>>());
+    let rows = rows.chain([vec![(1, 1.0)]]);
+    let weights = SkinWeights::from_influences(2, rows).unwrap();
+    positions.push(Point3::new(3.0, -80.0, 5.0));
+    let rest = TriMesh::new(positions, faces).unwrap();
+    let rig = Rig {
+        rest: Some(rest),
+        weights,
+        ..rig
+    };
+    write_rig_npz(fixture.path("stray.rig.npz"), &rig).unwrap();
+    for (name, stray) in [("body", "v 3 -80 6"), ("bent", "v -40 2 300")] {
+        let text = String::from_utf8(fixture.read(&format!("{name}.obj"))).unwrap();
+        let first_face = text.find("\nf ").unwrap();
+        let (vertices, faces) = text.split_at(first_face);
+        fixture.text(
+            &format!("stray_{name}.obj"),
+            &format!("{vertices}\n{stray}{faces}"),
+        );
+    }
+}
+
+#[test]
+fn strays_of_a_body_are_nowhere_in_its_drapes() {
+    let fixture = Fixture::new();
+    with_strays(&fixture);
+    for (of_strays, of_body) in [
+        (
+            "drape sleeve.obj stray_bent.obj",
+            "drape sleeve.obj bent.obj",
+        ),
+        (
+            "drape sleeve.obj stray_body.obj --pose bend.json",
+            "drape sleeve.obj body.obj --pose bend.json",
+        ),
+        (
+            "simulate sleeve.obj stray_bent.obj --quality fast",
+            "simulate sleeve.obj bent.obj --quality fast",
+        ),
+    ] {
+        reported(
+            &fixture,
+            &format!("{of_body} --rig body.rig.npz -o out.obj"),
+        );
+        reported(
+            &fixture,
+            &format!("{of_strays} --rig stray.rig.npz -o strays.obj"),
+        );
+        assert!(
+            distance(&fixture, "out.obj", "strays.obj") < 1e-4,
+            "{of_strays}"
+        );
+    }
+}
+
+#[test]
+fn strays_of_a_garment_are_not_simulated() {
+    let fixture = Fixture::new();
+    let mut text = String::from_utf8(fixture.read("sleeve.obj")).unwrap();
+    text.push_str("v -900 0 0\n");
+    fixture.text("more_sleeve.obj", &text);
+    let output = fixture.garnet("garment from-obj more_sleeve.obj --rest-body body.obj -o more -q");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let report = reported(&fixture, "simulate more bent.obj --quality fast -o out.obj");
+    assert_eq!(report["drapes"][0]["penetration"]["inside"], 0);
+    let draped = ObjFile::read(fixture.path("out.obj")).unwrap();
+    assert_eq!(
+        draped.positions().last(),
+        Some(&Point3::new(-900.0, 0.0, 0.0))
+    );
 }
 
 #[test]

@@ -143,14 +143,53 @@ fn outputs_do_not_take_the_place_of_inputs_or_of_each_other() {
         refused(&fixture, &format!("{arguments} {output}"), expected);
     }
     fs::create_dir(fixture.path("drapes")).unwrap();
-    let arguments = "drape sleeve.obj bent.obj body.obj --rig body.rig.npz -o .";
-    refused(&fixture, arguments, read);
+    let twice = "two outputs have this name";
+    fixture.text("twice.json", TWO_FRAMES);
+    fs::create_dir(fixture.path("own")).unwrap();
+    fixture.moved("sleeve.obj", "own/template.obj", |p| *p);
+    for (arguments, expected) in [
+        (
+            "drape sleeve.obj bent.obj body.obj --rig body.rig.npz -o .",
+            read,
+        ),
+        (
+            "drape sleeve.obj bent.obj --rig body.rig.npz -o out.obj --report sleeve.obj",
+            read,
+        ),
+        (
+            "drape sleeve.obj --rig body.rig.npz --pose bend.json -o out.obj --body-out sleeve.obj",
+            read,
+        ),
+        (
+            "drape sleeve.obj --rig body.rig.npz --pose twice.json:0:2 -o drapes --body-out drapes",
+            twice,
+        ),
+        (
+            "drape sleeve.obj --rig body.rig.npz --pose twice.json:0:2 -o -",
+            "name a folder",
+        ),
+        ("body body.obj --pose bend.json -o body.obj", read),
+        (
+            "garment from-obj own/template.obj --rest-body body.obj -o own",
+            read,
+        ),
+        (
+            "garment from-obj sleeve.obj --rest-body body.obj -o -",
+            "name a folder",
+        ),
+    ] {
+        refused(&fixture, arguments, expected);
+    }
 }
+
+/// What a pose file of two frames says.
+const TWO_FRAMES: &str = r#"{"schema": "garnet.pose/1", "frames": [
+    {"joints": {"elbow": [0.5, 0, 0, 0.866025]}}, {"joints": {"elbow": [0.6, 0, 0, 0.8]}}]}"#;
 
 #[test]
 fn faces_that_cross_the_skin_are_told() {
     let fixture = Fixture::new();
-    // Eight sides round a limb: their middles are nearer to it than their corners.
+    // Six sides round a limb: their middles are nearer to it than their corners.
     fixture.mesh("coarse.obj", &tube(0.158, 0.8, 6, 6));
     let arguments =
         "simulate coarse.obj bent.obj --rig body.rig.npz --quality fast -o out.obj --report -";

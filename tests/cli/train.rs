@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use garnet::{UnitQuaternion, Vector3};
+
 use crate::fixtures::{Fixture, stderr, stdout};
 
 pub(crate) fn done(fixture: &Fixture, arguments: &str) -> String {
@@ -94,6 +96,35 @@ fn a_training_reports_and_leaves_curves() {
     assert_eq!(settled["settle_frames"], 6);
     assert!(settled["drapes"][0]["seconds"]["settle"].as_f64().unwrap() > 0.0);
     assert_ne!(fixture.read("settled.obj"), fixture.read("out.obj"));
+}
+
+#[test]
+fn bodies_of_imports_may_stand_elsewhere() {
+    let fixture = prepared();
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 2.0);
+    for name in ["most.obj", "md_most.obj"] {
+        fixture.moved(name, &format!("far_{name}"), |p| {
+            turn * p + Vector3::new(7.0, 2.0, -4.0)
+        });
+    }
+    let scenes = String::from_utf8(fixture.read("scenes.json")).unwrap();
+    let scenes = scenes
+        .replace("most.obj", "far_most.obj")
+        .replace("md_far_", "far_md_");
+    fixture.text("far.json", &scenes);
+    done(&fixture, "dataset net --import far.json -o far -q");
+    let errors = |data: &str| -> Vec<f64> {
+        let found = done(&fixture, &format!("eval net {data} --json"));
+        let found: serde_json::Value = serde_json::from_str(&found).unwrap();
+        let methods = found["methods"].as_array().unwrap().iter();
+        let errors = methods.map(|method| method["scores"]["distance"].as_f64().unwrap());
+        errors.collect()
+    };
+    let (near, far) = (errors("scenes"), errors("far"));
+    assert_eq!(near.len(), far.len());
+    for (near, far) in near.into_iter().zip(far) {
+        assert!((near - far).abs() < 1e-5, "{near} and {far} m");
+    }
 }
 
 #[test]

@@ -13,7 +13,8 @@ use garnet_body::{
     },
     shape::{BodyParameters, JOINT_NAMES, ParametricBody},
 };
-use garnet_skin::{Method, Point3, Pose, Skeleton, Vector3};
+use garnet_mesh::TriMesh;
+use garnet_skin::{Body, Method, Point3, Pose, Skeleton, SkinWeights, Vector3};
 
 /// Rounding of rotations in `f32` along a chain of joints, in metres.
 const ROUNDING: f32 = 1e-5;
@@ -214,6 +215,23 @@ fn a_mirrored_pose_is_the_mirror_image() {
             );
         }
     }
+}
+
+#[test]
+fn vertices_that_no_face_names_stand_on_no_ground() {
+    let body = body(45.0, 3.0);
+    let (mut positions, faces) = body.rest().clone().into_parts();
+    let rows = (0..positions.len()).map(|vertex| body.weights().vertex(vertex).collect::<Vec<_>>());
+    let rows = rows.chain([vec![(0, 1.0)]]);
+    let weights = SkinWeights::from_influences(body.skeleton().num_joints(), rows).unwrap();
+    positions.push(Point3::new(0.0, -80.0, 0.0));
+    let mesh = TriMesh::new(positions, faces).unwrap();
+    let with_stray = Body::new(mesh, body.skeleton().clone(), weights).unwrap();
+    let poses = [Pose::rest(body.skeleton().num_joints())];
+    assert_eq!(
+        lowest_points(&with_stray, &poses).unwrap(),
+        lowest_points(&body, &poses).unwrap()
+    );
 }
 
 #[test]

@@ -13,13 +13,7 @@ use crate::failure::refused;
 
 /// Refuses a file that cannot be written, so that no work is done for nothing.
 pub(crate) fn check_file(path: &Path) -> anyhow::Result<()> {
-    if path.as_os_str() == "-" {
-        return Err(refused(
-            "cannot write into `-`",
-            "only reports and `--json` go to stdout",
-            "name a file",
-        ));
-    }
+    check_named(path, "name a file")?;
     if path.is_dir() {
         let path = path.to_path_buf();
         return Err(WriteError::IsFolder { path }.into());
@@ -35,8 +29,21 @@ pub(crate) fn check_file(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Refuses what stands for stdout.
+fn check_named(path: &Path, advice: &str) -> anyhow::Result<()> {
+    if path.as_os_str() != "-" {
+        return Ok(());
+    }
+    Err(refused(
+        "cannot write into `-`",
+        "only reports and `--json` go to stdout",
+        advice,
+    ))
+}
+
 /// Refuses a folder that is a file, or that cannot be made because its own folder is missing.
 pub(crate) fn check_folder(folder: &Path) -> anyhow::Result<()> {
+    check_named(folder, "name a folder")?;
     if folder.is_dir() {
         return Ok(());
     }
@@ -69,9 +76,7 @@ pub(crate) fn check_apart(outputs: &[&Path], inputs: &[&Path]) -> anyhow::Result
         .collect();
     let mut seen: Vec<PathBuf> = Vec::with_capacity(outputs.len());
     for output in outputs {
-        let name = output.file_name().unwrap_or_default();
-        let folder = fs::canonicalize(folder_of(output)).unwrap_or_default();
-        let place = fs::canonicalize(output).unwrap_or(folder.join(name));
+        let place = place_of(output);
         let shown = output.display();
         if inputs.contains(&place) {
             return Err(refused(
@@ -90,6 +95,15 @@ pub(crate) fn check_apart(outputs: &[&Path], inputs: &[&Path]) -> anyhow::Result
         seen.push(place);
     }
     Ok(())
+}
+
+/// Where a file is or would be, of whose folders some may be still to be made.
+fn place_of(path: &Path) -> PathBuf {
+    match (fs::canonicalize(path), path.file_name()) {
+        (Ok(place), _) => place,
+        (Err(_), Some(name)) => place_of(folder_of(path)).join(name),
+        (Err(_), None) => path.to_path_buf(),
+    }
 }
 
 /// Makes a folder that was checked.

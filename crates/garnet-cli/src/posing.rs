@@ -38,8 +38,8 @@ pub(crate) struct Posing {
 }
 
 impl From<&str> for PoseSource {
-    /// Splits `FILE:FRAMES` at the first colon after which nothing but frames follows; a file whose
-    /// own name ends like this comes first.
+    /// Splits `FILE:FRAMES` at the first colon after a file that there is, or after which nothing but frames follows; a file
+    /// whose own name ends like this comes first.
     fn from(text: &str) -> Self {
         let whole = Self {
             path: text.into(),
@@ -49,9 +49,12 @@ impl From<&str> for PoseSource {
             return whole;
         }
         let colons = text.match_indices(':').filter(|&(place, _)| place > 0);
-        let split = colons.map(|(place, _)| (&text[..place], &text[place + 1..]));
-        let mut split = split;
-        let found = split.find_map(|(path, frames)| Some((path, frames.parse().ok()?)));
+        let mut split = colons.map(|(place, _)| (&text[..place], &text[place + 1..]));
+        let on_disk = split.clone().find(|(path, _)| Path::new(path).is_file());
+        let found = match on_disk {
+            Some((path, frames)) => frames.parse().ok().map(|frames| (path, frames)),
+            None => split.find_map(|(path, frames)| Some((path, frames.parse().ok()?))),
+        };
         match found {
             Some((path, frames)) => Self {
                 path: path.into(),
@@ -70,9 +73,16 @@ impl PoseSource {
 
     /// The poses, on a body.
     pub(crate) fn read(&self, body: &Body) -> anyhow::Result<Posing> {
-        if self.frames.is_none() && !self.path.exists() {
+        if !self.path.exists() {
             let name = self.path.to_string_lossy();
             if let Some(pose) = key_pose(&name) {
+                if self.frames.is_some() {
+                    return Err(refused(
+                        format!("cannot read frames of `{name}`"),
+                        "a pose of the library has none",
+                        "leave out what follows the colon",
+                    ));
+                }
                 return of_library(&name, &pose.angles, body);
             }
             let colons = name.match_indices(':');

@@ -94,16 +94,10 @@ impl Teacher {
         rest: &RestShape,
         fabric: &Fabric,
     ) -> Result<Self, DataError> {
-        let is_piece = garment.is_piece();
-        let mut number = vec![u32::MAX; is_piece.len()];
-        let mut nodes = Vec::with_capacity(is_piece.len());
-        for (node, _) in is_piece
-            .iter()
-            .enumerate()
-            .filter(|&(_, &is_piece)| !is_piece)
-        {
-            number[node] = nodes.len() as u32;
-            nodes.push(node as u32);
+        let nodes = simulated_nodes(&garment);
+        let mut number = vec![u32::MAX; garment.rest().len()];
+        for (place, &node) in (0..).zip(&nodes) {
+            number[node as usize] = place;
         }
         let faces: Vec<[u32; 3]> = garment
             .faces()
@@ -377,6 +371,17 @@ pub(crate) fn stopping<'a>(
             ControlFlow::Continue(())
         }
     }
+}
+
+/// The nodes of cloth that is simulated: neither of loose pieces nor of vertices that no face names.
+fn simulated_nodes(garment: &BoundGarment) -> Vec<u32> {
+    let mut is_named = vec![false; garment.rest().len()];
+    for &node in garment.faces().as_flattened() {
+        is_named[node as usize] = true;
+    }
+    let nodes = (0_u32..).zip(garment.is_piece().iter().zip(is_named));
+    let nodes = nodes.filter(|&(_, (&is_piece, is_named))| is_named && !is_piece);
+    nodes.map(|(node, _)| node).collect()
 }
 
 /// How loose the garment is at each node, by its distance from the skin at rest.

@@ -92,9 +92,11 @@ impl<'a> BodyOnWay<'a> {
         std::mem::swap(&mut self.from, &mut self.to);
         self.to = (self.body.motion)(self.time);
         check_count("positions of the collider", self.to.len(), self.from.len())?;
+        let topology = &self.body.collider.adjacency().topology;
         for (vertex, (from, to)) in self.from.iter().zip(&self.to).enumerate() {
             let distance = (to - from).norm();
-            if distance > MAX_BODY_TRAVEL {
+            // Nothing lies on a vertex that no face names.
+            if distance > MAX_BODY_TRAVEL && !topology.vertex_faces(vertex).is_empty() {
                 return Err(SimError::MotionTooFast {
                     vertex,
                     distance,

@@ -35,15 +35,33 @@ impl BodyAtHome<'_> {
         &self.body
     }
 
-    /// Points near the rest body where they are on the target, in metres.
-    pub fn to_target(&self, mut points: Vec<Point3>) -> Vec<Point3> {
-        if let Some(target_from_home) = &self.target_from_home {
-            for point in &mut points {
-                *point = (target_from_home * point.cast::<f64>()).cast();
-            }
+    /// The body near its rest, if it was not there before.
+    pub fn moved(self) -> Option<PosedBody> {
+        match self.body {
+            Cow::Borrowed(_) => None,
+            Cow::Owned(body) => Some(body),
         }
-        points
     }
+
+    /// Points near the rest body where they are on the target, in metres.
+    pub fn to_target(&self, points: Vec<Point3>) -> Vec<Point3> {
+        moved_by(self.target_from_home, points)
+    }
+
+    /// Points on the target where they are near the rest body, in metres.
+    pub fn from_target(&self, points: Vec<Point3>) -> Vec<Point3> {
+        moved_by(self.target_from_home.map(|way| way.inverse()), points)
+    }
+}
+
+/// Points where a way leads them, if there is one.
+fn moved_by(way: Option<Isometry3<f64>>, mut points: Vec<Point3>) -> Vec<Point3> {
+    if let Some(way) = way {
+        for point in &mut points {
+            *point = (way * point.cast::<f64>()).cast();
+        }
+    }
+    points
 }
 
 impl PosedBody {
@@ -205,6 +223,7 @@ mod tests {
             assert!(farthest(first, places) < 2e-5);
             let back = near.to_target(places.to_vec());
             assert!(farthest(&back, posed.skin().positions()) < 1e-5);
+            assert!(farthest(&near.from_target(back), places) < 1e-5);
             let by_transforms = body.transformed_positions(
                 near.body().posed_from_rest(),
                 crate::Method::DualQuaternion,

@@ -1,5 +1,7 @@
 //! Bodies: a rest mesh on a skeleton.
 
+use std::sync::{Arc, OnceLock};
+
 use garnet_knn::Surface;
 use garnet_mesh::{TriMesh, is_inside_out};
 use nalgebra::Isometry3;
@@ -65,6 +67,8 @@ pub struct Body {
     was_inside_out: bool,
     /// Whether a face names each vertex `[vertex]`; empty if all are named.
     is_named: Vec<bool>,
+    /// The body without vertices that no face names, once it was asked for.
+    without_strays: OnceLock<Option<Arc<Self>>>,
 }
 
 /// Whether a face names each vertex `[vertex]`; empty if all are named.
@@ -102,6 +106,7 @@ impl Body {
         Ok(Self {
             skin: Surface::new(&rest),
             is_named: named_vertices(&rest),
+            without_strays: OnceLock::new(),
             rest,
             skeleton,
             weights,
@@ -110,14 +115,22 @@ impl Body {
     }
 
     /// Those of `values` `[vertex]` whose vertices are named by a face: the others are no part of the skin.
-    pub(crate) fn of_skin<'a, T>(&'a self, values: &'a [T]) -> impl Iterator<Item = &'a T> {
+    pub fn of_skin<'a, T>(&'a self, values: &'a [T]) -> impl Iterator<Item = &'a T> {
         let values = values.iter().enumerate();
         let is_named = |vertex: usize| self.is_named.get(vertex).is_none_or(|&named| named);
         values.filter_map(move |(vertex, value)| is_named(vertex).then_some(value))
     }
 
     /// The same body without vertices that no face names; none if there are none.
-    pub(crate) fn without_strays(&self) -> Option<Self> {
+    pub(crate) fn without_strays(&self) -> Option<&Self> {
+        let made = self
+            .without_strays
+            .get_or_init(|| self.cleaned().map(Arc::new));
+        made.as_deref()
+    }
+
+    /// The work of [`Body::without_strays`].
+    fn cleaned(&self) -> Option<Self> {
         if self.is_named.is_empty() {
             return None;
         }

@@ -83,6 +83,20 @@ pub const fn warp_of(start: Start) -> Warp {
 }
 
 impl StagedScene {
+    /// Takes the body, and the cloth on it, to where a drape takes them before anything looks at them.
+    fn come_home(&mut self) -> Result<(), TrainError> {
+        let home = self.posed.at_home(&self.worn.body)?;
+        let on_way = [self.arrived.as_mut(), self.midway.as_mut()];
+        let cloth = on_way.into_iter().flatten().chain([&mut self.draped]);
+        for places in cloth {
+            *places = home.from_target(std::mem::take(places));
+        }
+        if let Some(moved) = home.moved() {
+            self.posed = moved;
+        }
+        Ok(())
+    }
+
     /// The garment, warped to a body that [`StagedScene::posed_for`] gives.
     ///
     /// # Errors
@@ -407,7 +421,7 @@ impl Dressed {
                 source: Box::new(source),
             },
         })?;
-        Ok(StagedScene {
+        let mut staged = StagedScene {
             name,
             sequence: scene.sequence.clone(),
             worn: Arc::clone(&self.worn),
@@ -425,7 +439,12 @@ impl Dressed {
                 (Some(own), Posed::Pose(pose)) => Some((Arc::clone(own), pose.clone())),
                 _ => None,
             },
-        })
+        };
+        // The poses of the library are at home.
+        if let Posed::Mesh(_) = scene.posed {
+            staged.come_home()?;
+        }
+        Ok(staged)
     }
 
     /// The body as a drape finds it: a garment that was cut for the body is moved by the pose;

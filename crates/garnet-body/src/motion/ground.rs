@@ -15,7 +15,7 @@ pub enum Ground {
     AsGiven,
 }
 
-/// The height of the lowest vertex of each pose `[pose]`, in metres.
+/// The height of the lowest vertex of the skin in each pose `[pose]`, in metres.
 ///
 /// # Errors
 ///
@@ -23,7 +23,7 @@ pub enum Ground {
 pub fn lowest_points(body: &Body, poses: &[Pose]) -> Result<Vec<f32>, SkinError> {
     let lowest = |pose: &Pose| {
         let positions = body.posed_positions(pose, Method::DualQuaternion)?;
-        let heights = positions.iter().map(|position| position.y);
+        let heights = body.of_skin(&positions).map(|position| position.y);
         Ok(heights.fold(f32::INFINITY, f32::min))
     };
     poses.par_iter().map(lowest).collect()

@@ -104,6 +104,8 @@ struct Outputs<'a> {
     /// Number of the body in a sample.
     number: Option<u32>,
     coarse: bool,
+    /// The files that are read.
+    inputs: Vec<PathBuf>,
 }
 
 impl<'a> Outputs<'a> {
@@ -113,7 +115,20 @@ impl<'a> Outputs<'a> {
             is_folder,
             number,
             coarse: args.coarse,
+            inputs: inputs_of(args),
         }
+    }
+
+    /// Refuses poses and a rig that would take the place of what is read.
+    fn check_apart(&self, poses: &[NamedPose]) -> anyhow::Result<()> {
+        let mut all = vec![self.rig()];
+        all.extend(poses.iter().map(|pose| self.obj(Some(pose))));
+        if poses.is_empty() {
+            all.push(self.obj(None));
+        }
+        let all: Vec<&Path> = all.iter().map(PathBuf::as_path).collect();
+        let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).collect();
+        output::check_apart(&all, &inputs)
     }
 
     fn body_stem(&self) -> String {
@@ -140,6 +155,15 @@ impl<'a> Outputs<'a> {
             rig_beside(self.path)
         }
     }
+}
+
+/// The files of a body of the user's and of its poses.
+fn inputs_of(args: &BodyArgs) -> Vec<PathBuf> {
+    let own = args.own.iter();
+    let beside = own.clone().map(|own| rig_beside(own));
+    let pose = args.pose.iter().map(|pose| pose.path.clone());
+    let named = own.chain(&args.rig).chain(&args.motion).cloned();
+    named.chain(beside).chain(pose).collect()
 }
 
 fn sample(
@@ -188,6 +212,7 @@ fn write_subject(
             report.notes.push(note);
         }
     }
+    outputs.check_apart(&poses)?;
     if outputs.is_folder {
         output::make_folder(outputs.path)?;
     }

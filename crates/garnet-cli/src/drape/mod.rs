@@ -33,7 +33,7 @@ pub(crate) use args::{InputArgs, Job, Simulation, Source, SourceFiles, UnitsTake
 use choice::ChoiceReport;
 pub(crate) use frame::Frame;
 use learned::{Found, Learned, Unbound};
-use outputs::{check_outputs, outputs_on};
+use outputs::{body_out_of, check_outputs, outputs_on};
 pub(crate) use prepared::Prepared;
 use prepared::{RestBody, Target};
 pub(crate) use report::WarningReport;
@@ -341,11 +341,7 @@ fn drape_one(
     let (written, write) = timed(write);
     written?;
     if let Some(path) = &job.body_out {
-        let path = match &target.stem {
-            Some(stem) => &path.join(format!("{stem}.obj")),
-            None => path,
-        };
-        write_body(path, &bound.rest, &posed)?;
+        write_body(&body_out_of(path, target), &bound.rest, &posed)?;
     }
     time.write = write;
     let output = DrapeOutput {

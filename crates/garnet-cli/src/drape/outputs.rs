@@ -41,15 +41,41 @@ pub(super) fn check_outputs(
     };
     let in_package = in_package?;
     let rest = &prepared.rest;
-    // A garment alone may be draped in its place.
     let mut inputs = vec![rest.path.as_path(), &rest.rig_path];
     inputs.extend(prepared.targets.iter().map(|target| target.path.as_path()));
     inputs.extend(prepared.pose.iter().map(|pose| pose.path.as_path()));
     inputs.extend(in_package.iter().map(PathBuf::as_path));
-    let body_out = job.body_out.iter().filter(|_| job.folder.is_none());
-    let outputs = outputs.iter().chain(&job.report).chain(body_out);
-    let outputs: Vec<&Path> = outputs.map(PathBuf::as_path).collect();
-    output::check_apart(&outputs, &inputs)
+    let bodies = bodies_out(&prepared.targets, job);
+    let beside: Vec<&Path> = job
+        .report
+        .iter()
+        .chain(&bodies)
+        .map(PathBuf::as_path)
+        .collect();
+    let drapes = outputs.iter().map(PathBuf::as_path);
+    let all: Vec<&Path> = drapes.clone().chain(beside.iter().copied()).collect();
+    output::check_apart(&all, &inputs)?;
+    // A garment alone may be draped in its place.
+    let is_one = job.folder.is_none();
+    let others: Vec<&Path> = drapes.filter(|_| !is_one).chain(beside).collect();
+    output::check_apart(&others, &[prepared.garment_file.path()])
+}
+
+/// Where the posed bodies go.
+fn bodies_out(targets: &[Target], job: &Job) -> Vec<PathBuf> {
+    let Some(path) = &job.body_out else {
+        return Vec::new();
+    };
+    let of_target = |target: &Target| body_out_of(path, target);
+    targets.iter().map(of_target).collect()
+}
+
+/// Where the posed body of a target goes, of what was named with `--body-out`.
+pub(super) fn body_out_of(path: &Path, target: &Target) -> PathBuf {
+    match &target.stem {
+        Some(stem) => path.join(format!("{stem}.obj")),
+        None => path.to_path_buf(),
+    }
 }
 
 fn files_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {

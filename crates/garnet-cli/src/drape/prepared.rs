@@ -284,7 +284,8 @@ fn posed_targets(
         let positions = frame.to_metres(body.positions.clone());
         let from_zero = bodies.zero.iter().map(|zero| zero.body.rest());
         let rests = std::iter::once(rest.rest()).chain(from_zero);
-        let distances = rests.map(|rest| largest_distance(rest.positions(), &positions));
+        let found = || rest.of_skin(&positions);
+        let distances = rests.map(|mesh| largest_distance(rest.of_skin(mesh.positions()), found()));
         let distance = distances.fold(f32::INFINITY, f32::min);
         if distance > SAME {
             return Err(refused(

@@ -172,8 +172,11 @@ fn turned(pose: &Pose, frame: Frame) -> Pose {
     }
 }
 
-pub(crate) fn largest_distance(a: &[Point3], b: &[Point3]) -> f32 {
-    let distances = a.iter().zip(b).map(|(a, b)| (a - b).norm());
+pub(crate) fn largest_distance<'a>(
+    a: impl IntoIterator<Item = &'a Point3>,
+    b: impl IntoIterator<Item = &'a Point3>,
+) -> f32 {
+    let distances = a.into_iter().zip(b).map(|(a, b)| (a - b).norm());
     distances.fold(0.0, f32::max)
 }
 

@@ -63,9 +63,6 @@ impl Teaching {
         source: &Source,
     ) -> anyhow::Result<Self> {
         let (teacher, fabric) = teacher_of(bound, simulation.fabric.as_ref(), source)?;
-        if let Some(folder) = &simulation.frames {
-            output::make_folder(folder)?;
-        }
         Ok(Self {
             teacher,
             quality: simulation.quality,
@@ -83,17 +80,19 @@ impl Teaching {
     }
 
     /// Where the frames of a target go, if they are written: in a folder of its own if there are several.
-    fn frames_of(&self, bound: &Bound, target: &Target) -> anyhow::Result<Option<PathBuf>> {
-        let Some(folder) = &self.frames else {
-            return Ok(None);
-        };
+    fn frames_of(&self, bound: &Bound, target: &Target) -> Option<PathBuf> {
+        let folder = self.frames.as_ref()?;
         if bound.targets.len() < 2 {
-            return Ok(Some(folder.clone()));
+            return Some(folder.clone());
         }
         let stem = target.stem.as_ref().map(OsStr::new);
-        let own = folder.join(stem.or(target.path.file_stem()).unwrap_or_default());
-        output::make_folder(&own)?;
-        Ok(Some(own))
+        Some(folder.join(stem.or(target.path.file_stem()).unwrap_or_default()))
+    }
+
+    /// Makes the folder of the frames of a target, and that of all frames around it.
+    fn make_folders(&self, of_target: &Path) -> anyhow::Result<()> {
+        self.frames.as_deref().map_or(Ok(()), output::make_folder)?;
+        output::make_folder(of_target)
     }
 
     /// Moves the body from rest to its target, with the garment on it. Frames are where the target is.
@@ -106,7 +105,7 @@ impl Teaching {
     ) -> anyhow::Result<(Warped, Option<SceneReport>)> {
         let path = BodyPath::to_posed(&bound.body, home.body());
         let stop = AtomicBool::new(false);
-        let frames = self.frames_of(bound, target)?;
+        let frames = self.frames_of(bound, target);
         let mut num_written = 0;
         let mut written: anyhow::Result<()> = Ok(());
         let bar = console.progress(1000);
@@ -123,8 +122,11 @@ impl Teaching {
                     num_written = num_written.max(num_done);
                     let vertices = home.to_target(self.teacher.vertices(positions));
                     let vertices = bound.garment_frame.to_file(vertices);
-                    let frame = bound.garment_file.write_with_positions(&name, &vertices);
-                    written = frame.map_err(anyhow::Error::from);
+                    let write = || bound.garment_file.write_with_positions(&name, &vertices);
+                    // No frame, no folder.
+                    written = self
+                        .make_folders(folder)
+                        .and_then(|()| write().map_err(anyhow::Error::from));
                 }
             }
             Event::Balance {

@@ -172,9 +172,7 @@ impl fmt::Display for Warning {
                     + &format!(" nearer to the skin than the clearance, the nearest {least} mm")
             }
             Problem::CrossingFaces(count) => faces(count, ["crosses", "cross"]) + CROSSING,
-            Problem::CrossingUntouched(count) => {
-                faces(count, ["crosses", "cross"]) + CROSSING + LIFTED_BY
-            }
+            Problem::CrossingUntouched(count) => faces(count, ["crosses", "cross"]) + LIFTED_BY,
             Problem::Moving(share) => still_moving(&self.path, share),
             Problem::Inside(count, deepest) => {
                 let deepest = millimetres(deepest);
@@ -202,7 +200,8 @@ impl fmt::Display for Warning {
 const CROSSING: &str = " the skin between vertices that are outside";
 
 /// What to do about those of cloth that was not untangled.
-const LIFTED_BY: &str = ": `garnet drape`, by `--method sim`, too, lifts them";
+const LIFTED_BY: &str =
+    " the skin: untangling, which `garnet drape` ends with, by `--method sim`, too, lifts them";
 
 /// What is done with a body whose faces look inwards.
 const INSIDE_OUT: &str = "is inside out: its faces look inwards, and are taken the other way round";
@@ -217,8 +216,8 @@ fn too_deep(depth: f32) -> String {
 fn torn(path: &Path, stretch: f32) -> String {
     let path = path.display();
     format!(
-        "an edge of `{path}` is {stretch:.1} times as long as in the garment: cloth would tear, and the body may be too \
-         large for it or the clearance too wide"
+        "an edge of `{path}` is {stretch:.1} times as long as in the garment: cloth would tear, and the body may be of \
+         another size than it or the clearance too wide"
     )
 }
 

@@ -6,7 +6,11 @@ mod own;
 mod report;
 mod wearer;
 
-use std::{path::Path, sync::atomic::AtomicBool, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    sync::atomic::AtomicBool,
+    time::Instant,
+};
 
 use garnet::{
     data::{
@@ -18,7 +22,7 @@ use garnet::{
 };
 
 pub(crate) use args::GarmentArgs;
-use args::{GarmentSource, PatternArgs};
+use args::{GarmentSource, OwnArgs, PatternArgs};
 use report::GarmentReport;
 
 use crate::{
@@ -26,6 +30,7 @@ use crate::{
     drape::WarningReport,
     failure::{ExitStatus, Hint, refused},
     output,
+    sidecar::rig_beside,
 };
 
 /// A package, and what may be wrong with it.
@@ -43,6 +48,9 @@ pub(crate) fn run(args: &GarmentArgs, console: &Console) -> anyhow::Result<ExitS
     };
     output::check_folder(folder)?;
     check_free(folder)?;
+    if let GarmentSource::Own(args) = &args.source {
+        check_apart(folder, args)?;
+    }
     let made = match &args.source {
         GarmentSource::Pattern(args) => cut(args)?,
         GarmentSource::Own(args) => own::packed(args)?,
@@ -63,6 +71,16 @@ pub(crate) fn run(args: &GarmentArgs, console: &Console) -> anyhow::Result<ExitS
         console.warning(&warning.text);
     }
     Ok(ExitStatus::Done)
+}
+
+/// Refuses a folder in which the package would take the place of what it is made from.
+fn check_apart(folder: &Path, own: &OwnArgs) -> anyhow::Result<()> {
+    let package = GarmentPackage::file_names().map(|name| folder.join(name));
+    let package: Vec<&Path> = package.iter().map(PathBuf::as_path).collect();
+    let beside = own.rest_body.as_deref().map(rig_beside);
+    let bodies = own.rest_body.iter().chain(&own.rig).chain(&beside);
+    let inputs = bodies.map(PathBuf::as_path).chain([own.garment.as_path()]);
+    output::check_apart(&package, &inputs.collect::<Vec<_>>())
 }
 
 /// Refuses a folder with trained networks, which would be left with another garment than they have learned.

@@ -159,7 +159,8 @@ fn upright(file: &ObjFile, up: UpAxis) -> anyhow::Result<TriMesh> {
 
 /// How many metres one unit of a file is, if it is of the size of a person.
 fn metres_of(file: &ObjFile) -> f32 {
-    let extent = Bounds::of(file.positions()).unwrap_or_default().extent();
+    let named = Bounds::of_faces(file.positions(), &file.triangles());
+    let extent = named.unwrap_or_default().extent();
     let unit = garnet::guess_body_unit(extent.max());
     unit.unwrap_or(Unit::Metre).in_metres()
 }

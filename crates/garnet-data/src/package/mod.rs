@@ -192,6 +192,11 @@ impl GarmentPackage {
         Ok(manifest)
     }
 
+    /// The files that [`GarmentPackage::write`] may write.
+    pub const fn file_names() -> [&'static str; 4] {
+        [TEMPLATE_FILE, BODY_FILE, REST_FILE, MANIFEST_FILE]
+    }
+
     /// Writes the package into a folder that is there; the manifest last, so that a folder with a
     /// manifest is whole. After an error the folder holds the files that it held before.
     ///
@@ -199,8 +204,7 @@ impl GarmentPackage {
     ///
     /// [`DataError::Write`] or [`DataError::WriteRig`]; [`DataError::Read`] for a file that is there and cannot be read.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, DataError> {
-        let names = [TEMPLATE_FILE, BODY_FILE, REST_FILE, MANIFEST_FILE];
-        let before = Before::of(names.map(|name| folder.join(name)))?;
+        let before = Before::of(Self::file_names().map(|name| folder.join(name)))?;
         let written = self.write_files(folder);
         if written.is_err() {
             before.restore();

@@ -67,7 +67,7 @@ pub fn recover_pose(body: &Body, target: &[Point3]) -> Result<RecoveredPose, Ski
     // Vertices that no face names may lie anywhere, and tell nothing of the pose.
     if let Some(skin) = body.without_strays() {
         let target: Vec<Point3> = body.of_skin(target).copied().collect();
-        return recover_pose(&skin, &target);
+        return recover_pose(skin, &target);
     }
     let rest: Vec<NaPoint3<f64>> = body
         .rest()
