@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use garnet::{Point3, Vector3};
+
 use crate::fixtures::{Fixture, stderr, stdout};
 use crate::train::{done, prepared};
 
@@ -126,6 +128,15 @@ fn hints_fit_what_is_wrong_with_the_files_of_a_data_set() {
     done(&fixture, &format!("{asked} -q"));
     assert_eq!(fixture.read(shard), whole);
 
+    let manifest = String::from_utf8(fixture.read("out/dataset.json")).unwrap();
+    let other = manifest.replace("garnet.dataset/1", "garnet.dataset/9");
+    fixture.text("out/dataset.json", &other);
+    let of_version = "its schema is `garnet.dataset/9`";
+    let other_folder = "hint: name another folder with `-o`";
+    refused(&fixture, asked, &[of_version, other_folder]);
+    let anew = "hint: make the data set anew with `garnet dataset`";
+    refused(&fixture, "eval tee out", &[of_version, anew]);
+
     fixture.half("out/dataset.json", "out/dataset.json");
     refused(
         &fixture,
@@ -226,4 +237,72 @@ fn imports_that_are_wrong_leave_everything_as_it_was() {
         &["with bodies 1/1/1, asked for is 2/0/1"],
     );
     assert_eq!(fixture.read("scenes/shards/train_0000.safetensors"), before);
+}
+
+#[test]
+fn imported_meshes_are_those_of_the_package_and_lie_on_each_other() {
+    let fixture = prepared();
+    let manifest = String::from_utf8(fixture.read("scenes.json")).unwrap();
+    let wrong = |from: &str, to: &str, expected: &[&str]| {
+        fixture.text("wrong.json", &manifest.replace(from, to));
+        refused(&fixture, "dataset net --import wrong.json -o out", expected);
+    };
+    fixture.moved("md_most.obj", "away.obj", |p| p + Vector3::x() * 5.0);
+    wrong(
+        "md_most.obj",
+        "away.obj",
+        &[
+            "`away.obj` is ",
+            " m away from its body `most.obj`",
+            "hint: export garment and body of a scene from one place",
+        ],
+    );
+    fixture.moved("most.obj", "mirrored.obj", |p| Point3::new(-p.x, p.y, p.z));
+    wrong(
+        "\"most.obj\"",
+        "\"mirrored.obj\"",
+        &[
+            "`mirrored.obj` does not belong here: it is the mirror image of the rest body",
+            "hint: export it again without a mirrored axis",
+        ],
+    );
+    wrong(
+        "garnet.import/1",
+        "garnet.import/2",
+        &[
+            "its schema is `garnet.import/2`",
+            "hint: `garnet dataset --help` shows the form of a manifest",
+        ],
+    );
+    fs::create_dir(fixture.path("shirts")).unwrap();
+    refused(
+        &fixture,
+        "dataset net --import shirts --body-file body.obj -o out",
+        &[
+            "no folder in it has a `shirt_mesh_r_tmp.obj`",
+            "hint: name the folder that has a folder for each shirt",
+        ],
+    );
+}
+
+#[test]
+fn an_import_of_other_drapes_does_not_replace_those_that_are_there() {
+    let fixture = prepared();
+    let import = "dataset net --import scenes.json -o scenes";
+    let files = ["dataset.json", "shards/test_0000.safetensors"];
+    let read = || files.map(|name| fixture.read(&format!("scenes/{name}")));
+    let before = read();
+    done(&fixture, &format!("{import} -q"));
+    assert!(read() == before, "a second import shows");
+
+    fixture.moved("md_most.obj", "md_most.obj", |p| p + Vector3::x() * 1e-3);
+    refused(
+        &fixture,
+        import,
+        &[
+            "`scenes/dataset.json` holds a data set with imported content ",
+            "hint: name another folder with `-o`",
+        ],
+    );
+    assert!(read() == before);
 }

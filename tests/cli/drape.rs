@@ -84,7 +84,7 @@ fn bodies_that_are_inside_out_are_turned_and_told() {
         let mesh = ObjFile::read(fixture.path(name)).unwrap().mesh().unwrap();
         let (positions, faces) = mesh.into_parts();
         let faces = faces.into_iter().map(|[a, b, c]| [a, c, b]).collect();
-        let mesh = garnet::TriMesh::new(positions, faces).unwrap();
+        let mesh = TriMesh::new(positions, faces).unwrap();
         fixture.mesh(&format!("turned_{name}"), &mesh);
     }
     let rig = "--rig body.rig.npz -o";
@@ -216,7 +216,7 @@ fn units_and_axes_do_not_matter() {
     reported(&fixture, arguments);
     for name in ["sleeve.obj", "bent.obj", "body.obj"] {
         fixture.moved(name, &format!("cm_{name}"), |p| {
-            100.0 * garnet::Point3::new(p.x, -p.z, p.y)
+            100.0 * Point3::new(p.x, -p.z, p.y)
         });
     }
     let arguments = "drape cm_sleeve.obj cm_bent.obj --rig body.rig.npz --rest-body cm_body.obj";
@@ -224,7 +224,7 @@ fn units_and_axes_do_not_matter() {
     assert_eq!(report["garment"]["units"], "cm");
     assert_eq!(report["rest_body"]["up"], "z");
     fixture.moved("cm_out.obj", "back.obj", |p| {
-        garnet::Point3::new(p.x, p.z, -p.y) / 100.0
+        Point3::new(p.x, p.z, -p.y) / 100.0
     });
     assert!(distance(&fixture, "out.obj", "back.obj") < RECOVERED);
 
@@ -268,7 +268,7 @@ fn the_output_may_be_the_input() {
 fn a_limit_that_is_exceeded_ends_with_one() {
     let fixture = Fixture::new();
     fixture.moved("sleeve.obj", "tight.obj", |p| {
-        garnet::Point3::new(0.7 * p.x, p.y, 0.7 * p.z)
+        Point3::new(0.7 * p.x, p.y, 0.7 * p.z)
     });
     let arguments = "drape tight.obj bent.obj --rest-body body.obj -o out.obj --max-penetration 1";
     let output = fixture.garnet(&format!("{arguments} --no-untangle"));

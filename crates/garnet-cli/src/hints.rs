@@ -4,7 +4,7 @@ use std::{error::Error as StdError, io};
 
 use garnet::{
     CheckpointError, Error, MeshError, SkinError,
-    data::DataError,
+    data::{DataError, ReadAs},
     io::{
         ArrayProblem, FileError, FileProblem, ObjError, ObjLineProblem, ObjParseError, WriteError,
     },
@@ -90,14 +90,31 @@ fn for_data(error: &DataError) -> Option<&'static str> {
         DataError::Skin(error) => for_skin(error),
         DataError::Sim(error) => for_sim(error),
         DataError::Fabric { .. } => Some("correct the value in the file, or make the package anew"),
-        DataError::Foreign { .. } => Some(
-            "copy the file again from where the package came from; a package of a changed garment is made with \
-             `garnet garment from-obj`",
-        ),
+        DataError::Foreign { read_as, .. } => Some(for_foreign(*read_as)),
         DataError::InsideAtStart { .. } => Some(
             "the garment may belong to another body: let it lie on the skin of this one, not in it",
         ),
         _ => None,
+    }
+}
+
+const fn for_foreign(read_as: ReadAs) -> &'static str {
+    match read_as {
+        ReadAs::Package => {
+            "copy the file again from where the package came from; a package of a changed garment is made with \
+             `garnet garment from-obj`"
+        }
+        ReadAs::Dataset => {
+            "make the data set anew with `garnet dataset` and another `-o`, or use the version that made it"
+        }
+        ReadAs::Shard => {
+            "move it out of the folder, or copy it again from where the data set came from"
+        }
+        ReadAs::Import => "`garnet dataset --help` shows the form of a manifest",
+        ReadAs::Shirts => {
+            "name the folder that has a folder for each shirt, or a manifest, whose form `garnet dataset --help` shows"
+        }
+        ReadAs::Mesh => "the mesh was written by a computation that failed: export it again",
     }
 }
 

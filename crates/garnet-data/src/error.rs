@@ -6,12 +6,29 @@ use std::{
 };
 
 use garnet_body::{motion::RetargetError, shape::ShapeError};
-use garnet_mesh::{MeshError, ObjError, WriteError};
+use garnet_mesh::{MeshDifference, MeshError, ObjError, WriteError};
 use garnet_pattern::PatternError;
 use garnet_sim::SimError;
 use garnet_skin::{FileError, SkinError, WriteRigError};
 
 use crate::dataset::ImportProblem;
+
+/// What a file was read as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ReadAs {
+    /// A file of a garment package.
+    Package,
+    /// `dataset.json`.
+    Dataset,
+    /// A shard of a data set.
+    Shard,
+    /// A list of scenes made elsewhere.
+    Import,
+    /// The folder of the shirts of Wang et al. 2018.
+    Shirts,
+    /// A mesh of a scene made elsewhere.
+    Mesh,
+}
 
 /// Why data cannot be made, read or written.
 #[derive(Debug, thiserror::Error)]
@@ -65,6 +82,8 @@ pub enum DataError {
     Foreign {
         /// The file.
         path: PathBuf,
+        /// What it was read as.
+        read_as: ReadAs,
         /// What tells so.
         what: String,
     },
@@ -127,6 +146,34 @@ pub enum DataError {
         of: &'static str,
         /// The largest extent of that, in metres.
         expected: f32,
+    },
+    /// A mesh made elsewhere is not that of the package in another pose and shape.
+    #[error("`{}` does not belong here: {}", path.display(), of_package(*difference, of))]
+    OtherMesh {
+        /// The file.
+        path: PathBuf,
+        /// What it is compared with.
+        of: &'static str,
+        /// What tells so.
+        difference: MeshDifference,
+    },
+    /// A garment made elsewhere does not lie on its body.
+    #[error("`{}` is {gap:.2} m away from its body `{}`", garment.display(), body.display())]
+    Apart {
+        /// The file of the garment.
+        garment: PathBuf,
+        /// The file of the body.
+        body: PathBuf,
+        /// Distance between the boxes of both, in metres.
+        gap: f32,
+    },
+    /// The meshes of a scene were others when they were read again.
+    #[error("`{}` or `{}` has changed meanwhile", garment.display(), body.display())]
+    Changed {
+        /// The file of the garment.
+        garment: PathBuf,
+        /// The file of the body.
+        body: PathBuf,
     },
     /// The garment lies on a body that no body of the population is like.
     #[error(
@@ -198,6 +245,10 @@ fn of_process(number: Option<u32>) -> String {
     number.map_or_else(String::new, |number| format!(" (process {number})"))
 }
 
+fn of_package(difference: MeshDifference, of: &str) -> String {
+    difference.told(&format!("the {of} of the package"))
+}
+
 impl DataError {
     pub(crate) fn read(path: &Path, source: io::Error) -> Self {
         Self::Read {
@@ -227,9 +278,10 @@ impl DataError {
         }
     }
 
-    pub(crate) fn foreign(path: &Path, what: impl Into<String>) -> Self {
+    pub(crate) fn foreign(path: &Path, read_as: ReadAs, what: impl Into<String>) -> Self {
         Self::Foreign {
             path: path.to_path_buf(),
+            read_as,
             what: what.into(),
         }
     }

@@ -5,8 +5,8 @@ use std::path::Path;
 use garnet_mesh::write_atomically;
 use garnet_sim::{GRIP, RestShape};
 
-use crate::DataError;
 use crate::tensors::{Array, Contents, to_bytes};
+use crate::{DataError, ReadAs};
 
 const SCHEMA: &str = "garnet.rest/1";
 
@@ -47,12 +47,12 @@ pub(crate) fn read(path: &Path, num_faces: usize) -> Result<RestShape, DataError
     let bytes = std::fs::read(path).map_err(|source| DataError::read(path, source))?;
     let contents = Contents::of(&bytes).map_err(|source| DataError::tensors(path, source))?;
     let contents = contents.filter(|contents| contents.text == SCHEMA);
-    let contents =
-        contents.ok_or_else(|| DataError::foreign(path, format!("it is no `{SCHEMA}`")))?;
+    let contents = contents
+        .ok_or_else(|| DataError::foreign(path, ReadAs::Package, format!("it is no `{SCHEMA}`")))?;
     let array = |name: &str, shape: &[usize]| {
         let array = contents.array(name).filter(|array| array.shape == shape);
         let what = format!("it has no tensor `{name}` of shape {shape:?}");
-        array.ok_or_else(|| DataError::foreign(path, what))
+        array.ok_or_else(|| DataError::foreign(path, ReadAs::Package, what))
     };
     let corners = array("corners", &[num_faces, 3, 2])?.values;
     let corners: Vec<[[f32; 2]; 3]> = corners.as_chunks::<2>().0.as_chunks::<3>().0.to_vec();

@@ -15,7 +15,7 @@ use std::{
 use garnet_data::{
     DataError, Dataset, DatasetManifest, GarmentPackage, ImportManifest, Split, import,
 };
-use garnet_mesh::{Point3, write_obj};
+use garnet_mesh::{Point3, TriMesh, Vector3, write_obj};
 use tempfile::TempDir;
 use zip::{ZipWriter, write::SimpleFileOptions};
 
@@ -166,22 +166,120 @@ fn arrays_that_are_no_points_are_refused() {
             "{expected}: {error}"
         );
     };
-    let floats = |points: &[Point3], shape: &str| {
-        let values = points.iter().flat_map(|point| point.iter());
-        let bytes: Vec<u8> = values.flat_map(|value| value.to_le_bytes()).collect();
-        npz_of("<f4", shape, &bytes)
-    };
-    refused(floats(&points, &columns), "expected (N, 3)");
+    refused(
+        npz_of("<f4", &columns, &bytes_of(&points)),
+        "expected (N, 3)",
+    );
     let integers = vec![1_u8; 3 * points.len()];
     refused(npz_of("|b1", &rows, &integers), "it holds booleans");
     refused(npz_of("|i1", &rows, &integers), "it holds integers");
     let one_place = vec![Point3::origin(); points.len()];
-    refused(floats(&one_place, &rows), "extends over 0.0000 m");
+    refused(npz_of_points(&one_place), "extends over 0.0000 m");
     points[7].y = 1e20;
     refused(
-        floats(&points, &rows),
+        npz_of_points(&points),
         "vertex 7 has the coordinate `1000000",
     );
+}
+
+#[test]
+fn meshes_of_another_order_or_side_are_refused() {
+    let elsewhere = Elsewhere::new();
+    let refused = |from: &str, name: &str, expected: &str| {
+        let error = elsewhere.refusal(&MANIFEST.replace(from, name));
+        let named = format!("{name}` does not belong here: ");
+        assert!(
+            error.contains(&named) && error.contains(expected),
+            "{expected}: {error}"
+        );
+    };
+    let package = &elsewhere.package;
+    let body = package.body.rest();
+    let mirrored = body.positions().iter();
+    let mirrored: Vec<Point3> = mirrored.map(|p| Point3::new(-p.x, p.y, p.z)).collect();
+    fs::write(elsewhere.path("mirrored.npz"), npz_of_points(&mirrored)).unwrap();
+    let mirrored = body.with_positions(mirrored).unwrap();
+    write_obj(elsewhere.path("mirrored.obj"), &mirrored).unwrap();
+    let mirror_image = "it is the mirror image of the rest body of the package";
+    refused("other.obj", "mirrored.obj", mirror_image);
+    refused("other.obj", "mirrored.npz", mirror_image);
+
+    for (mesh, from, name) in [
+        (body, "other.obj", "rest body"),
+        (&package.mesh, "moved.obj", "template"),
+    ] {
+        let shuffled = shuffled(mesh);
+        write_obj(elsewhere.path("shuffled.obj"), &shuffled).unwrap();
+        refused(from, "shuffled.obj", &format!(" the {name} of the package"));
+        let bytes = npz_of_points(shuffled.positions());
+        fs::write(elsewhere.path("shuffled.npz"), bytes).unwrap();
+        let order = format!("in another order than those of the {name} of the package");
+        refused(from, "shuffled.npz", &order);
+    }
+}
+
+/// The same mesh with its vertices in another order.
+fn shuffled(mesh: &TriMesh) -> TriMesh {
+    let num_vertices = mesh.num_vertices() as u32;
+    // A prime, so that no two vertices come to one place.
+    let place = |vertex: u32| vertex * 1009 % num_vertices;
+    let mut positions = mesh.positions().to_vec();
+    for (vertex, &position) in (0..).zip(mesh.positions()) {
+        positions[place(vertex) as usize] = position;
+    }
+    let faces = mesh.faces().iter().map(|face| face.map(place));
+    TriMesh::new(positions, faces.collect()).unwrap()
+}
+
+#[test]
+fn a_garment_away_from_its_body_is_refused() {
+    let elsewhere = Elsewhere::new();
+    let mesh = &elsewhere.package.mesh;
+    let away = mesh.positions().iter().map(|p| p + Vector3::x() * 5.0);
+    let away = mesh.with_positions(away.collect()).unwrap();
+    write_obj(elsewhere.path("away.obj"), &away).unwrap();
+    let error = elsewhere.refusal(&MANIFEST.replace("moved.obj", "away.obj"));
+    for expected in [
+        "scene 2",
+        "away.obj` is ",
+        " m away from its body `",
+        "other.obj`",
+    ] {
+        assert!(error.contains(expected), "{expected}: {error}");
+    }
+}
+
+#[test]
+fn an_import_of_other_scenes_is_refused_and_one_of_the_same_is_not() {
+    let elsewhere = Elsewhere::new();
+    let dataset = elsewhere.import(MANIFEST, "out").unwrap();
+    assert!(dataset.imported.is_some());
+    let before = elsewhere.files("out");
+    let refused = |manifest: &str| {
+        let error = elsewhere.import(manifest, "out").unwrap_err();
+        assert!(
+            matches!(
+                *error,
+                DataError::OtherDataset {
+                    field: "imported content",
+                    ..
+                }
+            ),
+            "{error}"
+        );
+        assert!(elsewhere.files("out") == before);
+    };
+    refused(&MANIFEST.replace("stand", "walk"));
+    // It is what is in the files that counts.
+    fs::rename(elsewhere.path("moved.obj"), elsewhere.path("same.obj")).unwrap();
+    let renamed = MANIFEST.replace("moved.obj", "same.obj");
+    elsewhere.import(&renamed, "out").unwrap();
+    assert!(elsewhere.files("out") == before);
+    let mesh = &elsewhere.package.mesh;
+    let larger = mesh.positions().iter().map(|place| place * 1.02).collect();
+    let larger = mesh.with_positions(larger).unwrap();
+    write_obj(elsewhere.path("moved.obj"), &larger).unwrap();
+    refused(MANIFEST);
 }
 
 #[test]
@@ -210,6 +308,16 @@ fn a_second_import_that_fails_leaves_the_first_one() {
     elsewhere.import(MANIFEST, "out").unwrap_err();
     assert!(elsewhere.files("out") == before);
     assert!(!elsewhere.path("out/unfinished").exists());
+}
+
+/// An npz archive with these `vertices`.
+fn npz_of_points(points: &[Point3]) -> Vec<u8> {
+    npz_of("<f4", &format!("({}, 3)", points.len()), &bytes_of(points))
+}
+
+fn bytes_of(points: &[Point3]) -> Vec<u8> {
+    let values = points.iter().flat_map(|point| point.iter());
+    values.flat_map(|value| value.to_le_bytes()).collect()
 }
 
 /// An npz archive with an array `vertices`.

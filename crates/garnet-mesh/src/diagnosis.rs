@@ -58,6 +58,12 @@ impl Bounds {
         before.max(behind).max(0.0)
     }
 
+    /// The distance to another box; 0 if they overlap.
+    pub fn gap(&self, other: &Self) -> f32 {
+        let apart = (self.min - other.max).sup(&(other.min - self.max));
+        apart.map(|length| length.max(0.0)).norm()
+    }
+
     /// The middle.
     pub fn center(&self) -> Point3 {
         nalgebra::center(&self.min, &self.max)
@@ -228,6 +234,26 @@ mod tests {
         ];
         for (distance, expected) in distances.into_iter().zip([0.0, 2.0, 1.5, 1.0]) {
             assert!((distance - expected).abs() < 1e-6, "{distance} {expected}");
+        }
+    }
+
+    #[test]
+    fn the_gap_of_two_boxes_is_the_way_between_them() {
+        let bounds = Bounds::of(cuboid([2.0, 4.0, 6.0]).positions()).unwrap();
+        let gap = |x, y, z| {
+            let shift = Vector3::new(x, y, z);
+            let [min, max] = [bounds.min + shift, bounds.max + shift];
+            [
+                bounds.gap(&Bounds { min, max }),
+                Bounds { min, max }.gap(&bounds),
+            ]
+        };
+        for (found, expected) in [
+            (gap(1.0, -3.0, 5.0), 0.0),
+            (gap(0.0, 0.0, -9.0), 3.0),
+            (gap(5.0, 8.0, 0.0), 5.0),
+        ] {
+            assert!(found.iter().all(|gap| (gap - expected).abs() < 1e-5));
         }
     }
 

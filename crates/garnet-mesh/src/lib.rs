@@ -26,6 +26,7 @@ mod edges;
 mod error;
 mod fingerprint;
 mod foreign;
+mod kinship;
 mod lists;
 mod normals;
 mod obj_error;
@@ -53,6 +54,7 @@ pub use curvature::{
 pub use diagnosis::{Bounds, MeshDiagnosis, diagnose};
 pub use error::MeshError;
 pub use fingerprint::{Fingerprint, FingerprintError};
+pub use kinship::{Kinship, KnownMesh, MeshDifference, kinship};
 pub use normals::{face_areas, face_normals, vertex_normals};
 pub use obj_error::{ObjElement, ObjError, ObjLineProblem, ObjParseError};
 pub use obj_file::ObjFile;

@@ -88,7 +88,7 @@ Parts made on several machines (--shard) are one data set once their shards are 
 A manifest is JSON: {\"schema\": \"garnet.import/1\", \"units\": \"m\", \"scenes\": [{\"split\": \
 \"train\", \"body\": \"b1\", \"sequence\": \"walk\", \"body_mesh\": \"b1.obj\", \"garment_mesh\": \
 \"g1.obj\"}]}, with meshes as OBJ, or as npz with an array `vertices` of floats, or of integers if the unit is \
-mm. A body, and a sequence, is in one split alone.";
+mm. They are rest body and template of the package in other poses and shapes, with y up. A body, and a sequence, is in one split alone.";
 
 /// Quality of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

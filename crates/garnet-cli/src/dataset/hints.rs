@@ -3,7 +3,8 @@
 use std::io;
 
 use garnet::{
-    data::{DataError, ImportProblem},
+    MeshDifference,
+    data::{DataError, ImportProblem, ReadAs},
     io::{FileProblem, ObjError, WriteError},
 };
 
@@ -34,6 +35,10 @@ fn hint_for(error: &DataError) -> Option<String> {
             "bring the garment to the built-in body: `garnet body -o rest.obj`, `garnet drape GARMENT \
              rest.obj -o worn.obj`, `garnet garment from-obj worn.obj --rest-body rest.obj -o DIR`"
         }
+        DataError::OtherDataset {
+            field: "imported content",
+            ..
+        } => "name another folder with `-o`: a data set keeps the drapes that it was imported from",
         DataError::OtherDataset { .. } => {
             "give the arguments that it was begun with, or name another folder with `-o`"
         }
@@ -59,11 +64,14 @@ fn hint_for(error: &DataError) -> Option<String> {
                 path.display()
             ));
         }
-        DataError::Foreign { path, .. }
-            if path.extension().is_some_and(|name| name == "safetensors") =>
-        {
-            "move it out of the folder, or name another folder with `-o`"
-        }
+        DataError::Foreign {
+            read_as: ReadAs::Shard,
+            ..
+        } => "move it out of the folder, or name another folder with `-o`",
+        DataError::Foreign {
+            read_as: ReadAs::Dataset,
+            ..
+        } => "name another folder with `-o`, or use the version that made it",
         DataError::Import { problem, .. } => for_list(problem)?,
         DataError::ImportScene { source, .. } => for_scene(source)?,
         _ => return None,
@@ -107,7 +115,20 @@ fn for_scene(error: &DataError) -> Option<&'static str> {
             "its vertices may be at one place, or in another unit than `units` names for all meshes",
         ),
         DataError::Foreign { .. } => {
+            Some("the mesh was written by a computation that failed: export it again")
+        }
+        DataError::OtherMesh {
+            difference: MeshDifference::Mirrored,
+            ..
+        } => Some("export it again without a mirrored axis: meshes have y up and are right-handed"),
+        DataError::OtherMesh { .. } => {
             Some("meshes have the vertices of the package, in the same order")
+        }
+        DataError::Apart { .. } => {
+            Some("export garment and body of a scene from one place, in the same unit")
+        }
+        DataError::Changed { .. } => {
+            Some("run the command again when nothing writes the meshes any more")
         }
         _ => None,
     }

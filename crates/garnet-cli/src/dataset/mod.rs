@@ -137,7 +137,8 @@ fn take(
         }
         ImportManifest::read(manifest).hinting()?
     };
-    let bar = console.progress(scenes.scenes.len());
+    // Each is read twice.
+    let bar = console.progress(2 * scenes.scenes.len());
     let taken = import(package, &scenes, manifest, &args.output, &mut |done| {
         bar.set_position(done as u64);
     });

@@ -1,8 +1,6 @@
 //! Units and axes of files, and the way from them to metres with y up and back.
 
-use garnet::{
-    Bounds, Point3, TriMesh, Unit, UpAxis, Vector3, edge_stretch, guess_body_unit, guess_up_axis,
-};
+use garnet::{Bounds, Point3, TriMesh, Unit, UpAxis, Vector3, guess_body_unit, guess_up_axis};
 
 /// Unit of length and up axis of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,43 +72,6 @@ fn extent(mesh: &TriMesh) -> Vector3 {
     bounds.unwrap_or_default().extent()
 }
 
-/// How two sets of positions of one mesh are related.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kinship {
-    /// Edges are `10^decades` times as long, but for pose and shape.
-    Scaled {
-        /// Power of ten.
-        decades: i32,
-    },
-    /// Edges have nothing to do with each other.
-    Stranger,
-}
-
-/// Faces whose edges are compared.
-const NUM_COMPARED: usize = 4000;
-
-/// How much more the longest edges of one mesh may be stretched than the median ones.
-const MAX_SPREAD: f32 = 8.0;
-
-/// Compares edge lengths, which a pose hardly changes.
-pub(crate) fn kinship(rest: &[Point3], other: &[Point3], faces: &[[u32; 3]]) -> Kinship {
-    let step = faces.len().div_ceil(NUM_COMPARED).max(1);
-    let edges: Vec<[u32; 2]> = faces
-        .iter()
-        .step_by(step)
-        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-        .collect();
-    let Ok(stretch) = edge_stretch(rest, other, &edges) else {
-        return Kinship::Stranger;
-    };
-    if stretch.p50 <= 0.0 || stretch.p99 > MAX_SPREAD * stretch.p50 {
-        return Kinship::Stranger;
-    }
-    Kinship::Scaled {
-        decades: stretch.p50.log10().round() as i32,
-    }
-}
-
 /// The unit `decades` powers of ten shorter, if there is one.
 pub(crate) fn shorter(unit: Unit, decades: i32) -> Option<Unit> {
     let place = Unit::ALL.iter().position(|&other| other == unit)?;
@@ -130,7 +91,7 @@ pub(crate) fn name(unit: Unit) -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use garnet::primitives::{capsule, icosphere};
+    use garnet::primitives::icosphere;
 
     use super::*;
 
@@ -157,22 +118,6 @@ mod tests {
         };
         let nose = blender.point_to_metres(&Point3::new(0.0, -0.1, 1.6));
         assert_eq!(nose, Point3::new(0.0, 1.6, 0.1));
-    }
-
-    #[test]
-    fn a_mesh_is_known_at_another_scale_and_strangers_are_told_apart() {
-        let body = capsule(0.2, 1.4, 16, 12);
-        let rest = body.positions();
-        let scaled: Vec<Point3> = rest.iter().map(|point| point * 110.0).collect();
-        let decades = 2;
-        assert_eq!(
-            kinship(rest, &scaled, body.faces()),
-            Kinship::Scaled { decades }
-        );
-        let shuffled: Vec<Point3> = (0..rest.len()).map(|i| rest[i * 7 % rest.len()]).collect();
-        assert_eq!(kinship(rest, &shuffled, body.faces()), Kinship::Stranger);
-        let flat = vec![Point3::origin(); rest.len()];
-        assert_eq!(kinship(rest, &flat, body.faces()), Kinship::Stranger);
     }
 
     #[test]

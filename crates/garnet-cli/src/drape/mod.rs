@@ -15,7 +15,6 @@ mod settled;
 mod simulated;
 mod summary;
 mod timing;
-mod topology;
 mod warning;
 
 use std::path::{Path, PathBuf};

@@ -71,7 +71,7 @@ pub(crate) fn check(
         return Ok(());
     }
     let cause = if has_size {
-        let gap = gap(&found, &body_box);
+        let gap = found.gap(&body_box);
         format!(
             "they are {gap:.2} m apart, if both are in {}",
             name(body_unit)
@@ -103,13 +103,7 @@ fn has_size(garment: &Bounds, body: &Bounds) -> bool {
 }
 
 fn is_near(garment: &Bounds, body: &Bounds) -> bool {
-    gap(garment, body) <= MAX_GAP * body.diagonal()
-}
-
-/// Distance between two boxes.
-fn gap(a: &Bounds, b: &Bounds) -> f32 {
-    let apart = (a.min - b.max).sup(&(b.min - a.max));
-    apart.map(|length| length.max(0.0)).norm()
+    garment.gap(body) <= MAX_GAP * body.diagonal()
 }
 
 #[cfg(test)]

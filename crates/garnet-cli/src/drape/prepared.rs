@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
-    Body, Garment, Isometry3, Method, Point3, Pose, PosedBody, Refit, Rig, TriMesh, Unit, UpAxis,
-    data::GarmentPackage, io::ObjFile,
+    Body, Garment, Isometry3, KnownMesh, Method, Point3, Pose, PosedBody, Refit, Rig, TriMesh,
+    Unit, UpAxis, data::GarmentPackage, io::ObjFile,
 };
 
 use super::{
@@ -14,8 +14,7 @@ use super::{
     frame::Frame,
     placement,
     rest_body::{RestBodies, Zero, does_not_fit, in_metres, largest_distance, rest_body_of},
-    rest_mesh::{Frames, RestMesh, mesh_of},
-    topology::Known,
+    rest_mesh::{Frames, RestMesh, check_target, mesh_of},
 };
 use crate::{
     failure::refused,
@@ -121,8 +120,12 @@ impl Prepared {
             .into_body()
             .context(does_not_fit(path, &scene.rest_body))?;
         let positions = frame.to_metres(target.positions().to_vec());
-        let known = Known::of(body.rest());
-        known.check(&scene.target_body, &positions, &target.polygon_edges())?;
+        check_target(
+            &scene.target_body,
+            &positions,
+            &target.polygon_edges(),
+            &KnownMesh::of(body.rest()),
+        )?;
         let aim = match scene.posed_from_rest {
             Some(transforms) => Aim::Transforms(positions, transforms),
             None => Aim::Vertices(positions),
@@ -260,10 +263,10 @@ fn mesh_targets(
     frames: &Frames,
 ) -> anyhow::Result<Vec<Target>> {
     let mut targets = Vec::with_capacity(bodies.len());
-    let known = Known::of(rest.rest());
+    let known = KnownMesh::of(rest.rest());
     for (body, frame) in bodies.into_iter().zip(&frames.bodies) {
         let positions = frame.to_metres(body.positions);
-        known.check(&body.path, &positions, &body.edges)?;
+        check_target(&body.path, &positions, &body.edges, &known)?;
         targets.push(Target {
             path: body.path,
             stem: None,

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use anyhow::Context;
 use garnet::{
-    Body, Bounds, Isometry3, Joint, Method, Point3, Pose, Quaternion, Rig, Skeleton, TriMesh, Unit,
-    UnitQuaternion, UpAxis, Vector3,
+    Body, Bounds, Isometry3, Joint, Kinship, Method, Point3, Pose, Quaternion, Rig, Skeleton,
+    TriMesh, Unit, UnitQuaternion, UpAxis, Vector3, kinship,
 };
 
 use super::{
-    frame::{Frame, Kinship, detected_up, kinship, name, shorter},
+    frame::{Frame, detected_up, name, shorter},
     rest_mesh::{Frames, RestMesh, other_topology},
 };
 use crate::failure::Hint;

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use garnet::{Point3, Rig, TriMesh, io::ObjFile};
+use garnet::{Kinship, KnownMesh, Point3, Rig, TriMesh, io::ObjFile, kinship};
 
 use super::{
     args::SourceFiles,
     files::BodyFile,
-    frame::{Frame, Kinship, detected_unit, detected_up, kinship, shorter},
+    frame::{Frame, detected_unit, detected_up, shorter},
 };
 use crate::failure::refused;
 
@@ -152,23 +152,16 @@ pub(crate) fn other_topology(path: &Path, cause: String) -> anyhow::Error {
     )
 }
 
-pub(crate) fn same_vertices(
+/// Refuses a target that is not the rest body in another pose and shape, whose vertices are at `positions`, in metres,
+/// and whose polygons have `edges`.
+pub(crate) fn check_target(
     path: &Path,
     positions: &[Point3],
-    rest: &TriMesh,
+    edges: &[[u32; 2]],
+    rest: &KnownMesh<'_>,
 ) -> anyhow::Result<()> {
-    let (found, expected) = (positions.len(), rest.num_vertices());
-    if found != expected {
-        let cause = format!("it has {found} vertices, the rest body has {expected}");
-        return Err(other_topology(path, cause));
-    }
-    match kinship(rest.positions(), positions, rest.faces()) {
-        Kinship::Scaled { .. } => Ok(()),
-        Kinship::Stranger => Err(other_topology(
-            path,
-            "its vertices are in another order than those of the rest body".to_owned(),
-        )),
-    }
+    let checked = rest.check(positions, edges).map(|_| ());
+    checked.map_err(|difference| other_topology(path, difference.told("the rest body")))
 }
 
 pub(crate) fn mesh_of(file: &ObjFile) -> anyhow::Result<TriMesh> {

@@ -176,6 +176,7 @@ impl DatasetManifest {
             vary: options.vary.clone(),
             limits: options.limits,
             bodies_per_shard: BODIES_PER_SHARD,
+            imported: None,
         }
     }
 }

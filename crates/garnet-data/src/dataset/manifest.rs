@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::Counts;
 use super::variations::Variations;
-use crate::{DataError, Limits, package::Manifest as PackageManifest};
+use crate::{DataError, Limits, ReadAs, package::Manifest as PackageManifest};
 
 /// What this version writes and reads.
 pub const DATASET_SCHEMA: &str = "garnet.dataset/1";
@@ -42,6 +42,10 @@ pub struct DatasetManifest {
     pub limits: Limits,
     /// Bodies in a shard.
     pub bodies_per_shard: u32,
+    /// Fingerprint of what was imported, as text: of the entries of the list and of the positions of all meshes. None for
+    /// scenes that were simulated, and for imports of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub imported: Option<String>,
 }
 
 /// How far scenes are simulated.
@@ -120,7 +124,7 @@ impl DatasetManifest {
             "its schema is `{}`, not `{DATASET_SCHEMA}`",
             manifest.schema
         );
-        Err(DataError::foreign(path, what))
+        Err(DataError::foreign(path, ReadAs::Dataset, what))
     }
 
     /// Writes `dataset.json`.
@@ -167,6 +171,13 @@ impl DatasetManifest {
                 ("sizing", manifest.sizing.name().to_owned()),
                 ("varied parameters", manifest.vary.to_string()),
                 ("limits", manifest.limits.to_string()),
+                (
+                    "imported content",
+                    manifest
+                        .imported
+                        .clone()
+                        .unwrap_or_else(|| "that was not told".to_owned()),
+                ),
                 ("version", manifest.generator.clone()),
                 ("fingerprint", manifest.fingerprint().to_string()),
             ]

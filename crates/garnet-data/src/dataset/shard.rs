@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::record::{BodyRecord, Posed, Rejection, SceneRecord, Split, StoredParameters};
 use crate::tensors::{Array, Contents, to_bytes};
-use crate::{DataError, SceneReport};
+use crate::{DataError, ReadAs, SceneReport};
 
 /// What this version writes and reads.
 const SCHEMA: &str = "garnet.shard/1";
@@ -186,17 +186,18 @@ impl Shard {
     pub fn read(path: &Path, dataset: Fingerprint) -> Result<Self, DataError> {
         let bytes = std::fs::read(path).map_err(|source| DataError::read(path, source))?;
         let contents = Contents::of(&bytes).map_err(|source| DataError::tensors(path, source))?;
-        let contents =
-            contents.ok_or_else(|| DataError::foreign(path, "its metadata has no `garnet`"))?;
+        let contents = contents.ok_or_else(|| {
+            DataError::foreign(path, ReadAs::Shard, "its metadata has no `garnet`")
+        })?;
         let text: Text = serde_json::from_str(&contents.text)
             .map_err(|source| DataError::json(path, &source))?;
         if text.schema != SCHEMA {
             let what = format!("its schema is `{}`, not `{SCHEMA}`", text.schema);
-            return Err(DataError::foreign(path, what));
+            return Err(DataError::foreign(path, ReadAs::Shard, what));
         }
         if text.dataset != dataset.to_string() {
             let what = format!("it belongs to data set {}, not {dataset}", text.dataset);
-            return Err(DataError::foreign(path, what));
+            return Err(DataError::foreign(path, ReadAs::Shard, what));
         }
         Reading { path, contents }.shard(text)
     }
@@ -237,7 +238,13 @@ impl Reading<'_> {
         let shifts = self.array("root_translation", num_scenes, 3)?;
         let meshes = self.array("body", num_scenes, 3)?;
         let worn = self.array("worn", text.bodies.len(), 3)?;
-        let missing = |name| DataError::foreign(self.path, format!("it has no tensor `{name}`"));
+        let missing = |name| {
+            DataError::foreign(
+                self.path,
+                ReadAs::Shard,
+                format!("it has no tensor `{name}`"),
+            )
+        };
         let mut scenes = Vec::with_capacity(num_scenes);
         for (row, scene) in text.scenes.into_iter().enumerate() {
             let garment = garments.as_ref().ok_or_else(|| missing("garment"))?;
@@ -286,7 +293,7 @@ impl Reading<'_> {
         }
         let shape = &array.shape;
         let what = format!("`{name}` has the shape {shape:?}, expected [{len}, …, {last}]");
-        Err(DataError::foreign(self.path, what))
+        Err(DataError::foreign(self.path, ReadAs::Shard, what))
     }
 }
 

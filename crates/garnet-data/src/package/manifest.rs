@@ -8,7 +8,7 @@ use garnet_sim::Fabric;
 use serde::{Deserialize, Serialize};
 
 use super::MANIFEST_FILE;
-use crate::{DataError, Put, Settling, StoredParameters};
+use crate::{DataError, Put, ReadAs, Settling, StoredParameters};
 
 /// What this version writes and reads.
 pub const PACKAGE_SCHEMA: &str = "garnet.garment/1";
@@ -61,12 +61,12 @@ impl Manifest {
         if found != self.fingerprint {
             let expected = &self.fingerprint;
             let what = format!("its fingerprint is {found}, `{MANIFEST_FILE}` says {expected}");
-            return Err(DataError::foreign(path, what));
+            return Err(DataError::foreign(path, ReadAs::Package, what));
         }
         let found = Fingerprint::of_positions(mesh.positions()).to_string();
         if found != self.positions {
             let what = format!("its vertices are not those that `{MANIFEST_FILE}` was written for");
-            return Err(DataError::foreign(path, what));
+            return Err(DataError::foreign(path, ReadAs::Package, what));
         }
         Ok(())
     }

@@ -14,7 +14,7 @@ pub use manifest::{
 };
 
 use crate::rest_file;
-use crate::{DataError, StoredParameters};
+use crate::{DataError, ReadAs, StoredParameters};
 use before::Before;
 
 /// Name of the manifest in a package.
@@ -185,7 +185,7 @@ impl GarmentPackage {
                 "its schema is `{}`, not `{PACKAGE_SCHEMA}`",
                 manifest.schema
             );
-            return Err(DataError::foreign(&path, what));
+            return Err(DataError::foreign(&path, ReadAs::Package, what));
         }
         let checked = manifest.fabric.fabric().check();
         checked.map_err(|source| DataError::Fabric { path, source })?;

@@ -178,6 +178,7 @@ fn manifest(package: &GarmentPackage) -> DatasetManifest {
         vary: Variations::default(),
         limits: Limits::NONE,
         bodies_per_shard: 1000,
+        imported: None,
     }
 }
 

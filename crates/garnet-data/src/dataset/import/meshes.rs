@@ -1,84 +1,149 @@
 //! The meshes of scenes made elsewhere, checked against the package.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use garnet_mesh::{Bounds, ObjFile, Point3, Unit, check_range};
+use garnet_mesh::{Bounds, KnownMesh, MeshDifference, ObjFile, Point3, Unit, check_range};
 use garnet_skin::{ArrayProblem, FileError, NpyArray, NpyValues, NpzFile};
 
 use super::{ImportScene, Posed, SceneRecord};
-use crate::{DataError, GarmentPackage};
+use crate::{DataError, GarmentPackage, ReadAs};
 
 /// How many times larger or smaller than at rest a posed body or a draped garment may be: a body that is curled up
 /// is less than that, another unit is more.
 const MAX_EXTENT_RATIO: f32 = 5.0;
 
+/// How far the box of a garment may be from that of its body, in metres: cloth that hangs on a body overlaps it.
+const MAX_GAP: f32 = 0.5;
+
 pub(super) struct Reader<'a> {
-    pub(super) package: &'a GarmentPackage,
+    /// The rest body of the package.
+    body: KnownMesh<'a>,
+    template: KnownMesh<'a>,
     /// The folder that paths start in.
-    pub(super) base: &'a Path,
-    pub(super) unit: Unit,
+    base: &'a Path,
+    unit: Unit,
 }
 
-impl Reader<'_> {
+/// What a mesh is to be like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Like {
+    Body,
+    Template,
+}
+
+impl Like {
+    /// The name in messages.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Body => "rest body",
+            Self::Template => "template",
+        }
+    }
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(package: &'a GarmentPackage, base: &'a Path, unit: Unit) -> Self {
+        Self {
+            body: KnownMesh::of(package.body.rest()),
+            template: KnownMesh::of(&package.mesh),
+            base,
+            unit,
+        }
+    }
+
     pub(super) fn scene(
         &self,
         scene: &ImportScene,
         body: u32,
         pose: u32,
     ) -> Result<SceneRecord, DataError> {
-        let rest = self.package.body.rest().positions();
-        let template = self.package.mesh.positions();
+        let [body_path, garment_path] = self.paths(scene);
+        let posed = self.points(&body_path, Like::Body)?;
+        let garment = self.points(&garment_path, Like::Template)?;
+        let boxes = (bounds(&posed, &self.body), bounds(&garment, &self.template));
+        if let (Some(of_body), Some(of_garment)) = boxes {
+            let gap = of_body.gap(&of_garment);
+            if gap > MAX_GAP {
+                return Err(DataError::Apart {
+                    garment: garment_path,
+                    body: body_path,
+                    gap,
+                });
+            }
+        }
         Ok(SceneRecord {
             body,
             pose,
             sequence: scene.sequence.clone(),
-            posed: Posed::Mesh(self.points(&scene.body_mesh, rest, "rest body")?),
-            garment: self.points(&scene.garment_mesh, template, "template")?,
+            posed: Posed::Mesh(posed),
+            garment,
             arrived: None,
             midway: None,
             report: None,
         })
     }
 
+    /// The error of a scene whose meshes were others at first.
+    pub(super) fn changed(&self, scene: &ImportScene) -> DataError {
+        let [body, garment] = self.paths(scene);
+        DataError::Changed { garment, body }
+    }
+
+    /// The files of body and garment.
+    fn paths(&self, scene: &ImportScene) -> [PathBuf; 2] {
+        [&scene.body_mesh, &scene.garment_mesh].map(|path| self.base.join(path))
+    }
+
     /// The vertices of a mesh that is `like` one of the package, in metres.
-    fn points(
-        &self,
-        path: &Path,
-        like: &[Point3],
-        of: &'static str,
-    ) -> Result<Vec<Point3>, DataError> {
-        let path = self.base.join(path);
-        let mut points = self.read(&path)?;
-        if points.len() != like.len() {
-            let what = format!(
-                "it has {} vertices, the {of} of the package has {}",
-                points.len(),
-                like.len()
-            );
-            return Err(DataError::foreign(&path, what));
-        }
+    fn points(&self, path: &Path, like: Like) -> Result<Vec<Point3>, DataError> {
+        let known = match like {
+            Like::Body => &self.body,
+            Like::Template => &self.template,
+        };
+        let other = |difference| DataError::OtherMesh {
+            path: path.to_path_buf(),
+            of: like.name(),
+            difference,
+        };
+        let (mut points, edges) = self.read(path)?;
+        known.check_count(points.len()).map_err(other)?;
         for point in &mut points {
             *point *= self.unit.in_metres();
         }
-        check_range(&points).map_err(|error| DataError::foreign(&path, error.to_string()))?;
-        let (found, expected) = (extent(&points), extent(like));
+        let checked = check_range(&points);
+        checked.map_err(|error| DataError::foreign(path, ReadAs::Mesh, error.to_string()))?;
+        let (found, expected) = (
+            extent(&points, known),
+            extent(known.mesh().positions(), known),
+        );
         if found * MAX_EXTENT_RATIO < expected || found > expected * MAX_EXTENT_RATIO {
             return Err(DataError::Extent {
-                path,
+                path: path.to_path_buf(),
                 found,
-                of,
+                of: like.name(),
                 expected,
             });
+        }
+        let checked = match like {
+            Like::Body => known.check(&points, &edges),
+            // Cloth encloses nothing that would tell its sides.
+            Like::Template => known.check_order(&points, &edges),
+        };
+        // All are in metres.
+        if checked.map_err(other)? != 0 {
+            return Err(other(MeshDifference::Order));
         }
         Ok(points)
     }
 
-    fn read(&self, path: &Path) -> Result<Vec<Point3>, DataError> {
+    /// The vertices of a file, and the edges of its polygons; an archive has none.
+    fn read(&self, path: &Path) -> Result<(Vec<Point3>, Vec<[u32; 2]>), DataError> {
         let is_npz = path.extension().is_some_and(|extension| extension == "npz");
-        if !is_npz {
-            return Ok(ObjFile::read(path)?.positions().to_vec());
+        if is_npz {
+            return Ok((self.read_npz(path)?, Vec::new()));
         }
-        Ok(self.read_npz(path)?)
+        let file = ObjFile::read(path)?;
+        Ok((file.positions().to_vec(), file.polygon_edges()))
     }
 
     fn read_npz(&self, path: &Path) -> Result<Vec<Point3>, FileError> {
@@ -116,7 +181,12 @@ impl Reader<'_> {
     }
 }
 
+/// Bounds of the vertices that faces of the known mesh name.
+fn bounds(points: &[Point3], known: &KnownMesh<'_>) -> Option<Bounds> {
+    Bounds::of_faces(points, known.mesh().faces())
+}
+
 /// The largest size along an axis; zero without points.
-fn extent(points: &[Point3]) -> f32 {
-    Bounds::of(points).map_or(0.0, |bounds| bounds.extent().max())
+fn extent(points: &[Point3], known: &KnownMesh<'_>) -> f32 {
+    bounds(points, known).map_or(0.0, |bounds| bounds.extent().max())
 }

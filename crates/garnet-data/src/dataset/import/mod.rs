@@ -1,5 +1,6 @@
 //! Data sets made elsewhere.
 
+mod list;
 mod meshes;
 mod problem;
 mod staged;
@@ -10,7 +11,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use garnet_mesh::Unit;
+use garnet_mesh::{Fingerprint, Unit};
 use serde::{Deserialize, Serialize};
 
 use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing, Until};
@@ -18,7 +19,8 @@ use super::plan::Counts;
 use super::record::{BodyRecord, Posed, SceneRecord, Split};
 use super::shard::{Layout, Shard};
 use super::variations::Variations;
-use crate::{DataError, GarmentPackage, Limits};
+use crate::{DataError, GarmentPackage, Limits, ReadAs};
+use list::{List, Place};
 use meshes::Reader;
 use staged::Staged;
 
@@ -28,7 +30,7 @@ pub use problem::ImportProblem;
 pub(super) const IMPORT_SCHEMA: &str = "garnet.import/1";
 
 /// Bodies in a shard.
-const BODIES_PER_SHARD: usize = 10;
+const BODIES_PER_SHARD: u32 = 10;
 
 /// The scenes of a data set made elsewhere: a JSON file beside its meshes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -75,7 +77,7 @@ impl ImportManifest {
             serde_json::from_str(&text).map_err(|source| DataError::json(path, &source))?;
         if manifest.schema != IMPORT_SCHEMA {
             let what = format!("its schema is `{}`, not `{IMPORT_SCHEMA}`", manifest.schema);
-            return Err(DataError::foreign(path, what));
+            return Err(DataError::foreign(path, ReadAs::Import, what));
         }
         Ok(manifest)
     }
@@ -104,7 +106,7 @@ impl ImportManifest {
         samples.sort();
         if samples.is_empty() {
             let what = "no folder in it has a `shirt_mesh_r_tmp.obj`";
-            return Err(DataError::foreign(folder, what));
+            return Err(DataError::foreign(folder, ReadAs::Shirts, what));
         }
         let mut scenes = Vec::with_capacity(samples.len());
         for (number, sample) in samples.into_iter().enumerate() {
@@ -150,16 +152,17 @@ fn shirt_parameters(path: &Path) -> Result<BTreeMap<String, f64>, DataError> {
         .collect()
 }
 
-/// Makes a data set of drapes made elsewhere: reads every mesh once, checks it against the package,
-/// and writes shards. `path` is the manifest, or the folder that was listed. `observer` is told after each scene
-/// how many are done.
+/// Makes a data set of drapes made elsewhere: reads every mesh, checks it against the package, and writes shards.
+/// `path` is the manifest, or the folder that was listed. Every mesh is read twice, since shards carry the fingerprint
+/// of all meshes; `observer` is told after each scene how many were read, of two times as many as are listed.
 ///
-/// The shards come to their places when all are written: a data set is whole or not there.
+/// The shards come to their places when all are written: a data set is whole or not there. An import of the same
+/// scenes may be done again.
 ///
 /// # Errors
 ///
 /// [`DataError::Import`] and [`DataError::ImportScene`] for what is wrong with the list and with a scene,
-/// [`DataError::OtherDataset`] and [`DataError::Foreign`] if the folder holds another data set,
+/// [`DataError::OtherDataset`] and [`DataError::Foreign`] if the folder holds another data set, of other scenes, say,
 /// [`DataError::InUse`], or that a file cannot be written. The folder is then as it was.
 pub fn import(
     package: &GarmentPackage,
@@ -175,74 +178,72 @@ pub fn import(
     let layout = Layout {
         folder: folder.to_path_buf(),
     };
-    let bodies = Split::ALL.map(|split| bodies_of(manifest, split));
-    let dataset = described(package, &bodies, manifest);
-    let fingerprint = dataset.fingerprint();
-    let reader = Reader {
-        package,
-        base: if path.is_dir() {
-            path
-        } else {
-            path.parent().unwrap_or(Path::new(""))
-        },
-        unit,
+    let base = if path.is_dir() {
+        path
+    } else {
+        path.parent().unwrap_or(Path::new(""))
     };
-    let mut staged = Staged::new(layout, &dataset)?;
+    let list = List::new(manifest, path, Reader::new(package, base, unit));
+    let mut dataset = described(package, &list.places, manifest);
+    // What can be told before all meshes are read.
+    staged::check_manifest(&layout, &dataset)?;
     let mut done = 0;
-    for (split, bodies) in Split::ALL.into_iter().zip(&bodies) {
-        let names: Vec<&str> = bodies.keys().copied().collect();
-        for (number, chunk) in names.chunks(BODIES_PER_SHARD).enumerate() {
-            let mut shard = Shard::new(split);
-            for (place, name) in chunk.iter().enumerate() {
-                let body = (number * BODIES_PER_SHARD + place) as u32;
-                let scenes = &bodies[name];
+    let mut tell = || {
+        done += 1;
+        observer(done);
+    };
+    let mut meshes = Vec::with_capacity(list.places.len());
+    for place in &list.places {
+        meshes.push(fingerprints(&list.scene(place)?));
+        tell();
+    }
+    dataset.imported = Some(list.fingerprint(&meshes).to_string());
+    let mut staged = Staged::new(layout, &dataset)?;
+    let mut meshes = meshes.into_iter();
+    for places in list.places.chunk_by(|a, b| a.shard() == b.shard()) {
+        let (split, number) = places[0].shard();
+        let mut shard = Shard::new(split);
+        // As many as there are places.
+        for (place, expected) in places.iter().zip(&mut meshes) {
+            let scene = list.scene(place)?;
+            if fingerprints(&scene) != expected {
+                return Err(list.changed(place));
+            }
+            if place.pose == 0 {
                 shard.bodies.push(BodyRecord {
-                    number: body,
+                    number: place.body,
                     parameters: None,
-                    garment: manifest.scenes[scenes[0]].parameters.clone(),
+                    garment: manifest.scenes[place.index].parameters.clone(),
                     worn: None,
                 });
-                for (pose, &index) in scenes.iter().enumerate() {
-                    let scene = &manifest.scenes[index];
-                    let record = reader.scene(scene, body, pose as u32);
-                    let record = record.map_err(|source| DataError::ImportScene {
-                        path: path.to_path_buf(),
-                        scene: index + 1,
-                        body: scene.body.clone(),
-                        source: Box::new(source),
-                    })?;
-                    shard.scenes.push(record);
-                    done += 1;
-                    observer(done);
-                }
             }
-            staged.write(&shard, number as u32, fingerprint)?;
+            shard.scenes.push(scene);
+            tell();
         }
+        staged.write(&shard, number, dataset.fingerprint())?;
     }
     staged.publish(&dataset)?;
     Ok(dataset)
 }
 
-/// Places in the list of the scenes of each body.
-fn bodies_of(manifest: &ImportManifest, split: Split) -> BTreeMap<&str, Vec<usize>> {
-    let mut bodies: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    for (index, scene) in manifest.scenes.iter().enumerate() {
-        if scene.split == split {
-            bodies.entry(&scene.body).or_default().push(index);
-        }
-    }
-    bodies
+/// Fingerprints of the positions of body and garment.
+fn fingerprints(scene: &SceneRecord) -> [Fingerprint; 2] {
+    let body = scene.mesh().unwrap_or_default();
+    [body, scene.garment.as_slice()].map(Fingerprint::of_positions)
 }
 
 fn described(
     package: &GarmentPackage,
-    bodies: &[BTreeMap<&str, Vec<usize>>; 3],
+    places: &[Place],
     manifest: &ImportManifest,
 ) -> DatasetManifest {
     let mut garment = package.manifest.clone();
     garment.variants.clear();
-    let most = bodies.iter().flat_map(BTreeMap::values).map(Vec::len).max();
-    let [train, valid, test] = [0, 1, 2].map(|split: usize| bodies[split].len() as u32);
+    let most = places.iter().map(|place| place.pose + 1).max();
+    let [train, valid, test] = Split::ALL.map(|split| {
+        let of_split = places.iter().filter(|place| place.split == split);
+        of_split.filter(|place| place.pose == 0).count() as u32
+    });
     let has_parameters = manifest
         .scenes
         .iter()
@@ -253,7 +254,7 @@ fn described(
         garment,
         seed: 0,
         bodies: Counts { train, valid, test },
-        poses: most.unwrap_or(0) as u32,
+        poses: most.unwrap_or(0),
         quality: None,
         vary: Variations::default(),
         until: Until::Rest,
@@ -263,6 +264,7 @@ fn described(
             Sizing::OneSize
         },
         limits: Limits::default(),
-        bodies_per_shard: BODIES_PER_SHARD as u32,
+        bodies_per_shard: BODIES_PER_SHARD,
+        imported: None,
     }
 }
