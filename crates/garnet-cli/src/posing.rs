@@ -105,17 +105,20 @@ impl PoseSource {
         let skeleton = body.skeleton();
         let take = Take::read(&self.path, &ReadOptions::default())?;
         let range = self.frames.unwrap_or(FrameRange::single(0));
-        let mut poses = take.poses(skeleton, range, &RetargetOptions::default())?;
-        if take.motion().is_some() {
-            // One frame alone tells nothing of the height of a jump.
-            let ground = if range.is_single() {
-                Ground::EachPose
-            } else {
-                Ground::Clip
-            };
-            put_on_ground(body, &mut poses, ground)?;
-        }
+        let options = RetargetOptions::default();
         let frames = range.of(take.num_frames())?;
+        let poses = if take.motion().is_none() {
+            take.poses(skeleton, range, &options)?
+        } else if range.is_single() {
+            let mut poses = take.poses(skeleton, range, &options)?;
+            put_on_ground(body, &mut poses, Ground::EachPose)?;
+            poses
+        } else {
+            // Where the ground is does not depend on which frames are asked for.
+            let mut clip = take.poses(skeleton, FrameRange::ALL, &options)?;
+            put_on_ground(body, &mut clip, Ground::Clip)?;
+            frames.iter().map(|&frame| clip[frame].clone()).collect()
+        };
         let named = frames
             .into_iter()
             .zip(poses)

@@ -31,6 +31,7 @@ mod lanes;
 mod pair_filter;
 mod passages;
 mod pseudonormals;
+mod room;
 #[cfg(test)]
 mod shapes;
 mod solid_angle;
@@ -44,5 +45,6 @@ pub use closest_on_triangle::Feature;
 pub use error::KnnError;
 pub use passages::Passage;
 pub use pseudonormals::SignedDistance;
+pub use room::{PROBE_DISTANCE, Room};
 pub use surface::Surface;
 pub use vertex_tree::{Neighbor, NeighborTable, VertexTree};

@@ -6,7 +6,7 @@ use garnet_mesh::Point3;
 use rayon::prelude::*;
 
 /// Points that one task of a batch tests.
-const POINTS_PER_TASK: usize = 256;
+pub(crate) const POINTS_PER_TASK: usize = 256;
 
 impl Surface {
     /// How often a closed surface goes round `point`: 0 outside, 1 inside, 2 where two of its parts

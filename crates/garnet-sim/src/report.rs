@@ -2,7 +2,7 @@
 
 use crate::reference::Balance;
 use crate::{Cloth, Point3};
-use garnet_knn::Surface;
+use garnet_knn::{PROBE_DISTANCE, Room, Surface};
 use garnet_mesh::TriMesh;
 use rayon::prelude::*;
 
@@ -181,8 +181,9 @@ impl Speeds {
     }
 }
 
-/// How far before a face it is probed whether the face is inside another part, in metres.
-const PROBE: f32 = 5e-4;
+/// Cloth no deeper than this next to a slit or a crease is caught in it, in metres: in 4,621 drapes of a T-shirt it was up to 13 mm deep
+/// in those of armpits.
+const SLIT_DEPTH: f32 = 0.015;
 
 impl Penetration {
     /// Counts the points `[vertex]` that are inside `skin`.
@@ -194,8 +195,12 @@ impl Penetration {
                 Place::Trapped => penetration.num_trapped += 1,
                 Place::Inside { way_out } => {
                     penetration.num_inside += 1;
-                    let depth = (way_out - point).norm() - PROBE;
+                    let depth = (way_out - point).norm() - PROBE_DISTANCE;
                     penetration.deepest = penetration.deepest.max(depth);
+                }
+                Place::Deep { distance } => {
+                    penetration.num_inside += 1;
+                    penetration.deepest = penetration.deepest.max(distance);
                 }
             }
         }
@@ -208,6 +213,10 @@ enum Place {
     Outside,
     /// Inside, next to skin that is itself inside another part.
     Trapped,
+    /// Inside, deep next to a slit or crease, before whose skin the opposite wall of the same part is.
+    Deep {
+        distance: f32,
+    },
     /// Inside, next to free skin: the point before it is outside.
     Inside {
         way_out: Point3,
@@ -221,11 +230,14 @@ fn place(point: Point3, skin: &Surface) -> Place {
         return Place::Outside;
     }
     let closest = skin.closest(point);
-    let way_out = closest.point + PROBE * skin.face_normal(closest.face);
-    if skin.contains(way_out) {
-        Place::Trapped
-    } else {
-        Place::Inside { way_out }
+    let normal = skin.face_normal(closest.face);
+    let distance = closest.distance_squared.sqrt();
+    match skin.room_before(closest.point, normal) {
+        Room::Free => Place::Inside {
+            way_out: closest.point + PROBE_DISTANCE * normal,
+        },
+        room if room.catches(distance, SLIT_DEPTH) => Place::Trapped,
+        _ => Place::Deep { distance },
     }
 }
 

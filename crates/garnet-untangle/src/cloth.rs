@@ -277,6 +277,6 @@ impl<'a> Cloth<'a> {
     /// Whether a node is caught where the body runs through itself.
     pub(crate) fn is_trapped(&self, node: usize) -> bool {
         let closest = &self.contacts[node].closest;
-        self.finder.embedded.is_trap(closest.face, closest.point)
+        self.finder.embedded.is_trap(closest)
     }
 }

@@ -4,7 +4,7 @@ use garnet_knn::{ClosestPoint, Surface};
 use garnet_mesh::{Point3, Vector3};
 
 use crate::Binding;
-use crate::embedded::{EmbeddedSkin, winding};
+use crate::embedded::EmbeddedSkin;
 use crate::skin_normals::SkinNormals;
 
 /// Own skin that a node may be inside of is looked for no farther than this, in metres.
@@ -99,7 +99,7 @@ impl ContactFinder<'_> {
         }
         let is_own = |face: u32| self.is_own(node, face, normal);
         let closest_is_own = is_own(closest.face);
-        let is_embedded = self.embedded.is_embedded(closest.face);
+        let is_embedded = self.embedded.is_embedded(closest.face, distance);
         let side = self.side(position, &closest);
         if !is_embedded {
             contact.distance *= side;
@@ -141,7 +141,7 @@ impl ContactFinder<'_> {
         let Contact {
             position, closest, ..
         } = *contact;
-        if self.embedded.is_trap(closest.face, closest.point) {
+        if self.embedded.is_trap(&closest) {
             contact.is_held = true;
             if self.winding(position) > 0 {
                 contact.distance = -contact.distance;
@@ -183,7 +183,7 @@ impl ContactFinder<'_> {
 
     /// Inside how many parts of the body a point is.
     pub(crate) fn winding(&self, position: Point3) -> i32 {
-        winding(self.skin, position)
+        self.skin.parts_around(position)
     }
 
     /// The half space in front of the node's own skin, of which `nearest` is the nearest.

@@ -8,7 +8,7 @@ use garnet_mesh::{Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::contact::{Contact, ContactFinder};
-use crate::embedded::is_embedded;
+use crate::embedded::has_no_room;
 
 /// Samples on a crossing triangle are no farther apart than this, in metres, ...
 const SAMPLE_DISTANCE: f32 = 0.008;
@@ -33,10 +33,10 @@ pub(crate) fn crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
     faces
 }
 
-/// The faces of a garment that cross skin which lies in no other part of the body, sorted.
+/// The faces of a garment that cross skin with room before it, which lies in no other part of the body and no slit, sorted.
 pub fn free_crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
     let pairs = garment.intersections(skin).into_iter();
-    let free = pairs.filter(|&[_, face]| !is_embedded(skin, face));
+    let free = pairs.filter(|&[_, face]| !has_no_room(skin, face));
     let mut faces: Vec<u32> = free.map(|[face, _]| face).collect();
     faces.sort_unstable();
     faces.dedup();

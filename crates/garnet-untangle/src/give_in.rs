@@ -100,6 +100,6 @@ impl Cloth<'_> {
     fn is_caught(&self, node: usize, place: Point3) -> bool {
         let hint = self.contacts[node].closest.face;
         let closest = self.finder.skin.closest_from(place, hint);
-        self.finder.embedded.is_trap(closest.face, closest.point)
+        self.finder.embedded.is_trap(&closest)
     }
 }

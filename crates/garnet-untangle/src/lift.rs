@@ -95,7 +95,7 @@ impl Cloth<'_> {
             let hint = contact.closest.face;
             let closest = self.finder.skin.closest_from(position, hint);
             let is_near = closest.distance_squared < self.options.clearance.powi(2);
-            let is_trapped = self.finder.embedded.is_trap(closest.face, closest.point);
+            let is_trapped = self.finder.embedded.is_trap(&closest);
             (is_inside[node] || is_near) && !is_trapped
         };
         let nodes = 0..self.positions.len() as u32;

@@ -37,10 +37,7 @@ pub(crate) fn verified(
     let mut is_trapped = vec![false; cloth.positions.len()];
     let measured = |node: usize| {
         let (closest, distance) = cloth.closest(node);
-        (
-            distance,
-            finder.embedded.is_trap(closest.face, closest.point),
-        )
+        (distance, finder.embedded.is_trap(&closest))
     };
     let nodes = (0..cloth.positions.len())
         .into_par_iter()

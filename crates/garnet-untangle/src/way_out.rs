@@ -255,7 +255,7 @@ impl Start {
     fn is_caught_at(&self, finder: &ContactFinder<'_>, passage: &Passage, place: Point3) -> bool {
         passage.turn < 0
             && finder.binding.is_own(self.node, passage.face)
-            && finder.embedded.is_trap(passage.face, place)
+            && finder.embedded.is_trap_at(passage.face, place)
     }
 
     /// The same on a body with holes, which no count of passages makes sense of.

@@ -38,7 +38,7 @@ pub(crate) struct BodyArgs {
     /// A pose of the library, or a file: pose JSON, BVH, or npz as in AMASS.
     #[arg(long, value_name = "NAME|FILE[:FRAMES]")]
     pub(crate) pose: Option<PoseSource>,
-    /// A motion: BVH, npz as in AMASS, or pose JSON with frames.
+    /// A motion: BVH, npz as in AMASS, or pose JSON with frames. Its lowest frame stands on the ground.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub(crate) motion: Option<PathBuf>,
     /// Frames of the motion, from 0, without END [default: all].
