@@ -328,3 +328,146 @@ fn a_config_with_a_mistake_is_refused_with_its_line() {
     );
     assert!(!fixture.path("net/training").exists());
 }
+
+/// A run that ends with 2, says all that, and gives a hint.
+fn refused(fixture: &Fixture, arguments: &str, expected: &[&str]) {
+    let output = fixture.garnet(arguments);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
+    for part in expected.iter().chain(&["hint: "]) {
+        assert!(text.contains(part), "{arguments}: {text}");
+    }
+}
+
+/// A package `net` of the sleeve, without data.
+fn untrained() -> Fixture {
+    let fixture = Fixture::new();
+    done(
+        &fixture,
+        "garment from-obj sleeve.obj --rest-body body.obj -o net -q",
+    );
+    fixture
+}
+
+#[test]
+fn names_of_other_files_and_methods_are_no_variants() {
+    let fixture = untrained();
+    let before = fs::read_dir(fixture.path("net")).unwrap().count();
+    for name in ["template.rest", "auto", "dqs", "teacher"] {
+        let train = format!("train net nowhere --variant {name}");
+        refused(&fixture, &train, &[&format!("`{name}` is no name")]);
+    }
+    let after = fs::read_dir(fixture.path("net")).unwrap().count();
+    assert_eq!(before, after);
+}
+
+#[test]
+fn what_cannot_be_followed_is_refused() {
+    let fixture = untrained();
+    fixture.text("global.toml", "kind = \"global\"\npreset = \"tiny\"\n");
+    fixture.text("tiny.toml", "preset = \"tiny\"\n");
+    let train = |more: &str, expected: &str| {
+        let arguments = format!("train net nowhere --variant {more}");
+        refused(&fixture, &arguments, &[expected]);
+    };
+    let size = "has its size";
+    train("naive-rq --preset light", size);
+    train("mine --from w.safetensors --preset light", size);
+    for option in ["--preset tiny", "--epochs 7", "--from w.safetensors"] {
+        let fit = format!("pose-space {option}");
+        train(&fit, "`pose-space` is a pose-space deformation");
+    }
+    let kind = "`--variant naive` is another kind of network";
+    train("naive --config global.toml", kind);
+    let ending = "fine-tunings of `local` end in -rq, -mc, -mcrq and -umc, not in -umx";
+    train("local-umx", ending);
+    train("local-umx --config tiny.toml", ending);
+    // What says what it is comes as far as its data.
+    for own in [
+        "local-tiny --config global.toml",
+        "local-umx --from w.safetensors",
+        "mine-umx",
+        "global --config global.toml",
+        "naive --config tiny.toml",
+        "local-params --preset tiny",
+    ] {
+        train(own, "cannot read `nowhere/dataset.json`");
+    }
+}
+
+#[test]
+fn mistakes_of_a_config_are_named_with_file_and_field() {
+    let fixture = untrained();
+    for (text, expected) in [
+        ("preset = \"tinny\"", "no network preset `tinny`"),
+        ("epochs = 0", "`epochs` is `0`"),
+        ("learning_rate = nan", "`learning_rate` is `NaN`"),
+        ("[network]\nfoo = 3", "[network]: unknown field `foo`"),
+        ("[network.garment]\nheads = 0", "`garment.heads`"),
+        ("[loss]\nnormal = -1", "`normal` of the loss is `-1`"),
+        (
+            "[loss]\nvertex = 0\nnormal = 0\npenetration = 0\nbending = 0",
+            "there is nothing to learn",
+        ),
+    ] {
+        fixture.text("bad.toml", text);
+        let train = "train net nowhere --config bad.toml";
+        refused(&fixture, train, &["`bad.toml`: ", expected]);
+    }
+}
+
+#[test]
+fn damaged_data_sets_and_weights_have_a_hint() {
+    let fixture = prepared();
+    let both = |expected: &[&str]| {
+        for arguments in ["train net scenes --preset tiny", "eval net scenes"] {
+            refused(&fixture, arguments, expected);
+        }
+    };
+    let shard = "scenes/shards/test_0000.safetensors";
+    let whole = fixture.read(shard);
+    fixture.half(shard, shard);
+    refused(&fixture, "eval net scenes", &["no sound safetensors file"]);
+    fixture.bytes(shard, &whole);
+    let shard = "scenes/shards/train_0000.safetensors";
+    fixture.bytes(shard, &whole);
+    both(&["is the shard `test_0000.safetensors`", "copy it again"]);
+    fixture.half("scenes/dataset.json", "scenes/dataset.json");
+    both(&["scenes/dataset.json`: EOF", "copy it again"]);
+    refused(&fixture, "train net net", &["`net` is no data set"]);
+    refused(&fixture, "eval net net", &["`net` is no data set"]);
+    fixture.bytes("no.safetensors", &fixture.read("net/template.obj"));
+    let no_weights = ["no.safetensors", "no safetensors file"];
+    refused(
+        &fixture,
+        "eval net scenes --model no.safetensors",
+        &no_weights,
+    );
+}
+
+#[test]
+fn further_data_sets_are_for_what_can_take_them() {
+    let fixture = prepared();
+    let train = "train net scenes --variant naive --more scenes";
+    refused(&fixture, train, &["a network takes no further data sets"]);
+    let train = "train net scenes --variant mine --preset tiny --from net/template.obj";
+    refused(&fixture, train, &["`--preset`"]);
+    let train = "train net scenes --variant mine --from net/template.obj";
+    refused(
+        &fixture,
+        train,
+        &["net/template.obj", "copy the file again"],
+    );
+}
+
+#[test]
+fn a_fit_without_validation_says_so() {
+    let fixture = prepared();
+    let scenes = String::from_utf8(fixture.read("scenes.json")).unwrap();
+    fixture.text("alone.json", &scenes.replace("\"valid\"", "\"train\""));
+    done(&fixture, "dataset net --import alone.json -o alone -q");
+    let report = done(&fixture, "train net alone --variant pose-space --json");
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert!(report["valid"].is_null(), "{report}");
+    assert!(report["test"]["distance"].as_f64().is_some(), "{report}");
+}

@@ -1,15 +1,16 @@
 //! Advice for what can be wrong with files, by the type of the error.
 
-use std::{error::Error as StdError, io};
+use std::{error::Error as StdError, io, path::Path};
 
 use garnet::{
-    CheckpointError, Error, MeshError, SkinError,
+    CheckpointError, Error, MeshError, NetError, SkinError,
     data::{DataError, ReadAs},
     io::{
         ArrayProblem, FileError, FileProblem, ObjError, ObjLineProblem, ObjParseError, WriteError,
     },
     motion::{MotionError, MotionProblem, RetargetError},
     sim::SimError,
+    train::TrainError,
 };
 
 /// The advice of the innermost cause that has one.
@@ -47,6 +48,9 @@ fn for_link(link: &(dyn StdError + 'static)) -> Option<&'static str> {
     if let Some(error) = link.downcast_ref::<MeshError>() {
         return for_mesh(error);
     }
+    if let Some(error) = link.downcast_ref::<TrainError>() {
+        return for_train(error);
+    }
     if let Some(error) = link.downcast_ref::<DataError>() {
         return for_data(error);
     }
@@ -80,6 +84,31 @@ fn for_garnet(error: &Error) -> Option<&'static str> {
     }
 }
 
+/// Errors of a training that are those of something else, which is no link of the chain.
+fn for_train(error: &TrainError) -> Option<&'static str> {
+    match error {
+        TrainError::Read { source, .. } | TrainError::Folder { source, .. } => for_io(source),
+        TrainError::Write(error) => for_write(error),
+        TrainError::Data(error) => for_data(error),
+        TrainError::Checkpoint(error) => for_weights(error),
+        TrainError::Net(error) => for_network(error),
+        TrainError::Skin(error) => for_skin(error),
+        TrainError::Mesh(error) => for_mesh(error),
+        _ => None,
+    }
+}
+
+fn for_network(error: &NetError) -> Option<&'static str> {
+    match error {
+        NetError::OtherGarment { .. } => Some(OTHER_GARMENT),
+        NetError::Mesh(error) => for_mesh(error),
+        _ => None,
+    }
+}
+
+const OTHER_GARMENT: &str = "a network drapes the garment that it was trained for: train one with `garnet train`, or \
+     choose `--method warp`";
+
 fn for_data(error: &DataError) -> Option<&'static str> {
     match error {
         DataError::Read { source, .. } | DataError::Folder { source, .. } => for_io(source),
@@ -91,11 +120,33 @@ fn for_data(error: &DataError) -> Option<&'static str> {
         DataError::Sim(error) => for_sim(error),
         DataError::Fabric { .. } => Some("correct the value in the file, or make the package anew"),
         DataError::Foreign { read_as, .. } => Some(for_foreign(*read_as)),
+        DataError::NoDataset { .. } => {
+            Some("name the folder that has one; `garnet dataset PACKAGE -o DIR` makes a data set")
+        }
+        DataError::Text { path, .. } if path.ends_with("dataset.json") => {
+            Some("copy it again, or make the data set anew in another folder")
+        }
+        DataError::Tensors { path, .. }
+        | DataError::MisnamedShard { path, .. }
+        | DataError::Text { path, .. }
+            if is_shard(path) =>
+        {
+            Some(
+                "copy it again from where the data set came from, or delete it and run `garnet dataset` again with the \
+                 same arguments, which makes what is missing",
+            )
+        }
+        DataError::Tensors { .. } => Some("copy the file again from where it came from"),
         DataError::InsideAtStart { .. } => Some(
             "the garment may belong to another body: let it lie on the skin of this one, not in it",
         ),
         _ => None,
     }
+}
+
+fn is_shard(path: &Path) -> bool {
+    path.parent()
+        .is_some_and(|folder| folder.ends_with("shards"))
 }
 
 const fn for_foreign(read_as: ReadAs) -> &'static str {
@@ -139,10 +190,7 @@ fn for_weights(error: &CheckpointError) -> Option<&'static str> {
         CheckpointError::Schema { .. } => {
             Some("train the variant anew with this version, or use the version that wrote it")
         }
-        CheckpointError::Unfit { .. } => Some(
-            "a network drapes the garment that it was trained for: train one with `garnet train`, or \
-             choose `--method warp`",
-        ),
+        CheckpointError::Unfit { .. } => Some(OTHER_GARMENT),
         _ => Some("copy the file again, or train the variant anew with `garnet train`"),
     }
 }

@@ -42,6 +42,12 @@ pub enum DataError {
         /// What the system says.
         source: io::Error,
     },
+    /// A folder or file is there, but no data set in it.
+    #[error("`{}` is no data set: it has no `dataset.json`", folder.display())]
+    NoDataset {
+        /// The folder or file.
+        folder: PathBuf,
+    },
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),

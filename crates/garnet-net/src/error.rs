@@ -22,6 +22,18 @@ pub enum NetError {
         /// The largest value allowed.
         max: f64,
     },
+    /// A weight or constant of the loss is not usable.
+    #[error("`{field}` of the loss is `{value}`, but has to be from {min} to {max}")]
+    Loss {
+        /// Which number.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// The smallest value allowed.
+        min: f64,
+        /// The largest value allowed.
+        max: f64,
+    },
     /// No preset has this name.
     #[error("there is no network preset `{name}`; there are {known}")]
     UnknownPreset {

@@ -95,23 +95,36 @@ impl Default for TrainConfig {
 }
 
 impl TrainConfig {
-    /// Reads a TOML file.
+    /// Reads a TOML file and checks what is in it.
     ///
     /// # Errors
     ///
-    /// [`TrainError::Read`], or [`TrainError::ConfigText`] with the line.
+    /// [`TrainError::Read`], or [`TrainError::ConfigText`] with the line or the field.
     pub fn read(path: &Path) -> Result<Self, TrainError> {
-        let text = std::fs::read_to_string(path).map_err(|source| TrainError::Read {
-            path: path.to_path_buf(),
-            source,
-        })?;
-        Self::parse(&text).map_err(|error| match error {
-            TrainError::ConfigText { reason, .. } => TrainError::ConfigText {
-                path: Some(path.to_path_buf()),
-                reason,
+        let text = text_of(path)?;
+        let config = Self::parse(&text).and_then(|config| config.validate().map(|()| config));
+        config.map_err(|error| TrainError::ConfigText {
+            path: Some(path.to_path_buf()),
+            reason: match error {
+                TrainError::ConfigText { reason, .. } => reason,
+                other => other.to_string(),
             },
-            other => other,
         })
+    }
+
+    /// The kind of network that a TOML file names; none if it leaves that to the name of the variant.
+    ///
+    /// # Errors
+    ///
+    /// As [`TrainConfig::read`].
+    pub fn kind_in(path: &Path) -> Result<Option<Variant>, TrainError> {
+        let config = Self::read(path)?;
+        let table: toml::Table =
+            toml::from_str(&text_of(path)?).map_err(|source| TrainError::ConfigText {
+                path: Some(path.to_path_buf()),
+                reason: source.to_string(),
+            })?;
+        Ok(table.contains_key("kind").then_some(config.kind))
     }
 
     /// Reads the text of a TOML file.
@@ -142,7 +155,8 @@ impl TrainConfig {
     ///
     /// # Errors
     ///
-    /// [`TrainError::Config`] with the first number out of range.
+    /// [`TrainError::Config`] with the first number out of range, [`TrainError::NoLoss`] if no term of the loss has a
+    /// weight, [`TrainError::Net`] for a loss or a network that cannot be, and as [`TrainConfig::network_config`].
     pub fn validate(&self) -> Result<(), TrainError> {
         let numbers = [
             ("epochs", f64::from(self.epochs), 1.0, 1e6),
@@ -184,7 +198,14 @@ impl TrainConfig {
                 });
             }
         }
-        self.network_config().map(|_| ())
+        self.loss.check()?;
+        if self.loss.is_nothing() {
+            return Err(TrainError::NoLoss);
+        }
+        let mut network = self.network_config()?;
+        // How many there are depends on the body.
+        network.num_body_parameters = network.num_body_parameters.max(1);
+        Ok(network.validate()?)
     }
 
     /// The preset, with what differs; without what a garment decides.
@@ -206,6 +227,13 @@ impl TrainConfig {
             .try_into()
             .map_err(|error: toml::de::Error| unusable(error.message().to_owned()))
     }
+}
+
+fn text_of(path: &Path) -> Result<String, TrainError> {
+    std::fs::read_to_string(path).map_err(|source| TrainError::Read {
+        path: path.to_path_buf(),
+        source,
+    })
 }
 
 /// Replaces the values that `changes` names, table by table.
@@ -260,5 +288,14 @@ mod tests {
                 .validate()
                 .is_err()
         );
+    }
+
+    #[test]
+    fn a_loss_of_nothing_is_refused() {
+        let loss = "[loss]\nvertex = 0\nnormal = 0\npenetration = 0\nbending = 0";
+        let error = TrainConfig::parse(loss).unwrap().validate().unwrap_err();
+        assert!(matches!(error, TrainError::NoLoss), "{error}");
+        let alone = TrainConfig::parse(&format!("{loss}\nstrain = 1")).unwrap();
+        alone.validate().unwrap();
     }
 }

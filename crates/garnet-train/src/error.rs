@@ -79,10 +79,39 @@ pub enum TrainError {
         max: f64,
     },
     /// A name of a variant cannot be that of a file.
-    #[error("`{name}` is no name of a variant: it may have letters, digits, `-`, `_` and `.`")]
+    #[error("`{name}` is no name of a variant: it may have letters, digits, `-` and `_`")]
     VariantName {
         /// The name.
         name: String,
+    },
+    /// A name of a variant means something else where drapes and tables name methods.
+    #[error("`{name}` is no name for a variant: methods and tables have another meaning for it")]
+    ReservedName {
+        /// The name.
+        name: String,
+    },
+    /// The weights of a variant would take the place of another file of the package.
+    #[error(
+        "the weights of `{name}` would take the place of `{file}`, another file of the package"
+    )]
+    Taken {
+        /// The variant.
+        name: String,
+        /// The file in the package.
+        file: String,
+    },
+    /// No term of the loss has a weight.
+    #[error("all weights of the loss are 0: there is nothing to learn")]
+    NoLoss,
+    /// Weights to start from are of a network of another kind than the name of the variant says.
+    #[error("`{name}` is to start from `{base}`, which is of the kind `{found}`")]
+    OtherKind {
+        /// The variant.
+        name: String,
+        /// The weights.
+        base: String,
+        /// Their kind.
+        found: &'static str,
     },
     /// A variant that is asked for was not trained.
     #[error("the package has no variant `{name}`; it has {known}")]
@@ -142,10 +171,26 @@ pub enum TrainError {
         /// The garment.
         garment: String,
     },
+    /// A pose-space deformation cannot be fitted to so few scenes.
+    #[error("the data set has {found} scene{} in its split `train`, at least {needed} are needed", plural(*found))]
+    FewScenes {
+        /// Scenes of the training.
+        found: usize,
+        /// How many it takes.
+        needed: usize,
+    },
     /// More scenes than those of the data set for what cannot take them.
-    #[error("`{}`: a pose-space deformation that scenes tell takes no further data sets", path.display())]
+    #[error("`{}`: {what} takes no further data sets", path.display())]
     MoreScenes {
         /// The first of them.
+        path: PathBuf,
+        /// `a network`, or which pose-space deformation.
+        what: &'static str,
+    },
+    /// A further data set is one that is learned from already.
+    #[error("`{}` is a data set that is learned from already: its scenes would count twice", path.display())]
+    SameScenes {
+        /// Its folder.
         path: PathBuf,
     },
     /// A network is to start from what knows the scenes of its training by heart.
@@ -336,6 +381,10 @@ impl std::fmt::Display for Trouble {
             }
         }
     }
+}
+
+const fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
 }
 
 impl From<DataError> for TrainError {

@@ -77,7 +77,7 @@ pub use garnet_net::{Aim, GarNetConfig, PRESET_NAMES, Precision, Variant};
 pub use percentiles::Percentiles;
 pub use pose_space::{PoseSpaceConfig, ToldBy};
 pub use publish::{Trained, weights_of};
-pub use recipe::Recipe;
+pub use recipe::{Recipe, kind_name};
 pub use schedule::Schedule;
 pub use scores::{Scores, Tally};
 pub use stage::{Stage, StagedScene, Worn, warp_of};

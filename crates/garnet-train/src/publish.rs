@@ -23,8 +23,10 @@ pub struct Trained {
     pub name: String,
     /// Its weights.
     pub weights: PathBuf,
-    /// The epoch that was chosen by the validation.
+    /// The epoch that was chosen by the validation; its scores are 0 if nothing was validated.
     pub best: EpochRecord,
+    /// The scores on the validation split; none if the split is empty, which networks do not take.
+    pub valid: Option<Scores>,
     /// Epochs that were done.
     pub epochs: u32,
     /// Epochs that were asked for: more, if the patience ended the training.
@@ -60,6 +62,27 @@ pub fn weights_of(folder: &Path, manifest: &Manifest, name: &str) -> Result<Path
     })
 }
 
+/// The file in a package that the weights of a variant are written to.
+pub(crate) fn weights_file(name: &str) -> String {
+    format!("{name}.safetensors")
+}
+
+/// Refuses a name whose weights would take the place of another file of the package.
+pub(crate) fn check_free(manifest: &Manifest, name: &str) -> Result<(), TrainError> {
+    let file = weights_file(name);
+    let mut others = (manifest.variants.iter()).filter(|variant| variant.name != name);
+    let is_taken = others.any(|variant| variant.weights == file)
+        || manifest.rest_body.rig == file
+        || GarmentPackage::file_names().contains(&file.as_str());
+    if !is_taken {
+        return Ok(());
+    }
+    Err(TrainError::Taken {
+        name: name.to_owned(),
+        file,
+    })
+}
+
 /// Where a network goes, and what it is measured on.
 pub(crate) struct Job<'a> {
     /// The package.
@@ -87,7 +110,7 @@ pub(crate) fn publish(
     let progress = &state.progress;
     let best = progress.best().cloned();
     let best = best.expect("the record before the first epoch is the best at first");
-    let file = format!("{}.safetensors", progress.name);
+    let file = weights_file(&progress.name);
     let weights = folder.join(&file);
     let mut checkpoint = Checkpoint {
         model: state.best.clone(),
@@ -148,6 +171,7 @@ pub(crate) fn publish(
         weights,
         epochs: progress.epoch - 1,
         epochs_asked: progress.config.epochs,
+        valid: Some(best.valid),
         best,
         test,
         settled_error,

@@ -14,6 +14,9 @@ const KINDS: [(&str, Variant); 5] = [
     ("local-params", Variant::LocalParams),
 ];
 
+/// What methods of drapes and rows of tables are called, which variants cannot be.
+const RESERVED: [&str; 6] = ["auto", "lbs", "dqs", "warp", "sim", "teacher"];
+
 /// Names of the curvature losses that a variant is fine-tuned with.
 const FINE_TUNINGS: [(&str, LossConfig); 4] = [
     ("rq", LossConfig::fine_tune_rq()),
@@ -40,6 +43,12 @@ pub struct Recipe {
 /// in place of 0.6 % of its vertices inside the body (4 epochs, validation).
 const FINE_TUNING_RATE: f64 = 3e-4;
 
+/// The name of a kind of network, as configurations have it.
+pub fn kind_name(kind: Variant) -> &'static str {
+    let known = KINDS.iter().find(|&&(_, known)| known == kind);
+    known.map_or("", |&(name, _)| name)
+}
+
 impl Recipe {
     /// Reads a name: `naive`, `global`, `local` or `global-params` start anew; `<variant>-rq`,
     /// `-mc`, `-mcrq` and `-umc` fine-tune `<variant>` with curvature losses (*Gundogdu et al.
@@ -47,11 +56,17 @@ impl Recipe {
     ///
     /// # Errors
     ///
-    /// [`TrainError::VariantName`] for a name that cannot be that of a file.
+    /// [`TrainError::VariantName`] for a name that cannot be that of a file, or could be that of the flat pattern,
+    /// `template.rest`; [`TrainError::ReservedName`] for the name of another method.
     pub fn of_name(name: &str) -> Result<Self, TrainError> {
-        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_.".contains(letter);
-        if name.is_empty() || name.starts_with('.') || !name.chars().all(is_plain) {
+        let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_".contains(letter);
+        if name.is_empty() || !name.chars().all(is_plain) {
             return Err(TrainError::VariantName {
+                name: name.to_owned(),
+            });
+        }
+        if RESERVED.contains(&name) {
+            return Err(TrainError::ReservedName {
                 name: name.to_owned(),
             });
         }
@@ -109,10 +124,27 @@ mod tests {
         let aims = [POSE_SPACE, ARRIVAL, FALLING, MIDWAY, "local"].map(aim);
         let known = [Aim::Rest, Aim::Arrival, Aim::Falling, Aim::Midway].map(Some);
         assert_eq!((&aims[..4], aims[4]), (&known[..], None));
-        let own = Recipe::of_name("my_shirt.2").unwrap();
+        let own = Recipe::of_name("my_shirt-2").unwrap();
         assert_eq!((own.kind, own.fine_tuned), (None, None));
-        for name in ["", "../x", "a b", ".hidden"] {
-            assert!(Recipe::of_name(name).is_err(), "{name}");
+        assert_eq!(kind_name(Variant::GlobalParams), "global-params");
+    }
+
+    #[test]
+    fn names_of_other_files_and_methods_are_refused() {
+        for name in [
+            "",
+            "../x",
+            "a b",
+            ".hidden",
+            "template.rest",
+            "local settled",
+        ] {
+            let error = Recipe::of_name(name).unwrap_err();
+            assert!(matches!(error, TrainError::VariantName { .. }), "{error}");
+        }
+        for name in RESERVED {
+            let error = Recipe::of_name(name).unwrap_err();
+            assert!(matches!(error, TrainError::ReservedName { .. }), "{error}");
         }
     }
 }

@@ -8,7 +8,7 @@ use garnet_net::GarNetConfig;
 use garnet_net::losses::Term;
 use serde::Serialize;
 
-use crate::state::Progress;
+use crate::state::{FirstTerm, Progress};
 use crate::{Began, EpochRecord, TrainConfig, TrainError};
 
 /// The files of a log, in the folder of the training.
@@ -38,13 +38,6 @@ struct Head {
     network: GarNetConfig,
 }
 
-#[derive(Debug, Clone, Serialize)]
-struct FirstTerm {
-    term: &'static str,
-    value: f64,
-    weight: f64,
-}
-
 #[derive(Debug, Serialize)]
 struct Document<'a> {
     #[serde(flatten)]
@@ -69,11 +62,6 @@ impl RunLog {
         network: &GarNetConfig,
         began: &Began,
     ) -> Result<(), TrainError> {
-        let first_terms = began.terms.iter().map(|value| FirstTerm {
-            term: value.term.name(),
-            value: value.value,
-            weight: value.weight,
-        });
         self.head = Some(Head {
             schema: "garnet.training-log/1",
             version: env!("CARGO_PKG_VERSION"),
@@ -86,7 +74,7 @@ impl RunLog {
             body_points: began.num_body_points,
             parameters: began.parameters,
             flops: began.flops,
-            first_terms: first_terms.collect(),
+            first_terms: progress.first_terms.clone(),
             config: progress.config.clone(),
             network: network.clone(),
         });

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use burn::optim::{AdamConfig, ModuleOptimizer};
 use burn::tensor::{Bytes, Device};
 use garnet_mesh::{Fingerprint, write_atomically};
+use garnet_net::losses::LossValue;
 use garnet_net::{Checkpoint, GarNet, Precision};
 use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
@@ -34,6 +35,9 @@ pub(crate) struct Progress {
     /// Checksum of the pose-space deformation that it starts from, if it starts from one.
     #[serde(default)]
     pub(crate) pose_space: Option<String>,
+    /// The terms of the loss before the first step; none in states of earlier versions.
+    #[serde(default)]
+    pub(crate) first_terms: Vec<FirstTerm>,
     /// Steps of the optimizer that are done.
     pub(crate) step: u64,
     /// The epoch that is under way, from 1.
@@ -46,6 +50,27 @@ pub(crate) struct Progress {
     pub(crate) epochs: Vec<EpochRecord>,
     /// Whether it came to its end.
     pub(crate) is_finished: bool,
+}
+
+/// A term of the loss over the first scenes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct FirstTerm {
+    /// Its name.
+    pub(crate) term: String,
+    /// Its mean; none if it was not finite, for which JSON has no number.
+    pub(crate) value: Option<f64>,
+    /// Its weight.
+    pub(crate) weight: f64,
+}
+
+impl From<&LossValue> for FirstTerm {
+    fn from(found: &LossValue) -> Self {
+        Self {
+            term: found.term.name().to_owned(),
+            value: Some(found.value).filter(|value| value.is_finite()),
+            weight: found.weight,
+        }
+    }
 }
 
 /// Sums over the scenes of an epoch.
@@ -198,6 +223,7 @@ impl Progress {
             dataset: dataset.to_string(),
             base: None,
             pose_space: None,
+            first_terms: Vec::new(),
             step: 0,
             epoch: 1,
             scene: 0,
@@ -210,5 +236,20 @@ impl Progress {
     /// The best epoch so far.
     pub(crate) fn best(&self) -> Option<&EpochRecord> {
         self.epochs.iter().rfind(|epoch| epoch.is_best)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn states_of_before_are_gone_on_with() {
+        let data = Fingerprint::of_bytes(b"data");
+        let progress = Progress::new("local", &TrainConfig::default(), data);
+        let mut before = serde_json::to_value(&progress).unwrap();
+        before.as_object_mut().unwrap().remove("first_terms");
+        let found: Progress = serde_json::from_value(before).unwrap();
+        assert_eq!(found, progress);
     }
 }

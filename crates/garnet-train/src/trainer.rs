@@ -17,12 +17,12 @@ use rand_chacha::ChaCha8Rng;
 use crate::examples::examples;
 use crate::lesson::lesson;
 use crate::run_log::RunLog;
-use crate::state::{EpochSums, Progress, State, state_file};
+use crate::state::{EpochSums, FirstTerm, Progress, State, state_file};
 use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate};
 use crate::{
     Began, Choice, EpochRecord, Recipe, Stage, TrainConfig, TrainError, TrainEvent, Trained,
-    gradients, pose_space, publish,
+    gradients, kind_name, pose_space, publish,
 };
 
 /// Scenes whose terms are told before the first step.
@@ -81,8 +81,7 @@ pub fn train(
     job.config.validate()?;
     let folder = training_folder(&job.package, &job.recipe.name);
     check_begin(job, &folder)?;
-    let package = GarmentPackage::read(&job.package)?;
-    let stage = Stage::new(package, Dataset::open(&job.dataset)?)?;
+    let stage = stage_of(job)?;
     if let Some(aim) = job.recipe.pose_space() {
         return pose_space::fit(job, aim, &stage, observer, stop);
     }
@@ -160,6 +159,13 @@ pub fn train(
     Ok(trained)
 }
 
+/// Package and data set, where the variant has a file of its own in the package.
+fn stage_of(job: &TrainJob) -> Result<Stage, TrainError> {
+    let package = GarmentPackage::read(&job.package)?;
+    publish::check_free(&package.manifest, &job.recipe.name)?;
+    Stage::new(package, Dataset::open(&job.dataset)?)
+}
+
 /// The network of a configuration, with what the data set decides.
 fn new_network(config: &TrainConfig, stage: &Stage) -> Result<GarNetConfig, TrainError> {
     let mut network = config.network_config()?;
@@ -172,7 +178,7 @@ fn new_network(config: &TrainConfig, stage: &Stage) -> Result<GarNetConfig, Trai
 /// Refuses to overwrite a training that is under way, and to go on with none.
 fn check_begin(job: &TrainJob, folder: &Path) -> Result<(), TrainError> {
     if job.recipe.pose_space().is_none() {
-        pose_space::check_no_more(&job.more)?;
+        pose_space::check_no_more(&job.more, "a network")?;
     }
     let name = job.recipe.name.clone();
     match (State::progress(folder)?, job.begin) {
@@ -227,7 +233,18 @@ fn base_of(
     };
     let checkpoint = Checkpoint::load(&path, device)?;
     checkpoint.accepts(&stage.template().graph)?;
-    Ok((Some(checkpoint), Some(path.display().to_string())))
+    let (base, found) = (
+        path.display().to_string(),
+        checkpoint.model.config().variant,
+    );
+    if job.recipe.kind.is_some_and(|kind| kind != found) {
+        return Err(TrainError::OtherKind {
+            name: job.recipe.name.clone(),
+            base,
+            found: kind_name(found),
+        });
+    }
+    Ok((Some(checkpoint), Some(base)))
 }
 
 /// A training under way.
@@ -265,6 +282,10 @@ impl Trainer<'_> {
         let num_vertices = self.stage.package.mesh.num_vertices();
         let num_body_points = self.subject.sampling.used().len();
         let cost = config.cost(num_vertices, num_body_points)?;
+        let terms = self.first_terms()?;
+        if self.state.progress.first_terms.is_empty() {
+            self.state.progress.first_terms = terms.iter().map(FirstTerm::from).collect();
+        }
         let began = Began {
             num_train: self.train.len(),
             num_valid: self.valid.len(),
@@ -272,7 +293,7 @@ impl Trainer<'_> {
             num_body_points,
             parameters: cost.parameters,
             flops: cost.flops,
-            terms: self.first_terms()?,
+            terms,
             past: self.state.progress.epochs.clone(),
         };
         self.log

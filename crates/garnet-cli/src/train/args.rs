@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use garnet::train::{Begin, Precision, Recipe, TrainConfig, TrainJob, training_folder};
 
+use super::{CONFIG_HINT, advised, followed};
 use crate::failure::Hint;
 
 /// Arguments of `train`.
@@ -24,13 +25,13 @@ pub(crate) struct TrainArgs {
     variant: String,
     /// Read the configuration from a TOML file.
     #[arg(long, value_name = "FILE")]
-    config: Option<PathBuf>,
+    pub(super) config: Option<PathBuf>,
     /// Size of the network: paper, medium, small, light or tiny.
     #[arg(long, value_name = "NAME", conflicts_with = "resume")]
-    preset: Option<String>,
+    pub(super) preset: Option<String>,
     /// See each scene this often.
     #[arg(long, value_name = "N", conflicts_with = "resume")]
-    epochs: Option<u32>,
+    pub(super) epochs: Option<u32>,
     /// Seed of the first weights and of the order of the scenes.
     #[arg(long, value_name = "S", conflicts_with = "resume")]
     seed: Option<u64>,
@@ -39,14 +40,14 @@ pub(crate) struct TrainArgs {
     precision: Option<Precision>,
     /// Start from these weights.
     #[arg(long, value_name = "WEIGHTS", conflicts_with = "resume")]
-    from: Option<PathBuf>,
+    pub(super) from: Option<PathBuf>,
     /// Learn from the training bodies of this data set, too: for `--variant falling`, and for `arrival` or `midway`, from
     /// `garnet dataset --until` that, with another seed. May be given several times.
     #[arg(long, value_name = "DATASET")]
     more: Vec<PathBuf>,
     /// Go on with a training that was interrupted.
     #[arg(long)]
-    resume: bool,
+    pub(super) resume: bool,
 }
 
 const LONG_HELP: &str = "\
@@ -57,6 +58,7 @@ epoch that is best on the validation split.
 
 A configuration names what differs from the defaults:
 
+  kind = \"local\"            # where the name of the variant does not say it
   preset = \"small\"          # size of the network
   epochs = 100
   learning_rate = 3e-3
@@ -80,11 +82,12 @@ fn precision(text: &str) -> Result<Precision, String> {
 impl TrainArgs {
     /// What is to be done, checked as far as that goes without reading data.
     pub(crate) fn job(&self) -> anyhow::Result<TrainJob> {
-        let recipe = Recipe::of_name(&self.variant)?;
+        let recipe = Recipe::of_name(&self.variant).map_err(advised)?;
+        followed::check(self, &recipe)?;
         let saved = training_folder(&self.package, &recipe.name).join("config.toml");
         let mut config = match &self.config {
-            Some(path) => TrainConfig::read(path)?,
-            None if self.resume && saved.is_file() => TrainConfig::read(&saved)?,
+            Some(path) => TrainConfig::read(path).map_err(advised)?,
+            None if self.resume && saved.is_file() => TrainConfig::read(&saved).map_err(advised)?,
             None => TrainConfig::default(),
         };
         // What was saved has all that the name asks for.
@@ -100,9 +103,7 @@ impl TrainArgs {
             config.seed = self.seed.unwrap_or(config.seed);
             config.precision = self.precision.unwrap_or(config.precision);
         }
-        config.validate().hint(|| {
-            "`garnet train --help` shows a configuration; each field has a default".to_owned()
-        })?;
+        config.validate().hint(|| CONFIG_HINT.to_owned())?;
         Ok(TrainJob {
             package: self.package.clone(),
             dataset: self.dataset.clone(),

@@ -2,6 +2,7 @@
 
 mod args;
 mod curves;
+mod followed;
 mod progress;
 mod report;
 
@@ -52,6 +53,34 @@ pub(crate) fn advised(error: TrainError) -> anyhow::Error {
         Some(advice) => failure::with_hint(error, advice),
         None => error.into(),
     }
+}
+
+const CONFIG_HINT: &str = "`garnet train --help` shows a configuration; each field has a default";
+
+/// What helps against what is asked for.
+fn advice_on_job(error: &TrainError) -> Option<String> {
+    Some(match error {
+        TrainError::VariantName { .. } => {
+            "give another name, as in `--variant my-shirt`".to_owned()
+        }
+        TrainError::ReservedName { name } | TrainError::Taken { name, .. } => {
+            format!("give another name, as in `--variant my-{name}`")
+        }
+        TrainError::Config { .. } | TrainError::ConfigText { .. } | TrainError::NoLoss => {
+            CONFIG_HINT.to_owned()
+        }
+        TrainError::OtherKind { name, found, .. } => format!(
+            "name weights of the kind `{name}`, or give another name, as in `--variant my-{found}`"
+        ),
+        TrainError::FewScenes { .. } => {
+            "make a data set of more: `--bodies` and `--poses` of `garnet dataset`".to_owned()
+        }
+        TrainError::SameScenes { .. } => {
+            "make another with `garnet dataset` and another `--seed`; shards of one data set belong into one folder"
+                .to_owned()
+        }
+        _ => return None,
+    })
 }
 
 fn advice(error: &TrainError) -> Option<String> {
@@ -108,6 +137,6 @@ fn advice(error: &TrainError) -> Option<String> {
         TrainError::State { .. } => {
             "remove the file to begin anew; the package keeps its weights".to_owned()
         }
-        _ => return None,
+        _ => return advice_on_job(error),
     })
 }

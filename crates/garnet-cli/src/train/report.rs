@@ -19,7 +19,8 @@ pub(crate) struct TrainReport {
     best_epoch: u32,
     /// The validation before the first step: the warp, unless weights were fine-tuned.
     valid_at_start: Option<Scores>,
-    valid: Scores,
+    /// None if the data set has no scenes to validate by.
+    valid: Option<Scores>,
     test: Option<Scores>,
     /// Mean distance to the teacher on the test split once the cloth has settled.
     settled_error_m: Option<f64>,
@@ -42,7 +43,7 @@ impl TrainReport {
             ended_early: trained.epochs < trained.epochs_asked,
             best_epoch: trained.best.epoch,
             valid_at_start: start.map(|start| start.valid),
-            valid: trained.best.valid,
+            valid: trained.valid,
             test: trained.test,
             settled_error_m: trained.settled_error,
             seconds: time.as_secs_f64(),
@@ -70,7 +71,9 @@ impl fmt::Display for TrainReport {
                 self.epochs, self.best_epoch
             )?;
         }
-        write!(formatter, "\n  validation {}", figures(&self.valid))?;
+        let valid = self.valid.as_ref();
+        let valid = valid.map_or_else(|| "not measured: no scenes in `valid`".to_owned(), figures);
+        write!(formatter, "\n  validation {valid}")?;
         if let Some(start) = &self.valid_at_start {
             write!(formatter, " (at the start {})", figures(start))?;
         }

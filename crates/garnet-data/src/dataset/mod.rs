@@ -41,12 +41,18 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// [`DataError`] that names the file.
+    /// [`DataError::NoDataset`] for a folder of other files, or another [`DataError`] that names the file.
     pub fn open(folder: &Path) -> Result<Self, DataError> {
         let layout = Layout {
             folder: folder.to_path_buf(),
         };
-        let manifest = DatasetManifest::read(&layout.manifest())?;
+        let path = layout.manifest();
+        if folder.exists() && !path.exists() {
+            return Err(DataError::NoDataset {
+                folder: folder.to_path_buf(),
+            });
+        }
+        let manifest = DatasetManifest::read(&path)?;
         Ok(Self {
             fingerprint: manifest.fingerprint(),
             manifest,

@@ -58,10 +58,10 @@ impl Losses {
     ///
     /// # Errors
     ///
-    /// [`NetError::Config`] for a weight that is negative or no number, [`NetError::Knn`] for a
+    /// [`NetError::Loss`] for a weight that is negative or no number, [`NetError::Knn`] for a
     /// template of more vertices than can be numbered.
     pub fn new(template: &TriMesh, config: &LossConfig) -> Result<Self, NetError> {
-        check(config)?;
+        config.check()?;
         let topology = Topology::new(template.num_vertices(), template.faces());
         let places = in_units(template.positions());
         let tree = VertexTree::new(template.positions())?;
@@ -208,36 +208,6 @@ impl Losses {
             None => Ok(()),
         }
     }
-}
-
-fn check(config: &LossConfig) -> Result<(), NetError> {
-    let weights = Term::ALL.map(|term| (term.name(), config.weight(term), 0.0, 1e9));
-    let constants = [
-        (
-            "penetration_tolerance",
-            f64::from(config.penetration_tolerance),
-            0.0,
-            1e9,
-        ),
-        (
-            "penetration_offset",
-            f64::from(config.penetration_offset),
-            0.0,
-            1e3,
-        ),
-        ("max_cotangent", config.max_cotangent, 1.0, 1e12),
-    ];
-    for (field, value, min, max) in weights.into_iter().chain(constants) {
-        if !(min..=max).contains(&value) {
-            return Err(NetError::Config {
-                field,
-                value,
-                min,
-                max,
-            });
-        }
-    }
-    Ok(())
 }
 
 /// Places in units, in double precision.

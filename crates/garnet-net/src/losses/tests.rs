@@ -215,11 +215,17 @@ fn wrong_input_is_refused() {
     };
     assert!(matches!(
         Losses::new(&template, &bad),
-        Err(NetError::Config {
+        Err(NetError::Loss {
             field: "normal",
             ..
         })
     ));
+    let bad = LossConfig {
+        rayleigh: [0.0, -1.0, 0.0],
+        ..LossConfig::paper()
+    };
+    let told = bad.check().unwrap_err().to_string();
+    assert!(told.starts_with("`rayleigh` of the loss is `-1`"), "{told}");
     let losses = Losses::new(&template, &LossConfig::paper()).unwrap();
     assert!(losses.target(&template.positions()[1..]).is_err());
     let mut stray = template.positions().to_vec();

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::NetError;
+
 /// One term of the loss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -64,6 +66,16 @@ impl Term {
             Self::Strain => "strain",
             Self::Gravity => "gravity",
             Self::Fold => "fold",
+        }
+    }
+
+    /// The field of [`LossConfig`] that has its weight.
+    const fn field(self) -> &'static str {
+        match self {
+            Self::MeanCurvature => "mean_curvature",
+            Self::UniformCurvature => "uniform_curvature",
+            Self::Rayleigh8 | Self::Rayleigh16 | Self::Rayleigh32 => "rayleigh",
+            _ => self.name(),
         }
     }
 }
@@ -192,5 +204,45 @@ impl LossConfig {
             Term::Gravity => self.gravity,
             Term::Fold => self.fold,
         }
+    }
+
+    /// Whether no term has a weight: there is nothing to minimise.
+    pub fn is_nothing(&self) -> bool {
+        Term::ALL.into_iter().all(|term| self.weight(term) <= 0.0)
+    }
+
+    /// Checks weights and constants.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::Loss`] with the first that is negative, no number or otherwise out of range.
+    pub fn check(&self) -> Result<(), NetError> {
+        let weights = Term::ALL.map(|term| (term.field(), self.weight(term), 0.0, 1e9));
+        let constants = [
+            (
+                "penetration_tolerance",
+                f64::from(self.penetration_tolerance),
+                0.0,
+                1e9,
+            ),
+            (
+                "penetration_offset",
+                f64::from(self.penetration_offset),
+                0.0,
+                1e3,
+            ),
+            ("max_cotangent", self.max_cotangent, 1.0, 1e12),
+        ];
+        for (field, value, min, max) in weights.into_iter().chain(constants) {
+            if !(min..=max).contains(&value) {
+                return Err(NetError::Loss {
+                    field,
+                    value,
+                    min,
+                    max,
+                });
+            }
+        }
+        Ok(())
     }
 }

@@ -27,7 +27,7 @@ use garnet_net::{Aim, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
 
 use crate::examples::examples;
-use crate::publish::{add_variant, named};
+use crate::publish::{add_variant, named, weights_file};
 use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate_drapes};
 use crate::{EpochRecord, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained};
@@ -36,6 +36,9 @@ use offsets::Offsets;
 use regression::{Places, Regression};
 use relevance::Relevance;
 use scenes::{chosen, left_out_with};
+
+/// Scenes that differ in pose or shape are needed to tell what comes of that.
+const LEAST_SCENES: usize = 2;
 
 /// How a pose-space deformation is fitted.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -109,16 +112,18 @@ pub(crate) fn fit(
     stop: &AtomicBool,
 ) -> Result<Trained, TrainError> {
     stage.check_aim(aim)?;
+    let told_by = job.config.pose_space.told_by(aim);
+    check_more(job, stage, told_by)?;
     let name = &job.recipe.name;
     let mut network = job.config.network_config()?;
     network.start = Start::Shape;
     let mut subject = Subject::new(stage, network, &job.config.loss)?;
     subject.aim = aim;
     let train = examples(stage, &subject, Split::Train, None, observer)?;
-    let (mut space, num_train) = match job.config.pose_space.told_by(aim) {
+    let (mut space, num_train) = match told_by {
         ToldBy::Scenes => {
-            check_no_more(&job.more)?;
             let count = train.len();
+            check_enough(count)?;
             (fitted(&job.config, stage, &train, observer, stop)?, count)
         }
         ToldBy::Networks => {
@@ -129,13 +134,14 @@ pub(crate) fn fit(
                 let more = examples(&more, &subject, Split::Train, None, observer)?;
                 samples.extend(regions::samples_of(number, &more));
             }
+            check_enough(samples.len())?;
             let space = of_regions(&job.config, stage, &samples, observer, stop)?;
             (space, samples.len())
         }
     };
     space.aim = aim;
     space.record = record(job, stage, &space, num_train)?;
-    let file = format!("{name}.safetensors");
+    let file = weights_file(name);
     let path = job.package.join(&file);
     // What is measured are the numbers that the file will have.
     let bytes = space.to_bytes(&path, job.config.precision)?;
@@ -174,6 +180,7 @@ pub(crate) fn fit(
     Ok(Trained {
         name: name.clone(),
         weights: path,
+        valid: scores(&valid),
         best: best(valid),
         epochs: 0,
         epochs_asked: 0,
@@ -182,12 +189,42 @@ pub(crate) fn fit(
     })
 }
 
-/// Refuses further data sets for what cannot learn from them.
-pub(crate) fn check_no_more(more: &[PathBuf]) -> Result<(), TrainError> {
+/// Refuses further data sets for what cannot learn from them, which is `what`.
+pub(crate) fn check_no_more(more: &[PathBuf], what: &'static str) -> Result<(), TrainError> {
     match more.first() {
-        Some(path) => Err(TrainError::MoreScenes { path: path.clone() }),
+        Some(path) => Err(TrainError::MoreScenes {
+            path: path.clone(),
+            what,
+        }),
         None => Ok(()),
     }
+}
+
+/// Refuses further data sets that cannot be learned from, or are learned from already.
+fn check_more(job: &TrainJob, stage: &Stage, told_by: ToldBy) -> Result<(), TrainError> {
+    if told_by == ToldBy::Scenes {
+        return check_no_more(&job.more, "a pose-space deformation that scenes tell");
+    }
+    let mut known = vec![stage.dataset.manifest.fingerprint()];
+    for path in &job.more {
+        let fingerprint = Dataset::open(path)?.manifest.fingerprint();
+        if known.contains(&fingerprint) {
+            return Err(TrainError::SameScenes { path: path.clone() });
+        }
+        known.push(fingerprint);
+    }
+    Ok(())
+}
+
+/// Refuses fewer scenes than a deformation can be told from: what all have in common tells nothing.
+fn check_enough(found: usize) -> Result<(), TrainError> {
+    if found >= LEAST_SCENES {
+        return Ok(());
+    }
+    Err(TrainError::FewScenes {
+        found,
+        needed: LEAST_SCENES,
+    })
 }
 
 /// The validation as a record.

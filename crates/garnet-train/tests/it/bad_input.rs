@@ -3,7 +3,7 @@
 use std::fs;
 use std::sync::atomic::AtomicBool;
 
-use garnet_data::{DatasetManifest, Split};
+use garnet_data::{DatasetManifest, GarmentPackage, Split, Variant};
 use garnet_mesh::Point3;
 use garnet_train::{Begin, TrainConfig, TrainError, TrainEvent, train};
 
@@ -153,6 +153,47 @@ fn a_training_that_diverges_stops_and_says_where() {
     }
     assert_eq!(skipped.len(), 19);
     assert!(!invented.package().join("local.safetensors").exists());
+}
+
+#[test]
+fn weights_do_not_take_the_place_of_other_files() {
+    let invented = Invented::new();
+    let mut manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
+    manifest.add(Variant {
+        name: "old".to_owned(),
+        weights: "local.safetensors".to_owned(),
+        default: false,
+        distance_error: None,
+        settled_error: None,
+        settle_frames: None,
+        flop: None,
+    });
+    GarmentPackage::write_manifest(&invented.package(), &manifest).unwrap();
+    let told = refused(&invented);
+    assert!(told.contains("the place of `local.safetensors`"), "{told}");
+}
+
+#[test]
+fn a_folder_of_other_files_is_no_data_set() {
+    let invented = Invented::new();
+    let mut job = invented.job("local", tiny(1));
+    job.dataset = invented.package();
+    let told = run(&job).unwrap_err().to_string();
+    assert!(told.contains("is no data set"), "{told}");
+}
+
+#[test]
+fn a_kind_does_not_start_from_another() {
+    let invented = Invented::new();
+    let local = run(&invented.job("local", tiny(1))).unwrap();
+    let mut job = invented.job("naive", tiny(1));
+    job.recipe.apply(&mut job.config);
+    job.base = Some(local.weights);
+    let error = run(&job).unwrap_err();
+    assert!(
+        matches!(error, TrainError::OtherKind { found: "local", .. }),
+        "{error}"
+    );
 }
 
 #[test]

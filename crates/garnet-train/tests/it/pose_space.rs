@@ -155,6 +155,48 @@ fn scenes_of_one_data_set_tell_drapes() {
     }
 }
 
+#[test]
+fn scenes_are_learned_from_once() {
+    let invented = Invented::new();
+    with_arrivals(&invented);
+    let job = TrainJob {
+        more: vec![invented.dataset()],
+        ..invented.job(ARRIVAL, by_networks(2))
+    };
+    let error = run(&job).unwrap_err();
+    assert!(matches!(error, TrainError::SameScenes { .. }), "{error}");
+    assert!(!invented.package().join("arrival.safetensors").exists());
+}
+
+#[test]
+fn one_scene_tells_no_deformation() {
+    let invented = Invented::new();
+    with_arrivals(&invented);
+    let mut shard = invented.read(Split::Train);
+    shard.scenes.truncate(1);
+    invented.write(&shard);
+    for (name, config) in [
+        (POSE_SPACE, TrainConfig::default()),
+        (ARRIVAL, by_networks(2)),
+    ] {
+        let told = run(&invented.job(name, config)).unwrap_err().to_string();
+        let expected = "the data set has 1 scene in its split `train`, at least 2 are needed";
+        assert_eq!(told, expected);
+    }
+}
+
+#[test]
+fn what_was_not_validated_has_no_scores() {
+    let invented = Invented::new();
+    let mut shard = invented.read(Split::Valid);
+    shard.scenes.clear();
+    invented.write(&shard);
+    let fitted = run(&invented.job(POSE_SPACE, TrainConfig::default())).unwrap();
+    assert!(fitted.valid.is_none() && fitted.test.is_some());
+    let space = PoseSpace::load(&fitted.weights).unwrap();
+    assert!(!space.scores.contains_key("valid.distance_m"));
+}
+
 /// Tells where the garment arrives: 5 mm below where it rests.
 fn with_arrivals(invented: &Invented) {
     for split in Split::ALL {

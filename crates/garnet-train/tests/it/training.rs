@@ -89,7 +89,12 @@ fn an_interrupted_training_gives_the_same_numbers() {
         job.begin = Begin::WhereSaved;
     }
     run(&job).unwrap();
-    for file in ["local.safetensors", "training/local/losses.csv"] {
+    let files = [
+        "local.safetensors",
+        "training/local/losses.csv",
+        "training/local/log.json",
+    ];
+    for file in files {
         assert!(
             straight.bytes(file) == stopped.bytes(file),
             "{file} differs"
