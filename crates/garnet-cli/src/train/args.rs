@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use garnet::train::{Begin, Precision, Recipe, TrainConfig, TrainJob, training_folder};
 
+use super::advised;
 use crate::failure::Hint;
 
 /// Arguments of `train`.
@@ -29,10 +30,20 @@ pub(crate) struct TrainArgs {
     #[arg(long, value_name = "NAME", conflicts_with = "resume")]
     preset: Option<String>,
     /// See each scene this often.
-    #[arg(long, value_name = "N", conflicts_with = "resume")]
+    #[arg(
+        long,
+        value_name = "N",
+        conflicts_with = "resume",
+        allow_negative_numbers = true
+    )]
     epochs: Option<u32>,
     /// Seed of the first weights and of the order of the scenes.
-    #[arg(long, value_name = "S", conflicts_with = "resume")]
+    #[arg(
+        long,
+        value_name = "S",
+        conflicts_with = "resume",
+        allow_negative_numbers = true
+    )]
     seed: Option<u64>,
     /// Store the weights in so many bits: f32, or f16 for half the file.
     #[arg(long, value_name = "BITS", value_parser = precision, conflicts_with = "resume")]
@@ -83,8 +94,8 @@ impl TrainArgs {
         let recipe = Recipe::of_name(&self.variant)?;
         let saved = training_folder(&self.package, &recipe.name).join("config.toml");
         let mut config = match &self.config {
-            Some(path) => TrainConfig::read(path)?,
-            None if self.resume && saved.is_file() => TrainConfig::read(&saved)?,
+            Some(path) => TrainConfig::read(path).map_err(advised)?,
+            None if self.resume && saved.is_file() => TrainConfig::read(&saved).map_err(advised)?,
             None => TrainConfig::default(),
         };
         // What was saved has all that the name asks for.
