@@ -50,6 +50,7 @@ fn missing_and_unreadable_files() {
     );
     refused(&fixture, "drape --scene no.json -o out.obj", &["`no.json`"]);
     refused(&fixture, "info no.obj", &["`no.obj`"]);
+    refused(&fixture, "info .", &["`.`", "no garment package"]);
     refused(&fixture, "render no.obj -o out.png", &["`no.obj`"]);
 }
 
@@ -299,6 +300,15 @@ fn poses_that_do_not_fit() {
     pose("none.json", "{}", "no pose");
     refused(
         &fixture,
+        "drape sleeve.obj body.obj --pose wave -o out.obj",
+        &[
+            "the rig `body.rig.npz` cannot be posed",
+            "the body has no joint that is named like",
+            "rename those of the rig",
+        ],
+    );
+    refused(
+        &fixture,
         "drape sleeve.obj body.obj --pose bend.json:3 -o out.obj",
         &["frame 3 was asked for"],
     );
@@ -373,6 +383,9 @@ fn usage_that_is_wrong() {
             "{arguments}"
         );
     }
+    let negative = fixture.garnet("drape sleeve.obj body.obj -o out.obj --clearance -3");
+    let text = stderr(&negative);
+    assert!(text.contains("from 0 to 1000"), "{text}");
     assert!(!fixture.path("out.obj").exists() && !fixture.path("out.png").exists());
 }
 

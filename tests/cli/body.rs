@@ -144,6 +144,10 @@ fn frames_of_a_motion_pose_the_built_in_body() {
     let fixture = Fixture::new();
     let folder = fixture.folder();
     fs::write(folder.join("walk.bvh"), bvh()).unwrap();
+    let one = fixture.garnet("body --sex 1 --pose walk.bvh -o one.obj");
+    done(&one);
+    let note = "of the 2 frames of `walk.bvh` frame 0 is taken";
+    assert!(stderr(&one).contains(note), "{}", stderr(&one));
     done(&fixture.garnet("body --sex 1 --motion walk.bvh -o frames"));
     let heights: Vec<f32> = ["walk_0000.obj", "walk_0001.obj"]
         .iter()

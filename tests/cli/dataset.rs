@@ -172,6 +172,11 @@ fn arguments_that_contradict_each_other_are_refused() {
     );
     refused(
         &fixture,
+        "dataset net -o out --body-file body.obj",
+        &["`--body-file` is for a data set that is imported"],
+    );
+    refused(
+        &fixture,
         "dataset net -o out --vary sleeve=20:20 --vary sleeve=22:24",
         &["`--vary` names `sleeve` twice"],
     );
@@ -191,6 +196,14 @@ fn imports_that_are_wrong_leave_everything_as_it_was() {
         fixture.text("wrong.json", &manifest.replace(from, to));
         refused(&fixture, "dataset net --import wrong.json -o out", expected);
     };
+    for (from, to, cause) in [
+        ("\"units\": \"m\",", "", "missing field `units`"),
+        ("\"units\"", "\"unit\"", "unknown field `unit`"),
+        ("\"valid\"", "\"value\"", "unknown variant `value`"),
+    ] {
+        let form = "hint: `garnet dataset --help` shows the form of a manifest";
+        wrong(from, to, &["`wrong.json`: ", cause, "line ", form]);
+    }
     wrong(
         "\"body\": \"c\"",
         "\"body\": \"a\"",

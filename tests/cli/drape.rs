@@ -203,10 +203,10 @@ fn cloth_that_would_tear_is_told() {
     let report = reported(&fixture, arguments);
     assert!(report["drapes"][0]["stretch"]["max"].as_f64().unwrap() > 2.0);
     let warnings = report["warnings"].as_array().unwrap();
-    assert!(
-        warnings.iter().any(|warning| warning["kind"] == "torn"),
-        "{report}"
-    );
+    for kind in ["torn", "tight"] {
+        let is_told = warnings.iter().any(|warning| warning["kind"] == kind);
+        assert!(is_told, "{kind}: {report}");
+    }
 }
 
 #[test]

@@ -202,6 +202,50 @@ fn a_template_that_was_changed_is_refused() {
 }
 
 #[test]
+fn a_manifest_that_does_not_parse_is_told_with_line_and_column() {
+    let fixture = Fixture::new();
+    done(&fixture, FROM_SLEEVE);
+    let manifest = String::from_utf8(fixture.read("sleeve/garment.toml")).unwrap();
+    fixture.text(
+        "sleeve/garment.toml",
+        &format!("color = \"red\"\n{manifest}"),
+    );
+    refused(
+        &fixture,
+        "drape sleeve bent.obj -o no.obj",
+        &["`sleeve/garment.toml`: line 1, column 1: unknown field `color`"],
+    );
+}
+
+#[test]
+fn skin_that_looks_out_between_the_vertices_is_warned_of() {
+    let fixture = Fixture::new();
+    // The middles of its sides are inside the body, which is round.
+    fixture.mesh("square.obj", &garnet::primitives::tube(0.13, 0.8, 4, 8));
+    let output = fixture.garnet("garment from-obj square.obj --rest-body body.obj -o no --json");
+    let report: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(report["inside"], 0, "{report}");
+    assert_eq!(
+        report["warnings"][0]["kind"], "crossing_at_rest",
+        "{report}"
+    );
+    let text = done(&fixture, FROM_SLEEVE);
+    assert!(!text.contains("warning"), "{text}");
+}
+
+#[test]
+fn what_is_in_a_package_is_told() {
+    let fixture = Fixture::new();
+    done(&fixture, FROM_SLEEVE);
+    let output = fixture.garnet("info sleeve --json");
+    let report: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let file = &report["files"][0];
+    assert_eq!(file["kind"], "package", "{report}");
+    assert_eq!(file["template"], "sleeve/template.obj", "{report}");
+    assert_eq!(file["vertices"], 1240, "{report}");
+}
+
+#[test]
 fn a_package_that_cannot_be_written_leaves_nothing() {
     let fixture = Fixture::new();
     fs::create_dir_all(fixture.path("sleeve/body.rig.npz")).unwrap();
@@ -234,6 +278,13 @@ fn arguments_that_make_no_sense_are_told_with_their_reasons() {
     assert!(
         text.contains("--sleeve <CM>") && text.contains("it lies between"),
         "{text}"
+    );
+    let output = fixture.garnet("garment tshirt --vertices 100 -o no --json");
+    let document: serde_json::Value = serde_json::from_str(&stderr(&output)).unwrap();
+    assert_eq!(document["hint"], "the default is 5000", "{document}");
+    assert!(
+        !document["error"].as_str().unwrap().contains("hint"),
+        "{document}"
     );
     // The parameters that fold the pattern together are all named.
     let corner = "garment tshirt --vertices 1000 --length 90 --chest-ease=-5 --waist-shape=-12 --hem-flare=-10 \
@@ -271,6 +322,12 @@ fn a_posed_body_is_told_from_one_at_rest() {
     done(
         &fixture,
         "garment tshirt --vertices 700 --body rest.npz -o tee",
+    );
+    done(&fixture, "body --sex male --coarse -o coarse.obj");
+    refused(
+        &fixture,
+        "garment tshirt --vertices 700 --body coarse.obj -o no",
+        &["`coarse.obj`", "the coarse level", "without `--coarse`"],
     );
 }
 

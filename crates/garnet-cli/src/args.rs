@@ -64,7 +64,7 @@ pub(crate) struct Everywhere {
     #[arg(short, long, global = true)]
     pub(crate) verbose: bool,
     /// Use this many threads; 0 is one for each core.
-    #[arg(long, global = true, value_name = "N", value_parser = thread_count)]
+    #[arg(long, global = true, value_name = "N", value_parser = thread_count, allow_negative_numbers = true)]
     pub(crate) threads: Option<usize>,
     /// Draw no progress bar.
     #[arg(long, global = true)]

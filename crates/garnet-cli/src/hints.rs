@@ -4,11 +4,12 @@ use std::{error::Error as StdError, io, path::Path};
 
 use garnet::{
     CheckpointError, Error, MeshError, NetError, SkinError,
-    data::{DataError, ReadAs},
+    data::{DataError, MANIFEST_FILE, ReadAs},
     io::{
         ArrayProblem, FileError, FileProblem, ObjError, ObjLineProblem, ObjParseError, WriteError,
     },
     motion::{MotionError, MotionProblem, RetargetError},
+    pattern::PatternError,
     sim::SimError,
     train::TrainError,
 };
@@ -16,8 +17,16 @@ use garnet::{
 /// The advice of the innermost cause that has one.
 pub(crate) fn for_error(error: &anyhow::Error) -> Option<String> {
     let links: Vec<&(dyn StdError + 'static)> = error.chain().collect();
-    let hint = links.into_iter().rev().find_map(for_link);
-    hint.map(str::to_owned)
+    let hint = |link| for_pattern(link).or_else(|| for_link(link).map(str::to_owned));
+    links.into_iter().rev().find_map(hint)
+}
+
+/// Patterns know themselves what to do.
+fn for_pattern(link: &(dyn StdError + 'static)) -> Option<String> {
+    if let Some(DataError::Pattern(error)) = link.downcast_ref::<DataError>() {
+        return Some(error.hint());
+    }
+    link.downcast_ref::<PatternError>().map(PatternError::hint)
 }
 
 fn for_link(link: &(dyn StdError + 'static)) -> Option<&'static str> {
@@ -119,6 +128,9 @@ fn for_data(error: &DataError) -> Option<&'static str> {
         DataError::Skin(error) => for_skin(error),
         DataError::Sim(error) => for_sim(error),
         DataError::Fabric { .. } => Some("correct the value in the file, or make the package anew"),
+        DataError::Text { path, .. } if path.ends_with(MANIFEST_FILE) => {
+            Some("correct the line, copy the file again, or make the package anew")
+        }
         DataError::Foreign { read_as, .. } => Some(for_foreign(*read_as)),
         DataError::NoDataset { .. } => {
             Some("name the folder that has one; `garnet dataset PACKAGE -o DIR` makes a data set")
@@ -178,6 +190,10 @@ fn for_sim(error: &SimError) -> Option<&'static str> {
             "turn the faces of the garment to one side: recalculate its normals in a 3D program",
         ),
         SimError::NoArea { .. } => Some("dissolve faces without area; `garnet info` counts them"),
+        SimError::Torn { .. } | SimError::Exploded { .. } => Some(
+            "the garment may be too small for the body, or lie in it or in itself: `garnet drape --method warp` shows it on \
+             the body without simulation",
+        ),
         SimError::Garment(error) => for_mesh(error),
         _ => None,
     }
@@ -210,9 +226,16 @@ fn for_retarget(error: &RetargetError) -> Option<&'static str> {
         RetargetError::FrameOutOfRange { .. } | RetargetError::NoFrames { .. } => {
             Some("`garnet info` tells how many frames a motion has")
         }
+        RetargetError::MissingJoints { .. } if error.is_of_body() => Some(
+            "poses of the library and motions find joints by the names that SMPL, CMU, MakeHuman, Mixamo and \
+             Blender give them: rename those of the rig, or write a pose file for its own names",
+        ),
         RetargetError::MissingJoints { .. } => Some(
             "joints are known by the names that SMPL, CMU, MakeHuman, Mixamo and Blender give them; \
-             rename those of the file",
+             rename those of the motion",
+        ),
+        _ if error.is_of_body() => Some(
+            "poses of the library and motions are for human figures: write a pose file for this rig",
         ),
         _ => None,
     }

@@ -7,7 +7,7 @@ use std::{
 };
 
 use anyhow::Context;
-use garnet::io::{WriteError, write_atomically};
+use garnet::io::{WriteError, remove_stale_temporaries, write_atomically};
 
 use crate::failure::refused;
 
@@ -112,6 +112,13 @@ pub(crate) fn make_folder(folder: &Path) -> anyhow::Result<()> {
         return Ok(());
     }
     fs::create_dir(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))
+}
+
+/// Makes a folder that was checked, and removes the temporary files that killed runs have left in it.
+pub(crate) fn open_folder(folder: &Path) -> anyhow::Result<()> {
+    make_folder(folder)?;
+    remove_stale_temporaries(folder);
+    Ok(())
 }
 
 /// One output in `folder` for each input, named after it.

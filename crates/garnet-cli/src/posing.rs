@@ -1,11 +1,16 @@
 //! Poses that the user names: one of the library, a frame of a file, or several frames.
 
-use std::path::{Path, PathBuf};
+use std::{
+    error::Error as StdError,
+    path::{Path, PathBuf},
+};
 
 use anyhow::Context;
 use garnet::{
     Body, Pose,
-    motion::{FrameRange, Ground, ReadOptions, RetargetOptions, Take, put_on_ground},
+    motion::{
+        FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, Take, put_on_ground,
+    },
     poses::{Poser, SelfContact, SeparationOptions, key_pose, key_poses},
 };
 
@@ -119,6 +124,15 @@ impl PoseSource {
             put_on_ground(body, &mut clip, Ground::Clip)?;
             frames.iter().map(|&frame| clip[frame].clone()).collect()
         };
+        let num_frames = take.num_frames();
+        let mut notes = take.notes(skeleton);
+        if self.frames.is_none() && num_frames > 1 {
+            let path = self.path.display();
+            notes.push(format!(
+                "of the {num_frames} frames of `{path}` frame 0 is taken: `{path}:FRAME` names another one, \
+                 `{path}:FIRST:END:STEP` several"
+            ));
+        }
         let named = frames
             .into_iter()
             .zip(poses)
@@ -129,9 +143,21 @@ impl PoseSource {
             });
         Ok(Posing {
             poses: named.collect(),
-            notes: take.notes(skeleton),
+            notes,
         })
     }
+}
+
+/// Names the rig of a body, from `rig`, where its joints are at fault that a body cannot be posed.
+pub(crate) fn of_rig(error: anyhow::Error, rig: &Path) -> anyhow::Error {
+    let is_of_body = |link: &(dyn StdError + 'static)| {
+        let found = link.downcast_ref::<RetargetError>();
+        found.is_some_and(RetargetError::is_of_body)
+    };
+    if error.chain().any(is_of_body) {
+        return error.context(format!("the rig `{}` cannot be posed", rig.display()));
+    }
+    error
 }
 
 /// A pose of the library, with the parts of the body apart and the lowest vertex on the ground.

@@ -247,6 +247,23 @@ pub enum DataError {
     Sim(#[from] SimError),
 }
 
+/// What is wrong with a TOML `text`, in one line: line and column, both from 1, and what.
+///
+/// The parser draws the line with a mark below it, which no message of one line can hold.
+pub fn toml_problem(text: &str, error: &toml::de::Error) -> String {
+    let what = error.message().lines().map(str::trim);
+    let what: Vec<&str> = what.filter(|line| !line.is_empty()).collect();
+    let what = what.join(", ");
+    let before = error.span().and_then(|span| text.get(..span.start));
+    let Some(before) = before else {
+        return what;
+    };
+    let line = before.matches('\n').count() + 1;
+    let start = before.rfind('\n').map_or(0, |end| end + 1);
+    let column = before[start..].chars().count() + 1;
+    format!("line {line}, column {column}: {what}")
+}
+
 fn of_process(number: Option<u32>) -> String {
     number.map_or_else(String::new, |number| format!(" (process {number})"))
 }
@@ -284,11 +301,39 @@ impl DataError {
         }
     }
 
+    pub(crate) fn toml(path: &Path, text: &str, source: &toml::de::Error) -> Self {
+        Self::Text {
+            path: path.to_path_buf(),
+            reason: toml_problem(text, source),
+        }
+    }
+
     pub(crate) fn foreign(path: &Path, read_as: ReadAs, what: impl Into<String>) -> Self {
         Self::Foreign {
             path: path.to_path_buf(),
             read_as,
             what: what.into(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_wrong_with_a_toml_text_is_told_in_a_line() {
+        let told = |text: &str| {
+            let error = toml::from_str::<crate::StoredFabric>(text).unwrap_err();
+            toml_problem(text, &error)
+        };
+        let unknown = told("name = \"silk\"\n  color = 3\n");
+        assert!(
+            unknown.starts_with("line 2, column 3: unknown field `color`"),
+            "{unknown}"
+        );
+        let broken = told("name = \"silk\"\ndensity = \n");
+        assert!(broken.starts_with("line 2, column "), "{broken}");
+        assert!(!broken.contains('\n') && !broken.contains('|'), "{broken}");
     }
 }

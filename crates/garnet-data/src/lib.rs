@@ -26,7 +26,7 @@ pub use dataset::{
     ImportManifest, ImportProblem, ImportScene, Plan, Posed, Rejection, SceneRecord, Shard, Sizing,
     Split, StoredParameters, Tally, Until, Variations, generate, import, sampler, sequences,
 };
-pub use error::{DataError, ReadAs};
+pub use error::{DataError, ReadAs, toml_problem};
 pub use garnet_sim::MIDWAY;
 pub use ladder::Rung;
 pub use noise::{NOISE_TURN, moved_by_turn, noise_floor};

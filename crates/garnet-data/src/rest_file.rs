@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use garnet_mesh::write_atomically;
+use garnet_mesh::StagedFile;
 use garnet_sim::{GRIP, RestShape};
 
 use crate::tensors::{Array, Contents, to_bytes};
@@ -11,15 +11,15 @@ use crate::{DataError, ReadAs};
 const SCHEMA: &str = "garnet.rest/1";
 
 /// Writes tensors `corners` `[face, 3, 2]`, metres, `shrink` `[face]` and, if it is not that of waistbands,
-/// `grip` `[1]`. A garment without pattern needs no file; returns whether there is one.
-pub(crate) fn write(path: &Path, rest: &RestShape) -> Result<bool, DataError> {
+/// `grip` `[1]`, beside their place. A garment without pattern needs no file: none.
+pub(crate) fn stage(path: &Path, rest: &RestShape) -> Result<Option<StagedFile>, DataError> {
     let RestShape::Flat {
         corners,
         shrink,
         grip,
     } = rest
     else {
-        return Ok(false);
+        return Ok(None);
     };
     let corners = Array {
         shape: vec![corners.len(), 3, 2],
@@ -39,8 +39,9 @@ pub(crate) fn write(path: &Path, rest: &RestShape) -> Result<bool, DataError> {
     }
     let bytes = to_bytes(&arrays, SCHEMA.to_owned());
     let bytes = bytes.map_err(|source| DataError::tensors(path, source))?;
-    write_atomically(path, |writer| writer.write_all(&bytes))?;
-    Ok(true)
+    Ok(Some(StagedFile::new(path, |writer| {
+        writer.write_all(&bytes)
+    })?))
 }
 
 pub(crate) fn read(path: &Path, num_faces: usize) -> Result<RestShape, DataError> {

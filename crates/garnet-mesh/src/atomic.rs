@@ -1,9 +1,11 @@
 //! Files appear whole or not at all.
 
 use std::{
-    fs::{self, File, OpenOptions},
+    ffi::OsStr,
+    fs::{self, DirEntry, File, OpenOptions},
     io::{self, BufWriter, Write},
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 use tempfile::NamedTempFile;
@@ -63,48 +65,104 @@ pub fn write_atomically(
     path: impl AsRef<Path>,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), WriteError> {
-    let path = path.as_ref();
-    let failed = |source| WriteError::Io {
-        path: path.to_path_buf(),
-        source,
-    };
-    match fs::metadata(path) {
-        Ok(metadata) if metadata.is_dir() => Err(WriteError::IsFolder {
+    StagedFile::new(path, write)?.put()
+}
+
+/// A file that is written, but not in its place yet: it lies under a temporary name beside it.
+///
+/// If the value is dropped the temporary file goes, and its place is as it was. With several of them all that takes time, and most
+/// that can fail, is done before the first one is in its place.
+#[derive(Debug)]
+pub struct StagedFile {
+    /// As it was named.
+    path: PathBuf,
+    /// The temporary file and its place; none for pipes and devices, which are written at once.
+    staged: Option<(NamedTempFile, PathBuf)>,
+}
+
+impl StagedFile {
+    /// Writes a file beside its place, as [`write_atomically`] does.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError`] if the folder is missing or the system refuses, or what `write` returns.
+    pub fn new(
+        path: impl AsRef<Path>,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<Self, WriteError> {
+        let path = path.as_ref();
+        let failed = |source| WriteError::Io {
             path: path.to_path_buf(),
-        }),
-        Ok(metadata) if !metadata.is_file() => write_through(path, write).map_err(failed),
-        Ok(metadata) => {
-            // A file that may not be written must not be replaced either.
-            OpenOptions::new().write(true).open(path).map_err(failed)?;
-            let target = fs::canonicalize(path).map_err(failed)?;
-            let permissions = Some(metadata.permissions());
-            replace(&target, folder_of(&target), permissions, write).map_err(failed)
-        }
-        Err(_) => {
-            let target = end_of_links(path).map_err(failed)?;
-            let folder = folder_of(&target);
-            if !folder.is_dir() {
-                return Err(WriteError::FolderMissing {
+            source,
+        };
+        let (target, permissions) = match fs::metadata(path) {
+            Ok(metadata) if metadata.is_dir() => {
+                return Err(WriteError::IsFolder {
                     path: path.to_path_buf(),
-                    folder: folder.to_path_buf(),
                 });
             }
-            if target.file_name().is_none() {
-                return Err(failed(io::ErrorKind::InvalidFilename.into()));
+            Ok(metadata) if !metadata.is_file() => {
+                write_through(path, write).map_err(failed)?;
+                return Ok(Self {
+                    path: path.to_path_buf(),
+                    staged: None,
+                });
             }
-            replace(&target, folder, None, write).map_err(failed)
+            Ok(metadata) => {
+                // A file that may not be written must not be replaced either.
+                OpenOptions::new().write(true).open(path).map_err(failed)?;
+                let target = fs::canonicalize(path).map_err(failed)?;
+                (target, Some(metadata.permissions()))
+            }
+            Err(_) => {
+                let target = end_of_links(path).map_err(failed)?;
+                let folder = folder_of(&target);
+                if !folder.is_dir() {
+                    return Err(WriteError::FolderMissing {
+                        path: path.to_path_buf(),
+                        folder: folder.to_path_buf(),
+                    });
+                }
+                if target.file_name().is_none() {
+                    return Err(failed(io::ErrorKind::InvalidFilename.into()));
+                }
+                (target, None)
+            }
+        };
+        let temporary = written(folder_of(&target), permissions, write).map_err(failed)?;
+        Ok(Self {
+            path: path.to_path_buf(),
+            staged: Some((temporary, target)),
+        })
+    }
+
+    /// Puts the file into its place, instead of the one that is there.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::Io`] if the system refuses; the place is then as it was.
+    pub fn put(self) -> Result<(), WriteError> {
+        let Self { path, staged } = self;
+        let Some((temporary, target)) = staged else {
+            return Ok(());
+        };
+        match temporary.persist(target) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(WriteError::Io {
+                path,
+                source: error.error,
+            }),
         }
     }
 }
 
-fn replace(
-    target: &Path,
+/// A temporary file in a folder, written to the end.
+fn written(
     folder: &Path,
     permissions: Option<fs::Permissions>,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
-    let temporary = temporary_in(folder)?;
-    let mut writer = BufWriter::new(temporary);
+) -> io::Result<NamedTempFile> {
+    let mut writer = BufWriter::new(temporary_in(folder)?);
     write(&mut writer)?;
     let temporary = writer
         .into_inner()
@@ -112,8 +170,51 @@ fn replace(
     if let Some(permissions) = permissions {
         temporary.as_file().set_permissions(permissions)?;
     }
-    temporary.persist(target).map_err(|error| error.error)?;
-    Ok(())
+    Ok(temporary)
+}
+
+/// What the names of temporary files begin with.
+const PREFIX: &str = ".garnet-";
+
+/// How many letters and digits, drawn at random, follow.
+const NUM_RANDOM: usize = 6;
+
+/// A temporary file that nothing was written into for so long was left by a process that is gone.
+const STALE: Duration = Duration::from_hours(1);
+
+/// Removes the temporary files that killed processes have left in a folder: those that were not changed for an hour.
+///
+/// Younger ones may be those of a process that is at work. It is no error if the folder is not there, or if a file
+/// cannot be removed: such files do no harm.
+pub fn remove_stale_temporaries(folder: impl AsRef<Path>) {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        if is_temporary(&entry.file_name()) && is_stale(&entry) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Whether a name is one of those that temporary files get; those of pictures have an extension, too.
+fn is_temporary(name: &OsStr) -> bool {
+    let rest = name.to_str().and_then(|name| name.strip_prefix(PREFIX));
+    let drawn = rest.and_then(|rest| rest.split('.').next());
+    drawn.is_some_and(|drawn| {
+        drawn.len() == NUM_RANDOM && drawn.bytes().all(|letter| letter.is_ascii_alphanumeric())
+    })
+}
+
+fn is_stale(entry: &DirEntry) -> bool {
+    let Ok(metadata) = entry.metadata() else {
+        return false;
+    };
+    let age = metadata
+        .modified()
+        .ok()
+        .and_then(|time| time.elapsed().ok());
+    metadata.is_file() && age.is_some_and(|age| age > STALE)
 }
 
 #[cfg(unix)]
@@ -122,7 +223,8 @@ fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     // The process's mask applies, as for any new file.
     let permissions = fs::Permissions::from_mode(0o666);
     tempfile::Builder::new()
-        .prefix(".garnet-")
+        .prefix(PREFIX)
+        .rand_bytes(NUM_RANDOM)
         .permissions(permissions)
         .tempfile_in(folder)
 }
@@ -130,7 +232,8 @@ fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
 #[cfg(not(unix))]
 fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     tempfile::Builder::new()
-        .prefix(".garnet-")
+        .prefix(PREFIX)
+        .rand_bytes(NUM_RANDOM)
         .tempfile_in(folder)
 }
 
@@ -179,6 +282,47 @@ mod tests {
         assert!(matches!(result, Err(WriteError::Io { .. })));
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_staged_file_is_in_its_place_when_it_is_put_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("shirt.obj");
+        fs::write(&path, "old").unwrap();
+        let stage = || StagedFile::new(&path, |writer| writer.write_all(b"new")).unwrap();
+        drop(stage());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        let staged = stage();
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        staged.put().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_killed_processes_have_left_is_swept_away() {
+        let folder = tempfile::tempdir().unwrap();
+        let old = std::time::SystemTime::now() - 2 * STALE;
+        for name in [
+            ".garnet-aB3xYz",
+            ".garnet-aB3xYz.png",
+            ".garnet-notes",
+            "shirt.obj",
+        ] {
+            let file = File::create(folder.path().join(name)).unwrap();
+            file.set_modified(old).unwrap();
+        }
+        let fresh = temporary_in(folder.path()).unwrap();
+        remove_stale_temporaries(folder.path());
+        remove_stale_temporaries(folder.path().join("missing"));
+        let names = fs::read_dir(folder.path()).unwrap();
+        let mut names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
+        let mut expected: Vec<std::ffi::OsString> =
+            vec![".garnet-notes".into(), "shirt.obj".into()];
+        expected.push(fresh.path().file_name().unwrap().to_owned());
+        names.sort();
+        expected.sort();
+        assert_eq!(names, expected);
     }
 
     #[test]

@@ -43,7 +43,7 @@ mod topology;
 mod tri_mesh;
 mod units;
 
-pub use atomic::{WriteError, write_atomically};
+pub use atomic::{StagedFile, WriteError, remove_stale_temporaries, write_atomically};
 pub use compare::{
     RestEdge, Spread, StretchSummary, distance_error, edge_stretch, edge_stretches, normal_angles,
     normal_error, pattern_stretches, share_below, vertex_distances,

@@ -59,7 +59,8 @@ pub use dual_quaternion::DualQuaternion;
 pub use error::SkinError;
 pub use files::{
     ArrayProblem, FileError, FileProblem, GltfProblem, NpyArray, NpyValues, NpzFile, Scene,
-    WriteRigError, read_pose, read_rig, read_rig_gltf, read_rig_npz, read_weights, write_rig_npz,
+    WriteRigError, read_pose, read_rig, read_rig_gltf, read_rig_npz, read_weights, stage_rig_npz,
+    write_rig_npz,
 };
 pub use garment::{BoundGarment, Garment, Warp};
 pub use garnet_mesh::{Point3, Vector3};

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use garnet_data::toml_problem;
 use garnet_net::losses::LossConfig;
 use garnet_net::{GarNetConfig, Precision, Variant};
 use serde::{Deserialize, Serialize};
@@ -135,7 +136,7 @@ impl TrainConfig {
     pub fn parse(text: &str) -> Result<Self, TrainError> {
         toml::from_str(text).map_err(|source| TrainError::ConfigText {
             path: None,
-            reason: source.to_string(),
+            reason: toml_problem(text, &source),
         })
     }
 

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 pub use garnet_mesh::{
-    ObjError, ObjFile, ObjLineProblem, ObjParseError, WriteError, write_atomically, write_obj,
+    ObjError, ObjFile, ObjLineProblem, ObjParseError, WriteError, remove_stale_temporaries,
+    write_atomically, write_obj,
 };
 pub use garnet_skin::{
     ArrayProblem, FileError, FileProblem, Scene, WriteRigError, read_pose, read_rig, write_rig_npz,

@@ -4,7 +4,7 @@ use garnet_mesh::UpAxis;
 use garnet_skin::{Joint, Point3, Pose, Skeleton, SkinError, Vector3};
 use nalgebra::UnitQuaternion;
 
-use super::{Figure, rotation::Direction};
+use super::{Figure, error::THE_MOTION, rotation::Direction};
 
 /// How to read a motion file; the default detects both.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -56,7 +56,7 @@ impl Motion {
         options: &ReadOptions,
     ) -> Result<Self, SkinError> {
         let mut notes = Vec::new();
-        let figure = Figure::new(skeleton, "the motion").ok();
+        let figure = Figure::new(skeleton, THE_MOTION).ok();
         let metres = options.metres_per_unit.unwrap_or_else(|| {
             let Some(figure) = &figure else {
                 notes.push("no legs were found: lengths are read as metres".to_owned());

@@ -151,6 +151,21 @@ pub enum RetargetError {
     Skin(#[from] SkinError),
 }
 
+impl RetargetError {
+    /// Whether the skeleton of a body is at fault, and not that of a motion.
+    pub fn is_of_body(&self) -> bool {
+        match self {
+            Self::MissingJoints { whose, .. }
+            | Self::Apart { whose, .. }
+            | Self::NoLegs { whose } => *whose != THE_MOTION,
+            Self::FrameOutOfRange { .. } | Self::NoFrames { .. } | Self::Skin(_) => false,
+        }
+    }
+}
+
+/// Whose skeleton is that of a motion.
+pub(super) const THE_MOTION: &str = "the motion";
+
 /// A text that is no range of frames.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(

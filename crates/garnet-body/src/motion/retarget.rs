@@ -21,6 +21,7 @@ use garnet_skin::{Pose, Skeleton, Vector3};
 
 use super::{
     Figure, Motion, RetargetError, Role, Side,
+    error::THE_MOTION,
     rotation::{Direction, Rotation, local_rotations, smallest_rotation, unit, world_rotations},
 };
 
@@ -72,7 +73,7 @@ impl<'a> Retarget<'a> {
         target: &'a Skeleton,
         options: &RetargetOptions,
     ) -> Result<Self, RetargetError> {
-        let source_figure = Figure::new(&motion.skeleton, "the motion")?;
+        let source_figure = Figure::new(&motion.skeleton, THE_MOTION)?;
         let target_figure = Figure::new(target, "the body")?;
         let trunk_alignment =
             source_figure.rest_from_body() * target_figure.rest_from_body().inverse();

@@ -21,19 +21,25 @@ pub(crate) struct BodyArgs {
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
     /// From 0 (male) to 1 (female), or `male` or `female` [default: 0.5].
-    #[arg(long, value_name = "SEX", value_parser = sex)]
+    #[arg(long, value_name = "SEX", value_parser = sex, allow_negative_numbers = true)]
     pub(crate) sex: Option<f64>,
     /// Body mass index, in kg/m².
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub(crate) bmi: Option<f64>,
     #[command(flatten)]
     pub(crate) measures: MeasureArgs,
     /// Draw this many bodies from the population instead.
     #[arg(long, value_name = "N", conflicts_with_all = ["sex", "bmi", "Measures"],
-          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     pub(crate) sample: Option<u32>,
     /// Named seed of the draws.
-    #[arg(long, value_name = "S", default_value = "0", requires = "sample")]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value = "0",
+        requires = "sample",
+        allow_negative_numbers = true
+    )]
     pub(crate) seed: u64,
     /// A pose of the library, or a file: pose JSON, BVH, or npz as in AMASS.
     #[arg(long, value_name = "NAME|FILE[:FRAMES]")]
@@ -42,7 +48,12 @@ pub(crate) struct BodyArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub(crate) motion: Option<PathBuf>,
     /// Frames of the motion, from 0, without END [default: all].
-    #[arg(long, value_name = "FIRST:END:STEP", requires = "motion")]
+    #[arg(
+        long,
+        value_name = "FIRST:END:STEP",
+        requires = "motion",
+        allow_negative_numbers = true
+    )]
     pub(crate) frames: Option<garnet::motion::FrameRange>,
     /// Write the coarse level of the built-in body, of a quarter of its vertices.
     #[arg(long, conflicts_with = "own")]

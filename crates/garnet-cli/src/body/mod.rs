@@ -25,7 +25,7 @@ use crate::{
     console::{Console, print_document},
     failure::{ExitStatus, Hint},
     output,
-    posing::{NamedPose, PoseSource, Posing},
+    posing::{NamedPose, PoseSource, Posing, of_rig},
     sidecar::rig_beside,
 };
 
@@ -54,7 +54,8 @@ pub(crate) fn run(args: &BodyArgs, console: &Console) -> anyhow::Result<ExitStat
         output::write(&args.output.join("measures.csv"), table.as_bytes())?;
     } else {
         let outputs = Outputs::new(args, is_several, None);
-        write_subject(&subject(args)?, source.as_ref(), &outputs, &mut report)?;
+        write_subject(&subject(args)?, source.as_ref(), &outputs, &mut report)
+            .map_err(|error| of_rig(error, &rig_of(args)))?;
     }
     report.seconds = start.elapsed().as_secs_f64();
     publish(&report, args, console)?;
@@ -94,6 +95,19 @@ fn subject(args: &BodyArgs) -> anyhow::Result<Subject> {
         tape: None,
         file,
     })
+}
+
+/// Where the skeleton of a body of the user's is.
+fn rig_of(args: &BodyArgs) -> PathBuf {
+    let Some(own) = &args.own else {
+        return PathBuf::new();
+    };
+    let beside = rig_beside(own);
+    match &args.rig {
+        Some(rig) => rig.clone(),
+        None if beside.is_file() => beside,
+        None => own.clone(),
+    }
 }
 
 /// Where a body goes.
@@ -173,7 +187,7 @@ fn sample(
     console: &Console,
     report: &mut BodyReport,
 ) -> anyhow::Result<()> {
-    output::make_folder(&args.output)?;
+    output::open_folder(&args.output)?;
     let population = Population::new(args.seed);
     let bar = console.progress(count as usize);
     let numbers: Vec<u32> = (0..count).collect();
@@ -213,8 +227,9 @@ fn write_subject(
         }
     }
     outputs.check_apart(&poses)?;
-    if outputs.is_folder {
-        output::make_folder(outputs.path)?;
+    // That of a sample is open.
+    if outputs.is_folder && outputs.number.is_none() {
+        output::open_folder(outputs.path)?;
     }
     let rig_path = outputs.rig();
     let rig = if outputs.coarse {

@@ -35,19 +35,24 @@ pub(crate) struct ChartArgs {
     /// Drape by networks twice: as they are, and with the cloth simulated for so many frames of 1/60 s; 0
     /// leaves that out [default: 6; of networks that put cloth where it still falls 8, where it arrives 30, is midway 46, and these
     /// alone].
-    #[arg(long, value_name = "FRAMES", value_parser = settle_frames)]
+    #[arg(long, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
     /// Drape so many scenes, evenly spread over the split.
-    #[arg(long, value_name = "N", default_value = "40", value_parser = at_least_one)]
+    #[arg(long, value_name = "N", default_value = "40", value_parser = at_least_one, allow_negative_numbers = true)]
     scenes: usize,
     /// Drape all scenes of the split.
     #[arg(long, conflicts_with = "scenes")]
     all: bool,
     /// Drape each scene so often; its time is the median.
-    #[arg(long, value_name = "N", default_value = "3", value_parser = at_least_one)]
+    #[arg(long, value_name = "N", default_value = "3", value_parser = at_least_one, allow_negative_numbers = true)]
     pub(crate) repeat: usize,
     /// Simulate so many scenes in each quality; 0 leaves the teacher out.
-    #[arg(long, value_name = "N", default_value = "8")]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "8",
+        allow_negative_numbers = true
+    )]
     pub(crate) teacher_scenes: usize,
     /// The qualities of the simulations.
     #[arg(
@@ -58,10 +63,10 @@ pub(crate) struct ChartArgs {
     )]
     quality: Vec<QualityName>,
     /// The noise floor of the teacher, in millimetres [default: measured on up to 4 scenes].
-    #[arg(long, value_name = "MM", value_parser = tolerance)]
+    #[arg(long, value_name = "MM", value_parser = tolerance, allow_negative_numbers = true)]
     pub(crate) noise_floor: Option<f64>,
     /// Smallest distance between cloth and skin after untangling, in millimetres.
-    #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres)]
+    #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
     clearance: f32,
     /// Vertices of the garments of the second chart; 0 leaves it out.
     #[arg(
@@ -69,11 +74,17 @@ pub(crate) struct ChartArgs {
         value_name = "N",
         value_delimiter = ',',
         default_value = "1000,2000,5000,10000,20000,50000",
-        value_parser = vertices
+        value_parser = vertices,
+        allow_negative_numbers = true
     )]
     sizes: Vec<usize>,
     /// Simulate garments of the second chart with at most so many vertices.
-    #[arg(long, value_name = "N", default_value = "20000")]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "20000",
+        allow_negative_numbers = true
+    )]
     pub(crate) most_simulated: usize,
     /// Measure all anew.
     #[arg(long)]

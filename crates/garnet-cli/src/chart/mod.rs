@@ -46,7 +46,7 @@ pub(crate) fn run(args: &ChartArgs, console: &Console) -> anyhow::Result<ExitSta
     let methods = Method::all(candidates, &args.qualities())?;
 
     let mut keeper = Keeper::open(args, Setting::new(args, &stage))?;
-    output::make_folder(&args.output)?;
+    output::open_folder(&args.output)?;
     let job = Job {
         args,
         stage: &stage,

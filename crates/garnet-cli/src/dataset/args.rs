@@ -35,11 +35,18 @@ pub(crate) struct DatasetArgs {
         value_name = "N",
         default_value = "8",
         value_parser = clap::value_parser!(u32).range(1..=10_000),
-        conflicts_with = "import"
+        conflicts_with = "import",
+        allow_negative_numbers = true
     )]
     pub(crate) poses: u32,
     /// Named seed of bodies and poses.
-    #[arg(long, value_name = "S", default_value = "1", conflicts_with = "import")]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value = "1",
+        conflicts_with = "import",
+        allow_negative_numbers = true
+    )]
     pub(crate) seed: u64,
     /// Quality of the simulation.
     #[arg(

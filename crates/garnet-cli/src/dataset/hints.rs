@@ -39,6 +39,10 @@ fn hint_for(error: &DataError) -> Option<String> {
             field: "imported content",
             ..
         } => "name another folder with `-o`: a data set keeps the drapes that it was imported from",
+        DataError::OtherDataset {
+            field: "scenes of the kind",
+            ..
+        } => "name another folder with `-o`: a data set is simulated or imported",
         DataError::OtherDataset { .. } => {
             "give the arguments that it was begun with, or name another folder with `-o`"
         }

@@ -11,8 +11,8 @@ use std::{path::Path, sync::atomic::AtomicBool, time::Instant};
 use garnet::{
     Unit,
     data::{
-        Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest, Limits, generate,
-        import,
+        DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest, Limits,
+        generate, import,
     },
 };
 
@@ -22,7 +22,7 @@ use report::DatasetReport;
 
 use crate::{
     console::{Console, print_document},
-    failure::{ExitStatus, refused},
+    failure::{ExitStatus, refused, with_hint},
     output,
 };
 use hints::Hinting;
@@ -31,6 +31,7 @@ use hints::Hinting;
 pub(crate) fn run(args: &DatasetArgs, console: &Console) -> anyhow::Result<ExitStatus> {
     let start = Instant::now();
     output::check_folder(&args.output)?;
+    check_import(args)?;
     let package = read_package(&args.garment)?;
     if GarmentPackage::is_at(&args.output) {
         return Err(refused(
@@ -59,6 +60,22 @@ pub(crate) fn run(args: &DatasetArgs, console: &Console) -> anyhow::Result<ExitS
             Ok(ExitStatus::Done)
         }
         None => Ok(ExitStatus::Done),
+    }
+}
+
+/// Refuses what is for an import alone: the parser does not, since the options that exclude an import have defaults.
+fn check_import(args: &DatasetArgs) -> anyhow::Result<()> {
+    let given = [
+        (args.body_file.is_some(), "--body-file"),
+        (args.units.is_some(), "--units"),
+    ];
+    match given.into_iter().find(|(is_given, _)| *is_given) {
+        Some((_, name)) if args.import.is_none() => Err(refused(
+            format!("`{name}` is for a data set that is imported"),
+            "`--import` is not given",
+            "name the folder of shirts with `--import DIR`, or leave it out",
+        )),
+        _ => Ok(()),
     }
 }
 
@@ -107,6 +124,9 @@ fn make(args: &DatasetArgs, package: &GarmentPackage, console: &Console) -> anyh
     Ok(progress.tried())
 }
 
+/// What helps against a list of drapes that does not parse.
+const FORM: &str = "`garnet dataset --help` shows the form of a manifest";
+
 /// Imports.
 fn take(
     manifest: &Path,
@@ -135,7 +155,10 @@ fn take(
                 "leave them out: a manifest names its unit and its meshes",
             ));
         }
-        ImportManifest::read(manifest).hinting()?
+        match ImportManifest::read(manifest) {
+            Err(error @ DataError::Text { .. }) => return Err(with_hint(error, FORM.to_owned())),
+            read => read.hinting()?,
+        }
     };
     // Each is read twice.
     let bar = console.progress(2 * scenes.scenes.len());

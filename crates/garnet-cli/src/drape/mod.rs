@@ -246,11 +246,11 @@ fn drape_all(
     console: &Console,
 ) -> anyhow::Result<Vec<DrapeOutput>> {
     if let Some(folder) = &job.folder {
-        output::make_folder(folder)?;
+        output::open_folder(folder)?;
     }
     let has_named = bound.targets.iter().any(|target| target.stem.is_some());
     if let Some(folder) = job.body_out.as_ref().filter(|_| has_named) {
-        output::make_folder(folder)?;
+        output::open_folder(folder)?;
     }
     let mut way = Way {
         draper: Draper::with_options(job.options),
@@ -318,7 +318,7 @@ fn drape_one(
     let is_from_rest = time.settle > 0.0;
     problems.extend((fallback.clone()).map(|reason| Problem::Fallback(reason, is_from_rest)));
     problems.extend(unsettled.map(Problem::Unsettled));
-    problems.extend(warning::of_stretch(stretch.max));
+    problems.extend(warning::of_stretch(&stretch));
     let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
     problems.extend(simulated.as_ref().and_then(warning::of_rest));
     let failed = balance.filter(|balance| !balance.is_reached);

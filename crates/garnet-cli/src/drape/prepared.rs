@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     failure::refused,
-    posing::{PoseSource, Posing},
+    posing::{PoseSource, Posing, of_rig},
 };
 
 /// All that a drape starts from, in metres with y up.
@@ -203,7 +203,8 @@ impl Prepared {
             in_metres(garment_mesh, garment_frame)?
         };
         let (targets, notes) = match &source.pose {
-            Some(pose) => posed_targets(pose, &body, &bodies, &frames)?,
+            Some(pose) => posed_targets(pose, &body, &bodies, &frames)
+                .map_err(|error| of_rig(error, &rig_path))?,
             None => (mesh_targets(bodies, &body.rest, &frames)?, Vec::new()),
         };
         Ok(Self {

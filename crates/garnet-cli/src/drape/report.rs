@@ -315,4 +315,7 @@ pub(crate) struct WarningReport {
     pub(crate) count: Option<usize>,
     /// The text for people.
     pub(crate) text: String,
+    /// How bad it is beside others of its kind.
+    #[serde(skip)]
+    pub(crate) severity: f64,
 }

@@ -11,6 +11,7 @@ use anyhow::Context;
 use garnet::{
     BodyAtHome, Warped,
     data::{BodyPath, GarmentPackage, Quality, SceneReport, StoredFabric, Teacher, quality_name},
+    io::remove_stale_temporaries,
     sim::{Event, Fabric, RestShape},
 };
 
@@ -160,8 +161,9 @@ fn frame_name(number: u64) -> String {
     format!("frame_{number:04}.obj")
 }
 
-/// Removes the frames that a longer simulation has left in a folder.
+/// Removes the frames that a longer simulation has left in a folder, and the temporary files of a killed one.
 fn remove_after(folder: &Path, last: u64) -> anyhow::Result<()> {
+    remove_stale_temporaries(folder);
     let cannot = || format!("cannot remove older frames in `{}`", folder.display());
     for entry in fs::read_dir(folder).with_context(cannot)? {
         let path = entry.with_context(cannot)?.path();

@@ -1,9 +1,9 @@
 //! What people are told about a drape.
 
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 use super::{
-    report::{DrapeOutput, DrapeReport, RepeatedSeconds},
+    report::{DrapeOutput, DrapeReport, RepeatedSeconds, WarningReport},
     timing::{Repeated, readable},
 };
 use crate::console::Console;
@@ -16,8 +16,8 @@ pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Consol
     if is_converted(report) {
         console.summary(&format_args!("  {}", frames(report)));
     }
-    for warning in &report.warnings {
-        console.warning(&warning.text);
+    for line in lines_of(&report.warnings) {
+        console.warning(&line);
     }
     for drape in &report.drapes {
         if let Some(repeated) = &drape.repeated {
@@ -25,6 +25,51 @@ pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Consol
         }
     }
     console.detail(&stages(report));
+}
+
+/// More warnings of a kind are told in one line.
+const MOST_OF_A_KIND: usize = 5;
+
+/// A line for each warning, or for all of a kind that there are many of.
+fn lines_of(warnings: &[WarningReport]) -> Vec<String> {
+    let mut kinds: BTreeMap<&str, Vec<&WarningReport>> = BTreeMap::new();
+    for warning in warnings {
+        kinds.entry(warning.kind).or_default().push(warning);
+    }
+    kinds.retain(|_, all| all.len() > MOST_OF_A_KIND);
+    let mut lines = Vec::new();
+    for warning in warnings {
+        match kinds.get(warning.kind) {
+            None => lines.push(warning.text.clone()),
+            // In place of the first.
+            Some(all)
+                if all
+                    .first()
+                    .is_some_and(|first| std::ptr::eq(*first, warning)) =>
+            {
+                lines.push(of_many(all, warning));
+            }
+            Some(_) => {}
+        }
+    }
+    lines
+}
+
+/// How many there are, where the first is, and the worst one.
+fn of_many(all: &[&WarningReport], first: &WarningReport) -> String {
+    let mut worst = first;
+    for warning in all {
+        if warning.severity > worst.severity {
+            worst = warning;
+        }
+    }
+    format!(
+        "`{}` for {} outputs, the first `{}` (`--report FILE` lists all); the worst: {}",
+        first.kind,
+        all.len(),
+        first.path,
+        worst.text
+    )
 }
 
 fn method(report: &DrapeReport) -> String {
@@ -173,4 +218,36 @@ fn stages(report: &DrapeReport) -> String {
         sum(|drape| drape.seconds.untangle),
         sum(|drape| drape.seconds.write)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn warning(kind: &'static str, number: usize, severity: f64) -> WarningReport {
+        WarningReport {
+            kind,
+            path: format!("{number}.obj"),
+            count: None,
+            text: format!("{kind} {number}"),
+            severity,
+        }
+    }
+
+    #[test]
+    fn many_warnings_of_a_kind_are_one_line_with_the_worst() {
+        let torn = (0..6).map(|number| warning("torn", number, [2.1, 2.2, 4.0][number % 3]));
+        let mut all: Vec<WarningReport> = torn.collect();
+        all.insert(1, warning("components", 9, 2.0));
+        let lines = lines_of(&all);
+        assert_eq!(lines.len(), 2, "{lines:?}");
+        assert!(
+            lines[0].starts_with("`torn` for 6 outputs, the first `0.obj`"),
+            "{lines:?}"
+        );
+        assert!(lines[0].ends_with("the worst: torn 2"), "{lines:?}");
+        assert_eq!(lines[1], "components 9");
+        all.pop();
+        assert_eq!(lines_of(&all).len(), all.len());
+    }
 }

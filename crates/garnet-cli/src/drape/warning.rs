@@ -6,9 +6,9 @@ use std::{
 };
 
 use garnet::{
-    Body, BoundGarment, MeshDiagnosis, TriMesh, UntangleReport,
+    Body, BoundGarment, MeshDiagnosis, StretchSummary, Surface, TriMesh, UntangleReport,
     data::{Limits, SceneReport},
-    diagnose,
+    diagnose, free_crossing_faces,
 };
 
 use super::report::{PenetrationReport, WarningReport};
@@ -36,9 +36,13 @@ pub(crate) enum Problem {
     InsideOutBody,
     /// Edges are longer than cloth can be, over their length at rest.
     Torn(f32),
+    /// What 1 % of the edges exceed, over their length at rest.
+    Tight(f32),
     /// The garment starts inside the rest body: how many vertices deeper than the limit, and the
     /// deepest in metres.
     StartsInside(usize, f32),
+    /// Faces of the garment that cross the skin of the rest body.
+    CrossingAtRest(usize),
     Trapped(usize),
     Squeezed(usize),
     BelowClearance(usize, f32),
@@ -75,7 +79,9 @@ impl Problem {
             Self::SelfIntersectingBody(_) => "self_intersecting_body",
             Self::InsideOutBody => "inside_out_body",
             Self::Torn(_) => "torn",
+            Self::Tight(_) => "tight",
             Self::StartsInside(..) => "starts_inside",
+            Self::CrossingAtRest(_) => "crossing_at_rest",
             Self::Trapped(_) => "trapped",
             Self::Squeezed(_) => "squeezed",
             Self::BelowClearance(..) => "below_clearance",
@@ -102,6 +108,7 @@ impl Problem {
             | Self::OpenBody(count)
             | Self::SelfIntersectingBody(count)
             | Self::StartsInside(count, _)
+            | Self::CrossingAtRest(count)
             | Self::Trapped(count)
             | Self::Squeezed(count)
             | Self::BelowClearance(count, _)
@@ -110,11 +117,26 @@ impl Problem {
             | Self::Inside(count, _) => Some(count),
             Self::InsideOutBody
             | Self::Torn(_)
+            | Self::Tight(_)
             | Self::Moving(_)
             | Self::PoorFit(_)
             | Self::Fallback(..)
             | Self::Unsettled(_)
             | Self::OutOfBalance(..) => None,
+        }
+    }
+
+    /// How bad it is beside others of its kind.
+    fn severity(&self) -> f64 {
+        match *self {
+            Self::Torn(value)
+            | Self::Tight(value)
+            | Self::Moving(value)
+            | Self::PoorFit(value)
+            | Self::Inside(_, value)
+            | Self::StartsInside(_, value) => value.into(),
+            Self::OutOfBalance(_, residual) => residual,
+            _ => self.count().unwrap_or(0) as f64,
         }
     }
 }
@@ -155,9 +177,11 @@ impl fmt::Display for Warning {
             }
             Problem::InsideOutBody => format!("the body `{path}` {INSIDE_OUT}"),
             Problem::Torn(stretch) => torn(&self.path, stretch),
+            Problem::Tight(stretch) => tight(&self.path, stretch),
             Problem::StartsInside(count, depth) => {
                 vertices(count, ["starts", "start"]) + &too_deep(depth)
             }
+            Problem::CrossingAtRest(count) => faces(count, ["crosses", "cross"]) + AT_REST,
             Problem::Trapped(count) => {
                 vertices(count, is) + " caught where the body runs through itself"
             }
@@ -199,6 +223,9 @@ impl fmt::Display for Warning {
 /// What faces do that cross the skin.
 const CROSSING: &str = " the skin between vertices that are outside";
 
+/// What faces do that cross the skin of the rest body.
+const AT_REST: &str = " the skin of the rest body, which looks out through the cloth there";
+
 /// What to do about those of cloth that was not untangled.
 const LIFTED_BY: &str =
     " the skin: untangling, which `garnet drape` ends with, by `--method sim`, too, lifts them";
@@ -218,6 +245,14 @@ fn torn(path: &Path, stretch: f32) -> String {
     format!(
         "an edge of `{path}` is {stretch:.1} times as long as in the garment: cloth would tear, and the body may be of \
          another size than it or the clearance too wide"
+    )
+}
+
+fn tight(path: &Path, stretch: f32) -> String {
+    let path = path.display();
+    format!(
+        "1 % of the edges of `{path}` are more than {stretch:.2} times as long as in the garment: it may be too small for \
+         the body, or the pose strains it, which gives way if it settles (`--settle`) or is simulated"
     )
 }
 
@@ -257,6 +292,7 @@ impl From<&Warning> for WarningReport {
             path: warning.path.display().to_string(),
             count: warning.problem.count(),
             text: warning.to_string(),
+            severity: warning.problem.severity(),
         }
     }
 }
@@ -271,6 +307,7 @@ const MAX_RESIDUAL: f32 = 0.15;
 pub(crate) fn warnings_of(path: &Path, garment: &BoundGarment) -> Vec<WarningReport> {
     let problems = of_garment(garment.mesh()).into_iter();
     let problems = problems.chain(of_start(garment));
+    let problems = problems.chain(of_skin_at_rest(garment));
     let warnings = problems.map(|problem| Warning {
         path: path.to_path_buf(),
         problem,
@@ -347,12 +384,24 @@ pub(crate) fn of_start(garment: &BoundGarment) -> Option<Problem> {
     (!depths.is_empty()).then_some(Problem::StartsInside(depths.len(), deepest))
 }
 
+/// Whether skin of the rest body comes through the cloth, be all vertices outside.
+fn of_skin_at_rest(garment: &BoundGarment) -> Option<Problem> {
+    let cloth = Surface::new(garment.mesh());
+    let crossing = free_crossing_faces(&cloth, garment.cloth().rest_skin()).len();
+    (crossing > 0).then_some(Problem::CrossingAtRest(crossing))
+}
+
 /// Edges away from trapped places longer than this share of their length at rest are torn.
 const TORN_STRETCH: f32 = 2.0;
 
-/// Whether cloth is longer than it can be.
-pub(crate) fn of_stretch(largest: f32) -> Option<Problem> {
-    (largest > TORN_STRETCH).then_some(Problem::Torn(largest))
+/// A garment of which 1 % of the edges are longer than this, over their length at rest, is strained.
+const TIGHT_STRETCH: f32 = 1.25;
+
+/// Whether cloth is longer than it can be, or much of it longer than it should be.
+pub(crate) fn of_stretch(stretch: &StretchSummary) -> Vec<Problem> {
+    let torn = (stretch.max > TORN_STRETCH).then_some(Problem::Torn(stretch.max));
+    let tight = (stretch.p99 > TIGHT_STRETCH).then_some(Problem::Tight(stretch.p99));
+    torn.into_iter().chain(tight).collect()
 }
 
 /// What is wrong with the fit of a target.
@@ -406,5 +455,24 @@ mod tests {
         assert_eq!(text(one), "1 vertex of `tee.obj` belongs to no face");
         let expected = "2 faces of `tee.obj` cross the skin between vertices that are outside";
         assert_eq!(text(many), expected);
+    }
+
+    #[test]
+    fn tight_cloth_and_torn_cloth_are_told_apart() {
+        let kinds = |p99, max| {
+            let stretch = StretchSummary {
+                min: 0.9,
+                p50: 1.0,
+                p99,
+                max,
+                mean: 1.0,
+                count: 100,
+            };
+            let problems = of_stretch(&stretch);
+            problems.iter().map(Problem::kind).collect::<Vec<_>>()
+        };
+        assert!(kinds(1.2, 1.9).is_empty());
+        assert_eq!(kinds(1.3, 1.9), ["tight"]);
+        assert_eq!(kinds(1.3, 2.1), ["torn", "tight"]);
     }
 }

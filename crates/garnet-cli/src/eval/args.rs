@@ -34,13 +34,13 @@ pub(crate) struct EvalArgs {
     /// Measure networks twice: as they are, and with their drapes simulated for so many frames of 1/60 s; 0
     /// leaves that out [default: 6; of networks that put cloth where it still falls 8, where it arrives 30, is midway 46, and these
     /// alone].
-    #[arg(long, value_name = "FRAMES", value_parser = settle_frames)]
+    #[arg(long, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
     /// Measure drapes as the networks leave them only.
     #[arg(long)]
     no_untangle: bool,
     /// Smallest distance between cloth and skin after untangling, in millimetres.
-    #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres)]
+    #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
     clearance: f32,
     /// Write the report as JSON.
     #[arg(long, value_name = "FILE")]
@@ -50,7 +50,7 @@ pub(crate) struct EvalArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) curves: Option<PathBuf>,
     /// End with 1 if the mean distance of a network is above this, in millimetres.
-    #[arg(long, value_name = "MM", value_parser = millimetres)]
+    #[arg(long, value_name = "MM", value_parser = millimetres, allow_negative_numbers = true)]
     pub(crate) max_error: Option<f32>,
 }
 

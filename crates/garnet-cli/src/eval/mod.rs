@@ -49,7 +49,7 @@ pub(crate) fn run(args: &EvalArgs, console: &Console) -> anyhow::Result<ExitStat
     let found = found.map_err(advised)?;
     let report = EvalReport::new(&found, args, &stage, start.elapsed());
     if let Some(folder) = &args.curves {
-        output::make_folder(folder)?;
+        output::open_folder(folder)?;
         curves::write(folder, &found)?;
     }
     if let Some(path) = &args.report {

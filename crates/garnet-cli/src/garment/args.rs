@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, Subcommand, error::ErrorKind};
-use garnet::pattern::{GarmentKind, ParameterSpec, ParameterUnit, Parameters, Size};
+use garnet::pattern::{GarmentKind, ParameterSpec, ParameterUnit, Parameters, PatternError, Size};
 
 use crate::drape::{UnitsTaken, UpName, units};
 
@@ -37,7 +37,12 @@ pub(crate) struct PatternOptions {
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
     /// Number of vertices, met within 2 %.
-    #[arg(long, value_name = "N", default_value = "5000")]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "5000",
+        allow_negative_numbers = true
+    )]
     pub(crate) vertices: usize,
     /// Cut it in a size, XS to 3XL, instead of to the measures of the body.
     #[arg(long, value_name = "SIZE", value_parser = size)]
@@ -101,8 +106,12 @@ pub(crate) fn name(text: &str) -> Result<String, String> {
 }
 
 fn size(text: &str) -> Result<Size, String> {
-    text.parse()
-        .map_err(|error: garnet::pattern::PatternError| error.to_string())
+    text.parse().map_err(|error: PatternError| told(&error))
+}
+
+/// An error of a pattern in the line that a wrong argument gets, with what to do about it.
+fn told(error: &PatternError) -> String {
+    format!("{error}; {}", error.hint())
 }
 
 const OWN: &str = "from-obj";
@@ -141,10 +150,12 @@ impl FromArgMatches for GarmentSource {
         if name == OWN {
             return Ok(Self::Own(Box::new(OwnArgs::from_arg_matches(matches)?)));
         }
-        let refused = |error: &dyn std::fmt::Display| {
-            clap::Error::raw(ErrorKind::ValueValidation, format!("{error}\n"))
+        let refused = |error: &PatternError| {
+            clap::Error::raw(ErrorKind::ValueValidation, format!("{}\n", told(error)))
         };
-        let kind: GarmentKind = name.parse().map_err(|error| refused(&error))?;
+        let kind: GarmentKind = name
+            .parse()
+            .map_err(|error: PatternError| refused(&error))?;
         let mut parameters = kind.parameters();
         for spec in kind.specs() {
             if let Some(&shown) = matches.get_one::<f64>(spec.name) {

@@ -47,6 +47,7 @@ pub(super) fn warnings(
         path: path.clone(),
         count: None,
         text,
+        severity: 0.0,
     });
     Ok(warnings.collect())
 }

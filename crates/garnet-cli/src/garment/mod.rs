@@ -56,7 +56,7 @@ pub(crate) fn run(args: &GarmentArgs, console: &Console) -> anyhow::Result<ExitS
         GarmentSource::Own(args) => own::packed(args)?,
     };
     let is_new = !folder.is_dir();
-    output::make_folder(folder)?;
+    output::open_folder(folder)?;
     let written = made.package.write(folder);
     if is_new && written.is_err() {
         // What is told is why nothing was written.
@@ -123,13 +123,9 @@ fn cut(args: &PatternArgs) -> anyhow::Result<Made> {
         let built = ParametricBody::build(&parameters)?;
         (built.into_body(), Some(stored))
     };
-    let wearer = wearer_of(&body).transpose()?.ok_or_else(|| {
-        refused(
-            "a pattern cannot be cut for this body",
-            "its measures are not known: it is not the built-in body",
-            "make a garment on a body of `garnet body`, or bring one along with `from-obj`",
-        )
-    })?;
+    let wearer = wearer_of(&body)
+        .transpose()?
+        .ok_or_else(|| wearer::unknown(common.body.as_deref(), body.rest()))?;
     let tailor = Tailor::new(args.parameters.clone(), common.vertices, fabric)?;
     let tailor = tailor.with_size(common.size);
     let worn = tailor.dress(&body, &wearer, &AtomicBool::new(false))?;

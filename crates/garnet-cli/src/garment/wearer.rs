@@ -4,9 +4,9 @@ use std::path::Path;
 
 use anyhow::Context;
 use garnet::{
-    Body,
+    Body, TriMesh,
     io::{ObjFile, read_rig},
-    shape::{Recognized, recognized},
+    shape::{ParametricBody, Recognized, recognized},
 };
 
 use crate::{
@@ -33,6 +33,34 @@ pub(super) fn read(path: &Path) -> anyhow::Result<Body> {
     Ok(body)
 }
 
+/// What is told of the coarse level of the built-in body, and what to do about it.
+const COARSE: [&str; 2] = [
+    "it is the coarse level of the built-in body, on which measures are not taken",
+    "cut it for the same body made without `--coarse`; `garnet drape` puts the garment on the coarse one, too",
+];
+
+/// Whether a mesh is the coarse level of the built-in body, whatever its pose.
+fn is_coarse(mesh: &TriMesh) -> bool {
+    mesh.faces() == ParametricBody::coarse_faces()
+}
+
+/// The error of a body whose measures are not known, with the file that it came from if there is one.
+pub(super) fn unknown(path: Option<&Path>, mesh: &TriMesh) -> anyhow::Error {
+    let body = path.map_or_else(
+        || "this body".to_owned(),
+        |path| format!("`{}`", path.display()),
+    );
+    let [cause, hint] = if is_coarse(mesh) {
+        COARSE
+    } else {
+        [
+            "its measures are not known: it is not the built-in body",
+            "make a garment on a body of `garnet body`, or bring one along with `from-obj`",
+        ]
+    };
+    refused(format!("a pattern cannot be cut for {body}"), cause, hint)
+}
+
 /// Refuses an OBJ without rig that is not the built-in body at rest.
 fn check_known(path: &Path) -> anyhow::Result<()> {
     let mesh = ObjFile::read(path)?.mesh();
@@ -42,6 +70,7 @@ fn check_known(path: &Path) -> anyhow::Result<()> {
         Recognized::Posed => {
             "it is the built-in body in a pose: its measures are not known".to_owned()
         }
+        Recognized::Stranger if is_coarse(&mesh) => return Err(unknown(Some(path), &mesh)),
         Recognized::Stranger => format!(
             "it is not the built-in body, and there is no `{}`",
             rig_beside(path).display()

@@ -2,6 +2,7 @@
 
 mod mesh;
 mod motion;
+mod package;
 mod pose;
 mod rig;
 mod table;
@@ -14,14 +15,16 @@ use std::{
 
 use anyhow::Context;
 use clap::Args;
+use garnet::data::GarmentPackage;
 use serde::Serialize;
 
 use crate::{
     console::{Console, print_data, print_document},
-    failure::ExitStatus,
+    failure::{ExitStatus, refused},
 };
 use mesh::MeshInfo;
 use motion::MotionInfo;
+use package::PackageInfo;
 use pose::PoseInfo;
 use rig::{RigInfo, SceneInfo};
 use table::Table;
@@ -29,7 +32,8 @@ use table::Table;
 /// Arguments of `info`.
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// Meshes (OBJ), rigs (npz, GLB, glTF, JSON), scenes and poses (JSON), motions (BVH, npz).
+    /// Meshes (OBJ), rigs (npz, GLB, glTF, JSON), scenes and poses (JSON), motions (BVH, npz), folders of garment
+    /// packages.
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 }
@@ -67,6 +71,8 @@ enum Content {
     Pose(PoseInfo),
     /// A motion with a skeleton of its own.
     Motion(MotionInfo),
+    /// A garment with its body and networks.
+    Package(PackageInfo),
 }
 
 /// Reads each file and tells what is in it.
@@ -96,6 +102,7 @@ fn table(file: &FileInfo) -> Table {
         Content::Scene(scene) => scene.fill(&mut table),
         Content::Pose(pose) => pose.fill(&mut table),
         Content::Motion(motion) => motion.fill(&mut table),
+        Content::Package(package) => package.fill(&mut table),
     }
     table
 }
@@ -110,6 +117,7 @@ fn content(path: &Path) -> anyhow::Result<Content> {
         Kind::Motion => Content::Motion(MotionInfo::read(path)?),
         Kind::Scene => Content::Scene(SceneInfo::read(path)?),
         Kind::Pose => Content::Pose(PoseInfo::read(path)?),
+        Kind::Package => Content::Package(PackageInfo::read(path)?),
     })
 }
 
@@ -119,10 +127,21 @@ enum Kind {
     Scene,
     Pose,
     Motion,
+    Package,
 }
 
 /// The content decides, and the extension where it tells nothing.
 fn kind(path: &Path) -> anyhow::Result<Kind> {
+    if GarmentPackage::is_at(path) {
+        return Ok(Kind::Package);
+    }
+    if path.is_dir() {
+        return Err(refused(
+            format!("cannot read `{}`", path.display()),
+            "it is a folder, and no garment package: it has no `garment.toml`",
+            "name a file in it, or the folder of a garment package",
+        ));
+    }
     let mut start = Vec::new();
     let mut open = || File::open(path)?.take(64).read_to_end(&mut start);
     open().with_context(|| format!("cannot read `{}`", path.display()))?;

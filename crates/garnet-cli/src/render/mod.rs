@@ -54,7 +54,7 @@ pub(crate) struct RenderArgs {
     #[arg(long)]
     wireframe: bool,
     /// Enlarge by this factor.
-    #[arg(long, value_name = "X", default_value = "1", value_parser = words::zoom)]
+    #[arg(long, value_name = "X", default_value = "1", value_parser = words::zoom, allow_negative_numbers = true)]
     zoom: f32,
     /// Axis that points up.
     #[arg(long, value_name = "AXIS", default_value = "y")]

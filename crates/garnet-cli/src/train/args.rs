@@ -30,10 +30,20 @@ pub(crate) struct TrainArgs {
     #[arg(long, value_name = "NAME", conflicts_with = "resume")]
     pub(super) preset: Option<String>,
     /// See each scene this often.
-    #[arg(long, value_name = "N", conflicts_with = "resume")]
+    #[arg(
+        long,
+        value_name = "N",
+        conflicts_with = "resume",
+        allow_negative_numbers = true
+    )]
     pub(super) epochs: Option<u32>,
     /// Seed of the first weights and of the order of the scenes.
-    #[arg(long, value_name = "S", conflicts_with = "resume")]
+    #[arg(
+        long,
+        value_name = "S",
+        conflicts_with = "resume",
+        allow_negative_numbers = true
+    )]
     seed: Option<u64>,
     /// Store the weights in so many bits: f32, or f16 for half the file.
     #[arg(long, value_name = "BITS", value_parser = precision, conflicts_with = "resume")]

@@ -10,6 +10,7 @@ use std::{sync::atomic::AtomicBool, time::Instant};
 
 use garnet::{
     data::GarmentPackage,
+    io::remove_stale_temporaries,
     train::{TrainError, train, training_folder},
 };
 
@@ -31,6 +32,9 @@ pub(crate) fn run(args: &TrainArgs, console: &Console) -> anyhow::Result<ExitSta
     }
     let job = args.job()?;
     let folder = training_folder(&job.package, &job.recipe.name);
+    for folder in [&job.package, &folder] {
+        remove_stale_temporaries(folder);
+    }
     let mut progress = Progress::new(console, &job, &folder);
     let trained = train(
         &job,
@@ -94,6 +98,9 @@ fn advice(error: &TrainError) -> Option<String> {
             "go on with what it was begun with, or remove `{}` to begin anew",
             path.display()
         ),
+        TrainError::ConfigText { .. } => {
+            "`garnet train --help` shows a configuration; each field has a default".to_owned()
+        }
         TrainError::OtherTemplate { .. } => {
             "a network is trained on drapes of its own garment: make them with `garnet dataset`"
                 .to_owned()

@@ -6,6 +6,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use garnet_mesh::remove_stale_temporaries;
+
 use super::shard::Layout;
 use crate::DataError;
 
@@ -57,6 +59,9 @@ impl Lock {
                 folder,
             };
             lock.check_others(layout, part)?;
+            for folder in [&layout.folder, &layout.shards(), &lock.folder] {
+                remove_stale_temporaries(folder);
+            }
             return Ok(lock);
         }
         Err(in_use(layout, &path))

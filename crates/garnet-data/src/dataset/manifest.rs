@@ -12,6 +12,9 @@ use crate::{DataError, Limits, ReadAs, package::Manifest as PackageManifest};
 /// What this version writes and reads.
 pub const DATASET_SCHEMA: &str = "garnet.dataset/1";
 
+/// The field that tells where scenes are from, in messages.
+const SCENES_OF_KIND: &str = "scenes of the kind";
+
 /// `dataset.json`: all that decides over the contents of a data set, in SI units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -108,6 +111,15 @@ impl DatasetManifest {
         Fingerprint::of_bytes(text.as_bytes())
     }
 
+    /// Where its scenes are from, in messages.
+    const fn kind_of_scenes(&self) -> &'static str {
+        if self.quality.is_some() {
+            "`simulated`"
+        } else {
+            "`imported`"
+        }
+    }
+
     /// Reads `dataset.json`.
     ///
     /// # Errors
@@ -151,6 +163,8 @@ impl DatasetManifest {
             [
                 ("garment", manifest.garment.name.clone()),
                 ("template", manifest.garment.positions.clone()),
+                // An import has neither seed nor quality, which nobody has asked for then.
+                (SCENES_OF_KIND, manifest.kind_of_scenes().to_owned()),
                 ("seed", manifest.seed.to_string()),
                 (
                     "bodies",
@@ -160,13 +174,7 @@ impl DatasetManifest {
                     ),
                 ),
                 ("poses", manifest.poses.to_string()),
-                (
-                    "quality",
-                    manifest
-                        .quality
-                        .clone()
-                        .unwrap_or_else(|| "none: it was imported".to_owned()),
-                ),
+                ("quality", manifest.quality.clone().unwrap_or_default()),
                 ("end", manifest.until.name().to_owned()),
                 ("sizing", manifest.sizing.name().to_owned()),
                 ("varied parameters", manifest.vary.to_string()),

@@ -2,12 +2,13 @@
 
 mod before;
 mod manifest;
+mod together;
 
 use std::path::{Path, PathBuf};
 
-use garnet_mesh::{Fingerprint, ObjFile, RestEdge, TriMesh, write_atomically};
+use garnet_mesh::{Fingerprint, ObjFile, RestEdge, StagedFile, TriMesh};
 use garnet_sim::{Cloth, RestShape};
-use garnet_skin::{Body, Rig, read_rig, write_rig_npz};
+use garnet_skin::{Body, Rig, read_rig, stage_rig_npz};
 
 pub use manifest::{
     Manifest, PACKAGE_SCHEMA, StoredFabric, StoredPattern, StoredRestBody, Variant,
@@ -16,6 +17,7 @@ pub use manifest::{
 use crate::rest_file;
 use crate::{DataError, ReadAs, StoredParameters};
 use before::Before;
+use together::Together;
 
 /// Name of the manifest in a package.
 pub const MANIFEST_FILE: &str = "garment.toml";
@@ -176,10 +178,8 @@ impl GarmentPackage {
         let path = folder.join(MANIFEST_FILE);
         let text =
             std::fs::read_to_string(&path).map_err(|source| DataError::read(&path, source))?;
-        let manifest: Manifest = toml::from_str(&text).map_err(|source| DataError::Text {
-            path: path.clone(),
-            reason: source.to_string(),
-        })?;
+        let manifest: Manifest =
+            toml::from_str(&text).map_err(|source| DataError::toml(&path, &text, &source))?;
         if manifest.schema != PACKAGE_SCHEMA {
             let what = format!(
                 "its schema is `{}`, not `{PACKAGE_SCHEMA}`",
@@ -197,36 +197,45 @@ impl GarmentPackage {
         [TEMPLATE_FILE, BODY_FILE, REST_FILE, MANIFEST_FILE]
     }
 
-    /// Writes the package into a folder that is there; the manifest last, so that a folder with a
-    /// manifest is whole. After an error the folder holds the files that it held before.
+    /// Writes the package into a folder that is there.
+    ///
+    /// All files are written under temporary names first. Then an older manifest is removed, the files come to their places one
+    /// after the other, and the new manifest last. A process that is killed meanwhile leaves the package that was there, or the
+    /// new one, or, for as long as a few renames take, a folder without manifest, which nothing takes for a package, with
+    /// files of both; and beside them temporary files, which [`remove_stale_temporaries`](garnet_mesh::remove_stale_temporaries)
+    /// knows. After an error the folder holds the files that it held before.
     ///
     /// # Errors
     ///
     /// [`DataError::Write`] or [`DataError::WriteRig`]; [`DataError::Read`] for a file that is there and cannot be read.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, DataError> {
         let before = Before::of(Self::file_names().map(|name| folder.join(name)))?;
-        let written = self.write_files(folder);
+        let written = self.staged(folder)?.put();
         if written.is_err() {
             before.restore();
         }
         written
     }
 
-    fn write_files(&self, folder: &Path) -> Result<Vec<PathBuf>, DataError> {
+    /// All files of the package under temporary names.
+    fn staged(&self, folder: &Path) -> Result<Together, DataError> {
         let path = |name: &str| folder.join(name);
+        let (template, body, rest) = (path(TEMPLATE_FILE), path(BODY_FILE), path(REST_FILE));
         let source = self.template.source();
-        write_atomically(path(TEMPLATE_FILE), |writer| writer.write_all(source))?;
-        write_rig_npz(path(BODY_FILE), &Rig::from(self.body.clone()))?;
-        let mut written = vec![path(TEMPLATE_FILE), path(BODY_FILE)];
-        let rest = path(REST_FILE);
-        if rest_file::write(&rest, &self.rest)? {
-            written.push(rest);
-        } else if rest.exists() {
+        let of_template = StagedFile::new(&template, |writer| writer.write_all(source))?;
+        let of_body = stage_rig_npz(&body, &Rig::from(self.body.clone()))?;
+        let mut parts = vec![(template, of_template), (body, of_body)];
+        let mut surplus = None;
+        match rest_file::stage(&rest, &self.rest)? {
+            Some(of_rest) => parts.push((rest, of_rest)),
             // That of a pattern which was here before.
-            std::fs::remove_file(&rest).map_err(|source| DataError::folder(&rest, source))?;
+            None => surplus = Some(rest),
         }
-        written.push(Self::write_manifest(folder, &self.manifest)?);
-        Ok(written)
+        Ok(Together {
+            parts,
+            surplus,
+            manifest: Self::staged_manifest(folder, &self.manifest)?,
+        })
     }
 
     /// Writes `garment.toml` alone, and returns where it is.
@@ -235,12 +244,22 @@ impl GarmentPackage {
     ///
     /// [`DataError::Write`].
     pub fn write_manifest(folder: &Path, manifest: &Manifest) -> Result<PathBuf, DataError> {
+        let (path, staged) = Self::staged_manifest(folder, manifest)?;
+        staged.put()?;
+        Ok(path)
+    }
+
+    /// Where `garment.toml` belongs, and the file under a temporary name.
+    fn staged_manifest(
+        folder: &Path,
+        manifest: &Manifest,
+    ) -> Result<(PathBuf, StagedFile), DataError> {
         let path = folder.join(MANIFEST_FILE);
         let text = toml::to_string(manifest).map_err(|source| DataError::Text {
             path: path.clone(),
             reason: source.to_string(),
         })?;
-        write_atomically(&path, |writer| writer.write_all(text.as_bytes()))?;
-        Ok(path)
+        let staged = StagedFile::new(&path, |writer| writer.write_all(text.as_bytes()))?;
+        Ok((path, staged))
     }
 }

@@ -18,6 +18,6 @@ pub use npy::{ArrayProblem, NpyArray, NpyValues};
 pub use npz::NpzFile;
 pub use pose_json::read_pose;
 pub use read_rig::read_rig;
-pub use rig_npz::{WriteRigError, read_rig_npz, write_rig_npz};
+pub use rig_npz::{WriteRigError, read_rig_npz, stage_rig_npz, write_rig_npz};
 pub use scene::Scene;
 pub use weights_json::read_weights;

@@ -5,7 +5,7 @@ use std::{
     path::Path,
 };
 
-use garnet_mesh::{TriMesh, WriteError, write_atomically};
+use garnet_mesh::{StagedFile, TriMesh, WriteError};
 use nalgebra::UnitQuaternion;
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
@@ -208,6 +208,15 @@ pub enum WriteRigError {
 /// [`WriteRigError`] if the rig has no rest mesh, its parts do not fit together, or the system
 /// refuses.
 pub fn write_rig_npz(path: impl AsRef<Path>, rig: &Rig) -> Result<(), WriteRigError> {
+    Ok(stage_rig_npz(path, rig)?.put()?)
+}
+
+/// Writes what [`write_rig_npz`] writes beside its place, into which it is still to be put.
+///
+/// # Errors
+///
+/// [`WriteRigError`] as [`write_rig_npz`].
+pub fn stage_rig_npz(path: impl AsRef<Path>, rig: &Rig) -> Result<StagedFile, WriteRigError> {
     let mesh = rig.rest.as_ref().ok_or(SkinError::NoRestMesh)?;
     check_joint_count(&rig.skeleton, &rig.weights)?;
     if rig.weights.num_vertices() != mesh.num_vertices() {
@@ -222,7 +231,7 @@ pub fn write_rig_npz(path: impl AsRef<Path>, rig: &Rig) -> Result<(), WriteRigEr
         path: path.to_path_buf(),
         source,
     })?;
-    Ok(write_atomically(path, |writer| writer.write_all(&packed))?)
+    Ok(StagedFile::new(path, |writer| writer.write_all(&packed))?)
 }
 
 fn packed(mesh: &TriMesh, rig: &Rig) -> io::Result<Vec<u8>> {

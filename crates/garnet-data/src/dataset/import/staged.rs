@@ -201,6 +201,21 @@ mod tests {
         );
     }
 
+    #[test]
+    fn imported_and_simulated_scenes_are_told_apart_before_their_seeds() {
+        let simulated = DatasetManifest {
+            seed: 5,
+            quality: Some("fast".to_owned()),
+            ..dataset()
+        };
+        let error = simulated.check_same(&dataset(), Path::new("dataset.json"));
+        let error = error.unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "`dataset.json` holds a data set with scenes of the kind `simulated`, asked for is `imported`"
+        );
+    }
+
     /// Shards of both splits beside a data set in a folder.
     fn staged(folder: &Path) -> Staged {
         let layout = Layout {

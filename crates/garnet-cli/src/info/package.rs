@@ -1,0 +1,107 @@
+//! What is in a garment package.
+
+use std::path::Path;
+
+use garnet::data::{GarmentPackage, Variant};
+use serde::Serialize;
+
+use super::table::Table;
+
+/// What is in a garment package.
+#[derive(Debug, Serialize)]
+pub(crate) struct PackageInfo {
+    name: String,
+    /// The garment as OBJ.
+    template: String,
+    vertices: usize,
+    triangles: usize,
+    fabric: String,
+    /// Which pattern it was cut from; none of a garment of one's own.
+    pattern: Option<String>,
+    /// The body that it lies on.
+    rig: String,
+    body_vertices: usize,
+    /// The trained networks.
+    variants: Vec<VariantInfo>,
+}
+
+/// What is known of a network.
+#[derive(Debug, Serialize)]
+struct VariantInfo {
+    name: String,
+    weights: String,
+    /// Whether it is taken if none is asked for.
+    is_default: bool,
+    /// Mean distance to the teacher on the test scenes of its training, in metres.
+    error_m: Option<f64>,
+    /// The same after settling.
+    settled_error_m: Option<f64>,
+    flop: Option<f64>,
+}
+
+impl PackageInfo {
+    pub(crate) fn read(folder: &Path) -> anyhow::Result<Self> {
+        let GarmentPackage {
+            manifest,
+            mesh,
+            body,
+            ..
+        } = GarmentPackage::read(folder)?;
+        let default = manifest.default_variant().map(|variant| &variant.name);
+        let of = |variant: &Variant| VariantInfo {
+            name: variant.name.clone(),
+            weights: shown(&folder.join(&variant.weights)),
+            is_default: default == Some(&variant.name),
+            error_m: variant.distance_error,
+            settled_error_m: variant.settled_error,
+            flop: variant.flop,
+        };
+        Ok(Self {
+            template: shown(&GarmentPackage::template_at(folder)),
+            vertices: mesh.num_vertices(),
+            triangles: mesh.num_faces(),
+            pattern: manifest.pattern.as_ref().map(|found| found.kind.clone()),
+            rig: shown(&folder.join(&manifest.rest_body.rig)),
+            body_vertices: body.rest().num_vertices(),
+            variants: manifest.variants.iter().map(of).collect(),
+            fabric: manifest.fabric.name.clone(),
+            name: manifest.name.clone(),
+        })
+    }
+
+    pub(crate) fn fill(&self, table: &mut Table) {
+        table.row("kind", "garment package");
+        table.row("name", &self.name);
+        table.row("template", &self.template);
+        table.row("vertices", self.vertices);
+        table.row("triangles", self.triangles);
+        table.row("fabric", &self.fabric);
+        table.row("pattern", self.pattern.as_deref().unwrap_or("none"));
+        table.row("body", &self.rig);
+        table.row("body vertices", self.body_vertices);
+        table.row("networks", self.variants.len());
+        for variant in &self.variants {
+            table.row(&format!("  {}", variant.name), variant.told());
+        }
+    }
+}
+
+impl VariantInfo {
+    fn told(&self) -> String {
+        let of = |error: Option<f64>, what: &str| {
+            error.map(|error| format!("{:.2} mm {what}", 1e3 * error))
+        };
+        let parts = [
+            of(self.error_m, "from the teacher"),
+            of(self.settled_error_m, "settled"),
+            self.flop.map(|flop| format!("{:.2} GFLOP", flop / 1e9)),
+            self.is_default.then(|| "the default".to_owned()),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        parts.join(", ")
+    }
+}
+
+fn shown(path: &Path) -> String {
+    path.display().to_string()
+}
