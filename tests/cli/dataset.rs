@@ -173,7 +173,7 @@ fn arguments_that_contradict_each_other_are_refused() {
     refused(
         &fixture,
         "dataset net -o out --body-file body.obj",
-        &["`--body-file` is for a data set that is imported"],
+        &["--import <JSON|DIR>"],
     );
     refused(
         &fixture,

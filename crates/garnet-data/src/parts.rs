@@ -14,7 +14,7 @@ const MIN_WEIGHT: f32 = 0.05;
 /// Those of [`Collider::new`].
 pub(crate) fn collider(body: &Body) -> Result<Collider, SimError> {
     let rest = body.rest();
-    let collider = Collider::new(rest.faces(), rest.num_vertices())?;
+    let collider = Collider::new(body.skin().faces(), rest.num_vertices())?;
     let collider = collider.with_surface(body.skin().clone())?;
     let Ok(parts) = parts_of_vertices(body) else {
         return Ok(collider);

@@ -1,5 +1,6 @@
 //! The simulation as a teacher: a garment, ready to be draped on the way of its body to a pose.
 
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -402,20 +403,39 @@ pub(crate) fn check_stop(stop: &AtomicBool) -> Result<(), DataError> {
     Ok(())
 }
 
-/// The simulated node that each node of a loose piece is nearest to.
+/// The simulated node that each node of a loose piece follows: the nearest of that part of the cloth which is nearest to the piece. A
+/// buckle between shirt and trousers is not torn between them.
 fn carried(garment: &BoundGarment, nodes: &[u32]) -> Vec<(u32, u32)> {
-    let pieces = garment.is_piece().iter().enumerate();
-    let pieces = pieces.filter(|&(_, &is_piece)| is_piece);
-    pieces
-        .filter_map(|(piece, _)| {
-            let place = garment.rest()[piece];
-            let distance = |&&node: &&u32| (garment.rest()[node as usize] - place).norm_squared();
-            let nearest = nodes
-                .iter()
-                .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-            Some((piece as u32, *nearest))
-        })
-        .collect()
+    let part = garment.topology().components();
+    let pieces = (0_u32..).zip(garment.is_piece());
+    let pieces: Vec<u32> = pieces
+        .filter_map(|(node, &is_piece)| is_piece.then_some(node))
+        .collect();
+    let nearest = |piece: u32, is_meant: &dyn Fn(u32) -> bool| {
+        let place = garment.rest()[piece as usize];
+        let found = nodes.iter().copied().filter(|&node| is_meant(node));
+        let found =
+            found.map(|node| ((garment.rest()[node as usize] - place).norm_squared(), node));
+        found.min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    // Of each piece, how far from it the nearest cloth is, and which part that belongs to.
+    let mut hosts: HashMap<u32, (f32, u32)> = HashMap::new();
+    for &piece in &pieces {
+        let Some((distance, node)) = nearest(piece, &|_| true) else {
+            continue;
+        };
+        let host = (distance, part[node as usize]);
+        let of_piece = hosts.entry(part[piece as usize]).or_insert(host);
+        if distance < of_piece.0 {
+            *of_piece = host;
+        }
+    }
+    let follows = |&piece: &u32| {
+        let (_, host) = hosts.get(&part[piece as usize])?;
+        let (_, node) = nearest(piece, &|node| part[node as usize] == *host)?;
+        Some((piece, node))
+    };
+    pieces.iter().filter_map(follows).collect()
 }
 
 fn check_start(start: &[Point3], body: &Body) -> Result<(), DataError> {

@@ -1,6 +1,9 @@
 //! Bodies: a rest mesh on a skeleton.
 
-use std::sync::{Arc, OnceLock};
+use std::{
+    collections::HashMap,
+    sync::{Arc, OnceLock},
+};
 
 use garnet_knn::Surface;
 use garnet_mesh::{TriMesh, is_inside_out};
@@ -71,6 +74,44 @@ pub struct Body {
     without_strays: OnceLock<Option<Arc<Self>>>,
 }
 
+/// The surface of a mesh; of one that is open, with its seams closed: files of graphics split vertices along the seams of their
+/// textures.
+fn skin_of(rest: &TriMesh, weights: &SkinWeights) -> Surface {
+    let skin = Surface::new(rest);
+    if skin.is_closed() {
+        return skin;
+    }
+    let sewn = sewn_faces(rest, weights);
+    if sewn == rest.faces() {
+        return skin;
+    }
+    TriMesh::new(rest.positions().to_vec(), sewn).map_or(skin, |mesh| Surface::new(&mesh))
+}
+
+/// The faces with one vertex for all that lie at a place and move alike.
+fn sewn_faces(rest: &TriMesh, weights: &SkinWeights) -> Vec<[u32; 3]> {
+    let mut at_place: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
+    let same: Vec<u32> = (0_u32..)
+        .zip(rest.positions())
+        .map(|(vertex, position)| {
+            // Adding zero turns -0 into 0.
+            let place = [position.x, position.y, position.z].map(|value| (value + 0.0).to_bits());
+            let others = at_place.entry(place).or_default();
+            let own = || weights.vertex(vertex as usize);
+            let moves_alike = |&&other: &&u32| weights.vertex(other as usize).eq(own());
+            let first = others.iter().find(moves_alike).copied();
+            first.unwrap_or_else(|| {
+                others.push(vertex);
+                vertex
+            })
+        })
+        .collect();
+    let faces = rest.faces().iter();
+    faces
+        .map(|face| face.map(|vertex| same[vertex as usize]))
+        .collect()
+}
+
 /// Whether a face names each vertex `[vertex]`; empty if all are named.
 fn named_vertices(mesh: &TriMesh) -> Vec<bool> {
     let mut is_named = vec![false; mesh.num_vertices()];
@@ -104,7 +145,7 @@ impl Body {
         let was_inside_out = is_inside_out(rest.positions(), rest.faces());
         let rest = if was_inside_out { turned(rest) } else { rest };
         Ok(Self {
-            skin: Surface::new(&rest),
+            skin: skin_of(&rest, &weights),
             is_named: named_vertices(&rest),
             without_strays: OnceLock::new(),
             rest,
@@ -234,6 +275,7 @@ pub(crate) fn check_joint_count(
 mod tests {
     use super::*;
     use crate::Joint;
+    use garnet_mesh::primitives::icosphere;
 
     fn rig(num_vertices: usize, num_weight_joints: usize) -> Rig {
         let joint = Joint {
@@ -255,8 +297,41 @@ mod tests {
     }
 
     #[test]
+    fn seams_of_a_mesh_are_closed_where_both_sides_move_alike() {
+        let ball = icosphere(2, 0.5);
+        let corners = ball.faces().as_flattened().iter();
+        let positions: Vec<Point3> = corners
+            .map(|&vertex| ball.positions()[vertex as usize])
+            .collect();
+        let faces = (0..ball.num_faces() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]);
+        let split = TriMesh::new(positions.clone(), faces.collect()).unwrap();
+        assert!(!Surface::new(&split).is_closed());
+        let joint = Joint {
+            name: "root".to_owned(),
+            parent: None,
+            rest_position: Point3::origin(),
+        };
+        let other = Joint {
+            name: "other".to_owned(),
+            parent: Some(0),
+            ..joint.clone()
+        };
+        let skeleton = Skeleton::new(vec![joint, other]).unwrap();
+        let alike = vec![vec![(0, 1.0)]; positions.len()];
+        let mut unlike = alike.clone();
+        unlike[0] = vec![(1, 1.0)];
+        for (rows, is_closed) in [(alike, true), (unlike, false)] {
+            let weights = SkinWeights::from_influences(2, rows).unwrap();
+            let body = Body::new(split.clone(), skeleton.clone(), weights).unwrap();
+            assert_eq!(body.skin().is_closed(), is_closed);
+            assert_eq!(body.skin().faces().len(), ball.num_faces());
+            assert_eq!(body.rest(), &split);
+        }
+    }
+
+    #[test]
     fn faces_that_look_inwards_are_turned() {
-        let ball = garnet_mesh::primitives::icosphere(2, 0.3);
+        let ball = icosphere(2, 0.3);
         let shifted = ball
             .positions()
             .iter()

@@ -332,11 +332,16 @@ pub(crate) fn of_body(body: &Body) -> Vec<Problem> {
     let (mesh, skin) = (body.rest(), body.skin());
     let (diagnosis, pairs) = rayon::join(|| diagnose(mesh), || skin.self_intersections());
     let mut problems = of_mesh(&diagnosis);
-    if diagnosis.num_components > 1 {
-        problems.push(Problem::Components(diagnosis.num_components));
+    // Seams of textures are closed in the skin.
+    let is_sewn = skin.faces() != mesh.faces();
+    let sewn = is_sewn.then(|| TriMesh::new(mesh.positions().to_vec(), skin.faces().to_vec()));
+    let sewn = sewn.and_then(Result::ok).map(|mesh| diagnose(&mesh));
+    let of_skin = sewn.as_ref().unwrap_or(&diagnosis);
+    if of_skin.num_components > 1 {
+        problems.push(Problem::Components(of_skin.num_components));
     }
-    if !diagnosis.boundary_loops.is_empty() {
-        problems.push(Problem::OpenBody(diagnosis.boundary_loops.len()));
+    if !of_skin.boundary_loops.is_empty() {
+        problems.push(Problem::OpenBody(of_skin.boundary_loops.len()));
     }
     if !pairs.is_empty() {
         problems.push(Problem::SelfIntersectingBody(pairs.len()));
