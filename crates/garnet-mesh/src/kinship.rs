@@ -161,17 +161,20 @@ impl<'a> KnownMesh<'a> {
         Ok(decades)
     }
 
-    /// The same, and refuses a mesh that is the mirror image of the known one, which is to enclose a volume.
+    /// The same, and refuses a mesh that is the mirror image of the known one, which is to enclose a volume. Its positions are in
+    /// the unit of the known mesh.
     ///
     /// # Errors
     ///
     /// [`MeshDifference`].
     pub fn check(&self, positions: &[Point3], edges: &[[u32; 2]]) -> Result<i32, MeshDifference> {
         let decades = self.check_order(positions, edges)?;
-        if is_inside_out(positions, self.mesh.faces()) {
-            return Err(MeshDifference::Mirrored);
+        match (is_inside_out(positions, self.mesh.faces()), decades) {
+            (false, _) => Ok(decades),
+            (true, 0) => Err(MeshDifference::Mirrored),
+            // Edges between vertices that lie anywhere are longer, and their faces look anywhere.
+            (true, _) => Err(MeshDifference::Order),
         }
-        Ok(decades)
     }
 
     /// Refuses edges that are others: vertices are in another order, though as many.
@@ -243,6 +246,8 @@ mod tests {
         assert_eq!(known.check(&shuffled, &[]), Err(MeshDifference::Order));
         let mirrored: Vec<Point3> = rest.iter().map(|p| Point3::new(-p.x, p.y, p.z)).collect();
         assert_eq!(known.check(&mirrored, edges), Err(MeshDifference::Mirrored));
+        let longer: Vec<Point3> = mirrored.iter().map(|p| p * 30.0).collect();
+        assert_eq!(known.check(&longer, edges), Err(MeshDifference::Order));
         assert_eq!(known.check_order(&mirrored, edges), Ok(0));
     }
 }
