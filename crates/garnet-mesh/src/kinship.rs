@@ -97,7 +97,9 @@ impl MeshDifference {
                 known: num_known,
                 compared,
             } => format!("{num_known} of {compared} of its edges are edges of {known}"),
-            Self::Mirrored => format!("it is the mirror image of {known}"),
+            Self::Mirrored => {
+                format!("it is the mirror image of {known}, or its vertices are in another order")
+            }
         }
     }
 }
