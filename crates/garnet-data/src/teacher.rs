@@ -147,7 +147,8 @@ impl Teacher {
         nodes.any(|(of, weight)| of == joint && weight > GOES_ALONG)
     }
 
-    /// Simulates the garment while the body goes along its path, and until it rests.
+    /// Simulates the garment while the body goes along its path, and until it rests. Bodies that end far from where they rest are to
+    /// come [home](PosedBody::at_home) first.
     ///
     /// The result's positions are those of the garment's mesh `[vertex]`. `observer` is told how far
     /// it is, with the positions at the end of each frame; `stop` ends it.
@@ -240,7 +241,8 @@ impl Teacher {
     /// Simulates a garment that something else has put on its way to a posed body, a network say, until the body has
     /// arrived and the cloth has settled for a while: it gives way where it is strained, leaves the skin, and finds its finer folds.
     ///
-    /// `body` is that which the garment was bound to, `posed` the same in its last place; `from` and the result are the positions
+    /// `body` is that which the garment was bound to, `posed` the same in its last place, [at home](PosedBody::at_home): the body goes
+    /// there from its rest within a second; `from` and the result are the positions
     /// of the garment's mesh `[vertex]`, in metres. Where nothing [takes time](Settling::takes_time) the result is `from`.
     ///
     /// # Examples

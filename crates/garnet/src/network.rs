@@ -124,7 +124,8 @@ impl Network {
     }
 
     /// A warped garment, moved to where the network puts it; where the body is unlike those that the
-    /// network was trained on, or the garment would be torn, to where the warp by pose and shape puts it.
+    /// network was trained on, or the garment would be torn, to where the warp by pose and shape puts it. Bodies elsewhere than at
+    /// rest are unlike them: [`PosedBody::at_home`].
     ///
     /// # Errors
     ///
