@@ -183,6 +183,30 @@ fn a_garment_is_draped_on_several_frames_of_a_motion() {
 }
 
 #[test]
+fn frames_of_a_motion_stand_where_they_stand_in_all_of_it() {
+    let fixture = Fixture::new();
+    let lifted = |height: f32| {
+        let mut columns = vec![0.0; NUM_COLUMNS];
+        columns[1] = height;
+        let words: Vec<String> = columns.iter().map(ToString::to_string).collect();
+        words.join(" ") + "\n"
+    };
+    let text = BVH.replace("Frames: 2", "Frames: 4");
+    let frames = [95.0, 100.0, 105.0, 110.0].map(lifted).concat();
+    fs::write(fixture.path("jump.bvh"), text + &frames).unwrap();
+    let lowest = |arguments: &str, name: &str| {
+        done(&fixture.garnet(&format!("body --motion jump.bvh {arguments}")));
+        let heights = heights(&fixture, name);
+        heights.into_iter().fold(f32::INFINITY, f32::min)
+    };
+    let in_all = lowest("-o all", "all/jump_0003.obj");
+    // By 15 cm, in the proportions of the body.
+    assert!((0.13..0.17).contains(&in_all), "{in_all}");
+    let in_two = lowest("--frames 2:4 -o two", "two/jump_0003.obj");
+    assert!((in_two - in_all).abs() < 1e-6, "{in_two}");
+}
+
+#[test]
 fn truncated_motions_are_refused_with_the_line() {
     let fixture = Fixture::new();
     let text = bvh();

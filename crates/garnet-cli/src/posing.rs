@@ -9,7 +9,8 @@ use anyhow::Context;
 use garnet::{
     Body, Pose,
     motion::{
-        FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, Take, put_on_ground,
+        FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, Take, lowest_points,
+        put_on_ground,
     },
     poses::{Poser, SelfContact, SeparationOptions, key_pose, key_poses},
 };
@@ -34,6 +35,9 @@ pub(crate) struct NamedPose {
     pub(crate) stem: String,
     pub(crate) pose: Pose,
 }
+
+/// About so many frames of a motion tell where its ground is.
+const GROUND_FRAMES: usize = 2000;
 
 /// Poses, and what was taken for granted while they were read.
 #[derive(Debug, Clone, Default)]
@@ -120,9 +124,15 @@ impl PoseSource {
             poses
         } else {
             // Where the ground is does not depend on which frames are asked for.
-            let mut clip = take.poses(skeleton, FrameRange::ALL, &options)?;
-            put_on_ground(body, &mut clip, Ground::Clip)?;
-            frames.iter().map(|&frame| clip[frame].clone()).collect()
+            let step = take.num_frames().div_ceil(GROUND_FRAMES);
+            let clip = take.poses(skeleton, FrameRange::every(step), &options)?;
+            let lowest = lowest_points(body, &clip)?.into_iter();
+            let ground = lowest.fold(f32::INFINITY, f32::min);
+            let mut poses = take.poses(skeleton, range, &options)?;
+            for pose in poses.iter_mut().filter(|_| ground.is_finite()) {
+                pose.root_translation.y -= ground;
+            }
+            poses
         };
         let num_frames = take.num_frames();
         let mut notes = take.notes(skeleton);

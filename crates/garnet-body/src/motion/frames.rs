@@ -23,6 +23,14 @@ impl FrameRange {
         is_single: false,
     };
 
+    /// Every `step`th frame from the first one on; all for a step of 0.
+    pub const fn every(step: usize) -> Self {
+        Self {
+            step: if step == 0 { 1 } else { step },
+            ..Self::ALL
+        }
+    }
+
     /// One frame.
     pub const fn single(frame: usize) -> Self {
         Self {
