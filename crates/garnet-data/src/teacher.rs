@@ -378,12 +378,9 @@ pub(crate) fn stopping<'a>(
 
 /// The nodes of cloth that is simulated: neither of loose pieces nor of vertices that no face names.
 fn simulated_nodes(garment: &BoundGarment) -> Vec<u32> {
-    let mut is_named = vec![false; garment.rest().len()];
-    for &node in garment.faces().as_flattened() {
-        is_named[node as usize] = true;
-    }
-    let nodes = (0_u32..).zip(garment.is_piece().iter().zip(is_named));
-    let nodes = nodes.filter(|&(_, (&is_piece, is_named))| is_named && !is_piece);
+    let is_named = |node: u32| !garment.topology().vertex_faces(node as usize).is_empty();
+    let nodes = (0_u32..).zip(garment.is_piece());
+    let nodes = nodes.filter(|&(node, &is_piece)| !is_piece && is_named(node));
     nodes.map(|(node, _)| node).collect()
 }
 

@@ -1,16 +1,13 @@
 //! Bodies: a rest mesh on a skeleton.
 
-use std::{
-    collections::HashMap,
-    sync::{Arc, OnceLock},
-};
+use std::sync::{Arc, OnceLock};
 
 use garnet_knn::Surface;
 use garnet_mesh::{TriMesh, is_inside_out};
 use nalgebra::Isometry3;
 
 use crate::{
-    Method, Point3, Pose, Skeleton, SkinError, SkinWeights, skin_dual_quaternion, skin_linear,
+    Method, Point3, Pose, Skeleton, SkinError, SkinWeights, Weld, skin_dual_quaternion, skin_linear,
 };
 
 /// What a rig file holds: a skeleton and weights, and the rest mesh if the file has it.
@@ -90,13 +87,12 @@ fn skin_of(rest: &TriMesh, weights: &SkinWeights) -> Surface {
 
 /// The faces with one vertex for all that lie at a place and move alike.
 fn sewn_faces(rest: &TriMesh, weights: &SkinWeights) -> Vec<[u32; 3]> {
-    let mut at_place: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
+    let weld = Weld::new(rest.positions());
+    let mut at_node: Vec<Vec<u32>> = vec![Vec::new(); weld.num_nodes()];
     let same: Vec<u32> = (0_u32..)
-        .zip(rest.positions())
-        .map(|(vertex, position)| {
-            // Adding zero turns -0 into 0.
-            let place = [position.x, position.y, position.z].map(|value| (value + 0.0).to_bits());
-            let others = at_place.entry(place).or_default();
+        .zip(weld.node_of_vertex())
+        .map(|(vertex, &node)| {
+            let others = &mut at_node[node as usize];
             let own = || weights.vertex(vertex as usize);
             let moves_alike = |&&other: &&u32| weights.vertex(other as usize).eq(own());
             let first = others.iter().find(moves_alike).copied();
