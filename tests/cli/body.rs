@@ -5,7 +5,7 @@ use std::process::Output;
 
 use garnet::io::{ObjFile, write_rig_npz};
 use garnet::shape::{BodyParameters, ParametricBody};
-use garnet::{Body, Rig};
+use garnet::{Body, Rig, TriMesh};
 
 use crate::fixtures::{Fixture, stderr};
 use crate::glb::glb_of;
@@ -124,6 +124,9 @@ const NUM_COLUMNS: usize = 6 + 3 * 15;
 /// The column of the left thigh's rotation about x.
 const LEFT_THIGH_X: usize = 6 + 3 * 9 + 1;
 
+/// The column of the left arm's rotation about z, of which -90 lets it hang.
+const LEFT_ARM_Z: usize = 6 + 3 * 3;
+
 fn bvh() -> String {
     let frame = |thigh: f32| {
         let mut columns = vec![0.0; NUM_COLUMNS];
@@ -204,6 +207,54 @@ fn frames_of_a_motion_stand_where_they_stand_in_all_of_it() {
     assert!((0.13..0.17).contains(&in_all), "{in_all}");
     let in_two = lowest("--frames 2:4 -o two", "two/jump_0003.obj");
     assert!((in_two - in_all).abs() < 1e-6, "{in_two}");
+}
+
+#[test]
+fn arms_are_kept_out_of_the_trunk_of_built_in_bodies_whichever_frames_are_asked_for() {
+    let fixture = Fixture::new();
+    let frame = |step: u32| {
+        let mut columns = vec![0.0; NUM_COLUMNS];
+        columns[1] = 95.0;
+        // Down onto the trunk and up again.
+        columns[LEFT_ARM_Z] = -96.0 + (step as f32 - 30.0).abs();
+        let words: Vec<String> = columns.iter().map(ToString::to_string).collect();
+        words.join(" ") + "\n"
+    };
+    let frames: String = (0..60).map(frame).collect();
+    fixture.text(
+        "swing.bvh",
+        &(BVH.replace("Frames: 2", "Frames: 60") + &frames),
+    );
+    let posed = |arguments: &str, name: &str| {
+        let output = fixture.garnet(&format!("body --motion swing.bvh {arguments}"));
+        done(&output);
+        let file = ObjFile::read(fixture.path(name)).unwrap();
+        (file.positions().to_vec(), stderr(&output))
+    };
+    let (in_all, told) = posed("-o all", "all/swing_0030.obj");
+    let is_told = told.contains("arms are kept out of other parts of the body")
+        && told.contains("of 60 frames");
+    assert!(is_told, "{told}");
+    let (alone, _) = posed("--frames 30:31 -o alone", "alone/swing_0030.obj");
+    let moved = in_all.iter().zip(&alone).map(|(a, b)| (a - b).norm());
+    let moved = moved.fold(0.0, f32::max);
+    assert!(moved < 2e-3, "{moved}");
+    let (_, told) = posed("--frames 0:1 -o apart", "apart/swing_0000.obj");
+    assert!(!told.contains("arms are kept"), "{told}");
+
+    // A body of one's own, here with its faces in another order, goes as the motion says.
+    let woman = mean_woman();
+    let faces = woman.rest().faces().iter().rev().copied().collect();
+    let mesh = TriMesh::new(woman.rest().positions().to_vec(), faces).unwrap();
+    let own = Body::new(mesh, woman.skeleton().clone(), woman.weights().clone()).unwrap();
+    write_rig_npz(fixture.path("own.rig.npz"), &Rig::from(own)).unwrap();
+    let output = fixture.garnet("body own.rig.npz --motion swing.bvh -o own");
+    done(&output);
+    assert!(
+        !stderr(&output).contains("arms are kept"),
+        "{}",
+        stderr(&output)
+    );
 }
 
 #[test]

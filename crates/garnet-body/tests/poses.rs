@@ -9,7 +9,7 @@ use garnet_body::{
     motion::{Ground, Side, lowest_points, put_on_ground},
     poses::{
         BodyAngles, GaitCycle, Hinge, Outcome, Part, PoseSampler, Poser, SelfContact,
-        SeparationOptions, bent_ring, key_pose, key_poses,
+        SeparationOptions, bent_ring, key_pose, key_poses, turn,
     },
     shape::{BodyParameters, JOINT_NAMES, ParametricBody},
 };
@@ -312,6 +312,76 @@ fn a_forearm_pushed_into_the_trunk_is_as_deep_as_it_was_pushed() {
     assert!(separated.num_steps > 0 && separated.largest_turn < 0.6);
     assert!(separated.depths[0] > 0.02 && separated.depths[1] <= 0.010);
     assert!(separated.depths[1] > 0.0, "light contact stays");
+}
+
+/// An arm that swings into the trunk and out again within two seconds, 30 poses a second, by angles in degrees to the side.
+fn swing(body: &Body, inwards: f64) -> Vec<Pose> {
+    let poser = Poser::new(body.skeleton()).unwrap();
+    let pose = |frame: u32| {
+        let share = 0.5 - 0.5 * (std::f64::consts::TAU * f64::from(frame) / 60.0).cos();
+        let mut angles = BodyAngles::default();
+        angles.arms[1].abduction = 30.0;
+        angles.arms[0].abduction = 30.0 - (30.0 + inwards) * share;
+        poser.pose(&angles)
+    };
+    (0..=60).map(pose).collect()
+}
+
+#[test]
+fn a_limb_gives_way_smoothly_through_a_motion() {
+    let body = body(45.0, 3.0);
+    let contact = SelfContact::new(&body).unwrap();
+    let given = swing(&body, 12.0);
+    let options = SeparationOptions::default();
+    let turns = contact.easing(&given, 1.0 / 30.0, &options).unwrap();
+    let mut eased = given.clone();
+    for (pose, turns) in eased.iter_mut().zip(&turns) {
+        turn(pose, turns);
+    }
+    let depths = |poses: &[Pose]| {
+        let depths = poses
+            .iter()
+            .map(|pose| contact.report(pose).unwrap().depth());
+        depths.fold(0.0, f32::max)
+    };
+    assert!(depths(&given) > 0.04, "{}", depths(&given));
+    assert!(
+        depths(&eased) < 1.6 * options.max_depth,
+        "{}",
+        depths(&eased)
+    );
+    // The change of the hand's step from one pose to the next, in metres.
+    let jerk = |poses: &[Pose]| {
+        let hand = |pose: &Pose| joint(body.skeleton(), pose, "left_wrist");
+        let hands: Vec<Point3> = poses.iter().map(hand).collect();
+        let changes = hands
+            .windows(3)
+            .map(|hands| ((hands[2] - hands[1]) - (hands[1] - hands[0])).norm());
+        changes.fold(0.0, f32::max)
+    };
+    assert!(
+        jerk(&eased) < jerk(&given) + 1e-3,
+        "{} {}",
+        jerk(&eased),
+        jerk(&given)
+    );
+}
+
+#[test]
+fn nothing_is_turned_in_a_motion_whose_parts_stay_apart() {
+    let body = body(45.0, 3.0);
+    let contact = SelfContact::new(&body).unwrap();
+    let given = swing(&body, -15.0);
+    let turns = contact
+        .easing(&given, 1.0 / 30.0, &SeparationOptions::default())
+        .unwrap();
+    assert!(turns.iter().flatten().all(|turn| *turn == Vector3::zeros()));
+    assert!(
+        contact
+            .easing(&[], 1.0, &SeparationOptions::default())
+            .unwrap()
+            .is_empty()
+    );
 }
 
 #[test]

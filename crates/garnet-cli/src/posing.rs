@@ -7,12 +7,13 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    Body, Pose,
+    Body, Pose, Vector3,
     motion::{
         FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, Take, lowest_points,
         put_on_ground,
     },
-    poses::{Poser, SelfContact, SeparationOptions, key_pose, key_poses},
+    poses::{Poser, SelfContact, SeparationOptions, key_pose, key_poses, turn},
+    shape::tape_measures,
 };
 
 use crate::failure::refused;
@@ -38,6 +39,13 @@ pub(crate) struct NamedPose {
 
 /// About so many frames of a motion tell where its ground is.
 const GROUND_FRAMES: usize = 2000;
+
+/// How deep parts of a body may run into each other in a motion, in metres. Of a T-shirt on a walk fewer vertices are trapped and a
+/// third of the faces cross the skin with half of what poses of the library may have.
+const TOUCH: f32 = 0.005;
+
+/// Turns of arms that are told of, in radians.
+const TOLD_TURN: f32 = 0.01;
 
 /// Poses, and what was taken for granted while they were read.
 #[derive(Debug, Clone, Default)]
@@ -116,26 +124,24 @@ impl PoseSource {
         let range = self.frames.unwrap_or(FrameRange::single(0));
         let options = RetargetOptions::default();
         let frames = range.of(take.num_frames())?;
-        let poses = if take.motion().is_none() {
-            take.poses(skeleton, range, &options)?
-        } else if range.is_single() {
-            let mut poses = take.poses(skeleton, range, &options)?;
+        let mut notes = take.notes(skeleton);
+        let mut poses = take.poses_of(skeleton, &frames, &options)?;
+        if take.motion().is_some() && tape_measures(body).is_some() {
+            notes.extend(keep_apart(body, &take, &frames, &mut poses)?);
+        }
+        if take.motion().is_some() && range.is_single() {
             put_on_ground(body, &mut poses, Ground::EachPose)?;
-            poses
-        } else {
+        } else if take.motion().is_some() {
             // Where the ground is does not depend on which frames are asked for.
             let step = take.num_frames().div_ceil(GROUND_FRAMES);
             let clip = take.poses(skeleton, FrameRange::every(step), &options)?;
             let lowest = lowest_points(body, &clip)?.into_iter();
             let ground = lowest.fold(f32::INFINITY, f32::min);
-            let mut poses = take.poses(skeleton, range, &options)?;
             for pose in poses.iter_mut().filter(|_| ground.is_finite()) {
                 pose.root_translation.y -= ground;
             }
-            poses
-        };
+        }
         let num_frames = take.num_frames();
-        let mut notes = take.notes(skeleton);
         if self.frames.is_none() && num_frames > 1 {
             let path = self.path.display();
             notes.push(format!(
@@ -156,6 +162,36 @@ impl PoseSource {
             notes,
         })
     }
+}
+
+/// Turns arms of a built-in body away from what they run into in frames of a motion, and tells of it. Other bodies go as the
+/// motion says: they may have to match what another program makes of it.
+fn keep_apart(
+    body: &Body,
+    take: &Take,
+    frames: &[usize],
+    poses: &mut [Pose],
+) -> anyhow::Result<Option<String>> {
+    let contact = SelfContact::new(body)?;
+    let options = SeparationOptions {
+        max_depth: TOUCH,
+        legs_give_way: false,
+        ..SeparationOptions::default()
+    };
+    let easing = contact.easing_of_take(take, frames, &options)?;
+    let largest = |turns: &[Vector3]| turns.iter().map(Vector3::norm).fold(0.0, f32::max);
+    let largest: Vec<f32> = easing.iter().map(|turns| largest(turns)).collect();
+    for (pose, turns) in poses.iter_mut().zip(&easing) {
+        turn(pose, turns);
+    }
+    let num_turned = largest.iter().filter(|&&angle| angle > TOLD_TURN).count();
+    let most = largest.into_iter().fold(0.0, f32::max).to_degrees();
+    Ok((num_turned > 0).then(|| {
+        format!(
+            "arms are kept out of other parts of the body: turned by {most:.0} degrees at most, in {num_turned} of {} frames",
+            frames.len()
+        )
+    }))
 }
 
 /// Names the rig of a body, from `rig`, where its joints are at fault that a body cannot be posed.

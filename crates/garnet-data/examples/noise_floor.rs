@@ -1,9 +1,10 @@
 //! The noise floor of the teacher for each garment and fabric:
-//! `cargo run --release -p garnet-data --example noise_floor -- VERTICES POSES [GARMENT…] [FABRIC…] [NAME=VALUE…] [RADIANS]`.
+//! `cargo run --release -p garnet-data --example noise_floor -- VERTICES POSES [GARMENT…] [FABRIC…] [NAME=VALUE…] [RADIANS] [joints]`.
 //!
 //! How far a drape moves in the mean if one shoulder (of jeans: one hip) turns by 0.001 rad more, or by what is told, in
 //! millimetres: median and mean over sampled poses of the built-in body, and in how many of them it moves by more than
-//! 0.2 mm. `compression=0.001` and the like change a constant of the fabrics, `chest-ease=0.2` and the like a parameter of
+//! 0.2 mm. With `joints` the poses turn one joint after the other of those that some of the garment goes along with, and the
+//! mean of each is told, too. `compression=0.001` and the like change a constant of the fabrics, `chest-ease=0.2` and the like a parameter of
 //! the patterns.
 
 mod common;
@@ -16,7 +17,9 @@ use std::{
 };
 
 use garnet_body::poses::SoundPose;
-use garnet_data::{DataError, NOISE_TURN, Quality, StoredFabric, Tailor, moved_by_turn};
+use garnet_data::{
+    DataError, NOISE_TURN, Quality, StoredFabric, Tailor, moved_by_turn, noise_joint,
+};
 use garnet_pattern::GarmentKind;
 use garnet_sim::{FABRIC_NAMES, Fabric};
 use rayon::prelude::*;
@@ -25,7 +28,7 @@ use rayon::prelude::*;
 const BAR: f64 = 2e-4;
 
 const USAGE: &str =
-    "usage: noise_floor VERTICES POSES [GARMENT…] [FABRIC…] [NAME=VALUE…] [RADIANS]";
+    "usage: noise_floor VERTICES POSES [GARMENT…] [FABRIC…] [NAME=VALUE…] [RADIANS] [joints]";
 
 /// A constant of a fabric, by the name of its field.
 fn constant<'a>(fabric: &'a mut Fabric, name: &str) -> Option<&'a mut f32> {
@@ -48,9 +51,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (vertices, num_poses): (usize, u64) = (vertices.parse()?, num_poses.parse()?);
     let (mut garments, mut fabrics, mut turn) = (Vec::new(), Vec::new(), NOISE_TURN);
     let mut changes: Vec<(&str, f64)> = Vec::new();
+    let mut takes_turns = false;
     for word in words {
         if let Ok(number) = word.parse() {
             turn = number;
+        } else if word == "joints" {
+            takes_turns = true;
         } else if let Some((name, value)) = word.split_once('=') {
             changes.push((name, value.parse()?));
         } else if FABRIC_NAMES.contains(&word.as_str()) {
@@ -82,12 +88,21 @@ fn main() -> Result<(), Box<dyn Error>> {
             let tailor = Tailor::new(parameters, vertices, stored)?;
             let worn = tailor.dress(&body, &wearer, &stop)?;
             let teacher = tailor.teacher(&worn, &body)?;
-            let floor = |sound: &SoundPose| {
+            let joints: Vec<usize> = if takes_turns {
+                let all = 0..body.skeleton().num_joints();
+                all.filter(|&joint| teacher.is_moved_by(joint)).collect()
+            } else {
+                vec![noise_joint(&teacher, &body)]
+            };
+            let floor = |(index, sound): (usize, &SoundPose)| {
+                let turn = (joints[index % joints.len()], turn);
                 moved_by_turn(&teacher, &body, &sound.pose, Quality::Teacher, turn, &stop)
                     .map_err(Box::new)
             };
-            let floors: Result<Vec<f64>, Box<DataError>> = poses.par_iter().map(floor).collect();
-            let mut floors = floors?;
+            let floors: Result<Vec<f64>, Box<DataError>> =
+                poses.par_iter().enumerate().map(floor).collect();
+            let by_pose = floors?;
+            let mut floors = by_pose.clone();
             floors.sort_unstable_by(f64::total_cmp);
             writeln!(
                 log,
@@ -99,6 +114,13 @@ fn main() -> Result<(), Box<dyn Error>> {
                 1e3 * BAR,
                 floors.iter().filter(|&&floor| floor > BAR).count(),
             )?;
+            for (first, &joint) in joints.iter().enumerate().filter(|_| takes_turns) {
+                let of_joint: Vec<f64> =
+                    (by_pose.iter().skip(first).step_by(joints.len()).copied()).collect();
+                let mean = of_joint.iter().sum::<f64>() / of_joint.len().max(1) as f64;
+                let name = &body.skeleton().joints()[joint].name;
+                writeln!(log, "  {name}: mean {:.2} mm", 1e3 * mean)?;
+            }
         }
     }
     Ok(())

@@ -29,7 +29,7 @@ pub use dataset::{
 pub use error::{DataError, ReadAs, toml_problem};
 pub use garnet_sim::MIDWAY;
 pub use ladder::Rung;
-pub use noise::{NOISE_TURN, moved_by_turn, noise_floor};
+pub use noise::{NOISE_TURN, moved_by_turn, noise_floor, noise_joint};
 pub use package::{
     GarmentPackage, MANIFEST_FILE, Manifest, PACKAGE_SCHEMA, PackageParts, StoredFabric,
     StoredPattern, StoredRestBody, Variant,

@@ -30,34 +30,43 @@ pub fn noise_floor(
     quality: Quality,
     stop: &AtomicBool,
 ) -> Result<f64, DataError> {
-    moved_by_turn(teacher, body, pose, quality, NOISE_TURN, stop)
+    let turn = (noise_joint(teacher, body), NOISE_TURN);
+    moved_by_turn(teacher, body, pose, quality, turn, stop)
 }
 
-/// How far a drape of `teacher` moves if a joint of `body` turns by `turn` more, in radians, as in
+/// The joint that turns in [`noise_floor`].
+pub fn noise_joint(teacher: &Teacher, body: &Body) -> usize {
+    let joints = NOISE_JOINTS.iter();
+    let mut joints = joints.filter_map(|name| body.skeleton().find(name));
+    let joint = joints.find(|&joint| teacher.is_moved_by(joint));
+    joint.unwrap_or(body.skeleton().num_joints() - 1)
+}
+
+/// How far a drape of `teacher` moves if a joint of `body` turns by an angle more, in radians, about its own z axis, as in
 /// [`noise_floor`]: in metres, in the mean over all vertices.
 ///
 /// # Errors
 ///
 /// Those of [`Teacher::drape`], and [`DataError::Skin`] for a pose of another body.
+///
+/// # Panics
+///
+/// If there is no such joint.
 pub fn moved_by_turn(
     teacher: &Teacher,
     body: &Body,
     pose: &Pose,
     quality: Quality,
-    turn: f32,
+    (joint, angle): (usize, f32),
     stop: &AtomicBool,
 ) -> Result<f64, DataError> {
     let drape = |pose: &Pose| {
         let path = BodyPath::to_shape(body, body, pose)?;
         teacher.drape(&path, quality, stop, &mut |_| {})
     };
-    let joints = NOISE_JOINTS.iter();
-    let mut joints = joints.filter_map(|name| body.skeleton().find(name));
-    let joint = joints.find(|&joint| teacher.is_moved_by(joint));
-    let joint = joint.unwrap_or(body.skeleton().num_joints() - 1);
     let mut turned = pose.clone();
     let first = drape(pose)?;
-    turned.rotations[joint] *= UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+    turned.rotations[joint] *= UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
     let moved = vertex_distances(&first.positions, &drape(&turned)?.positions)?;
     let sum: f64 = moved.iter().map(|&distance| f64::from(distance)).sum();
     Ok(sum / moved.len().max(1) as f64)

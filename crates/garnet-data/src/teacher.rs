@@ -141,7 +141,7 @@ impl Teacher {
     }
 
     /// Whether some of the garment goes along with a joint of its body.
-    pub(crate) fn is_moved_by(&self, joint: usize) -> bool {
+    pub fn is_moved_by(&self, joint: usize) -> bool {
         let weights = self.garment.weights();
         let mut nodes = (0..self.garment.rest().len()).flat_map(|node| weights.vertex(node));
         nodes.any(|(of, weight)| of == joint && weight > GOES_ALONG)

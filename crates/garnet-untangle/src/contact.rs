@@ -17,6 +17,9 @@ const OWN_COSINE: f32 = -0.6;
 /// nearest skin may be on any side of the limb, in metres.
 const DEEP: f32 = 0.012;
 
+/// Two walls face each other if the cosine of their normals is below this.
+pub(crate) const OPPOSED_COSINE: f32 = -0.5;
+
 /// Beyond this distance from the skin the direction to it is the normal, in metres.
 const MIN_DIRECTION: f32 = 2e-4;
 
@@ -57,6 +60,13 @@ pub(crate) struct Contact {
     pub(crate) is_held: bool,
 }
 
+impl Contact {
+    /// Whether the node lies between two walls.
+    pub(crate) fn is_between(&self) -> bool {
+        self.own.is_some() && self.foreign.is_some()
+    }
+}
+
 /// What the contacts of all nodes are found with.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactFinder<'a> {
@@ -64,8 +74,9 @@ pub(crate) struct ContactFinder<'a> {
     pub(crate) skin: &'a Surface,
     pub(crate) embedded: &'a EmbeddedSkin,
     pub(crate) normals: &'a SkinNormals,
-    /// See [`UntangleOptions::keeps_sides`](crate::UntangleOptions::keeps_sides).
+    /// See [`UntangleOptions`](crate::UntangleOptions).
     pub(crate) keeps_sides: bool,
+    pub(crate) clearance: f32,
 }
 
 impl ContactFinder<'_> {
@@ -149,9 +160,23 @@ impl ContactFinder<'_> {
             return;
         }
         let side = self.side(position, &closest);
-        let is_near = contact.distance < reach || side < 0.0;
-        contact.own = is_near.then(|| self.plane(position, &closest, side));
         contact.distance *= side;
+        if contact.distance < reach {
+            let wall = self.plane(position, &closest, side);
+            contact.own = Some(wall);
+            if contact.distance < self.clearance {
+                contact.foreign = self.opposite_wall(position, closest.face, &wall);
+            }
+        }
+    }
+
+    /// Skin that faces a wall, if there is less room between the two than cloth is to keep from both.
+    fn opposite_wall(&self, position: Point3, hint: u32, wall: &Plane) -> Option<Plane> {
+        let faces_it = |face: u32| self.normals.face(face).dot(&wall.normal) < OPPOSED_COSINE;
+        let room = 2.0 * self.clearance - wall.height(position);
+        let opposite = (self.skin).closest_where_from(position, room, hint, faces_it)?;
+        let side = self.side(position, &opposite);
+        (side > 0.0).then(|| self.plane(position, &opposite, side))
     }
 
     /// The node's own skin nearest to `position`.

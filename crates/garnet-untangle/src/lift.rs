@@ -89,7 +89,9 @@ impl Cloth<'_> {
             let contact = &self.contacts[node];
             let moved = (position - contact.position).norm();
             let is_clear = moved < contact.distance - self.options.clearance;
-            if is_clear && !is_inside[node] {
+            // Cloth that a simulation has put between two walls stays there.
+            let is_squeezed = self.options.keeps_sides && contact.is_between();
+            if (is_clear || is_squeezed) && !is_inside[node] {
                 return false;
             }
             let hint = contact.closest.face;

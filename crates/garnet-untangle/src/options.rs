@@ -18,7 +18,8 @@ pub struct UntangleOptions {
     /// How often cloth whose triangles still cross the skin is lifted further.
     pub crossing_rounds: usize,
     /// Whether cloth is on the right side of the skin but for millimetres: it then leaves by the skin nearest to
-    /// it, and stays where it is where the body runs through itself and leaves it no room.
+    /// it, and stays where it is where the body runs through itself and leaves it no room, or in the middle between two walls
+    /// that leave it too little.
     pub keeps_sides: bool,
 }
 

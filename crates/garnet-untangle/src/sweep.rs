@@ -11,7 +11,7 @@ use garnet_mesh::{Point3, Vector3};
 use garnet_skin::{ClothGraph, HalfEdge};
 use rayon::prelude::*;
 
-use crate::contact::Contact;
+use crate::contact::{Contact, OPPOSED_COSINE};
 use crate::region::Region;
 
 /// Nodes of a block.
@@ -25,9 +25,6 @@ const OVER_STRETCH: f32 = 1.2;
 
 /// Overstretched edges pull the harder the longer they are, up to this many times.
 const MAX_STIFFENING: f32 = 4.0;
-
-/// Own and foreign skin leave too little room if their half spaces are this opposed.
-const OPPOSED_COSINE: f32 = -0.5;
 
 /// A node rests while neither it nor a neighbour moves farther than this in a sweep, in metres.
 const REST_STEP: f32 = 1e-5;

@@ -74,6 +74,7 @@ fn untangled(
         embedded: &embedded,
         normals: &skin_normals,
         keeps_sides: options.keeps_sides,
+        clearance: options.clearance,
     };
     let anchors = relaxed_warp(garment, binding, warped, options);
     let graph = garment.graph();
@@ -268,6 +269,32 @@ mod tests {
         assert!(result.report.trapped_inside > 0);
         assert!(result.report.inside_before >= result.report.trapped_inside);
         assert_eq!((result.report.inside, result.report.crossing_faces), (0, 0));
+    }
+
+    #[test]
+    fn simulated_cloth_between_two_walls_goes_to_the_middle_and_not_along_them() {
+        let sphere = icosphere(5, RADIUS);
+        let gap = 0.003;
+        let other = shifted(&sphere, Vector3::new(2.0 * RADIUS + gap, 0.0, 0.0));
+        let body = one_joint_body(joined(&[sphere, other]));
+        let options = UntangleOptions::default().for_simulated();
+        let (warped, result) = untangled_by(icosphere(4, RADIUS + 0.0005), &body, &options);
+        assert_eq!((result.report.inside, result.report.crossing_faces), (0, 0));
+        assert!(result.report.squeezed > 0);
+        let middle = RADIUS + 0.5 * gap;
+        let mut squeezed = 0;
+        for (before, after) in warped.iter().zip(&result.positions) {
+            let from_axis = before.y.hypot(before.z);
+            if before.x > 0.0 && from_axis < 0.008 {
+                squeezed += 1;
+                assert!((after.x - middle).abs() < 4e-4, "{after}");
+                assert!(
+                    (after.y.hypot(after.z) - from_axis).abs() < 1e-3,
+                    "{before} {after}"
+                );
+            }
+        }
+        assert!(squeezed > 0);
     }
 
     #[test]

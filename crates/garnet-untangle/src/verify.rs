@@ -59,8 +59,7 @@ pub(crate) fn verified(
             report.min_distance = report.min_distance.min(distance);
             if distance < cloth.options.clearance {
                 report.below_clearance += 1;
-                let between = contact.own.is_some() && contact.foreign.is_some();
-                report.squeezed += usize::from(between);
+                report.squeezed += usize::from(contact.is_between());
             }
         }
     }

@@ -117,21 +117,44 @@ impl Take {
         range: FrameRange,
         options: &RetargetOptions,
     ) -> Result<Vec<Pose>, TakeError> {
-        let wrong = |problem| TakeError::Retarget {
-            path: self.path.clone(),
-            problem,
-        };
-        let frames = range.of(self.num_frames()).map_err(wrong)?;
+        let frames = range.of(self.num_frames());
+        self.poses_of(
+            skeleton,
+            &frames.map_err(|problem| self.wrong(problem))?,
+            options,
+        )
+    }
+
+    /// The poses of `skeleton` in some frames.
+    ///
+    /// # Errors
+    ///
+    /// [`TakeError`] naming the joints that are missing or the frame that is not there.
+    pub fn poses_of(
+        &self,
+        skeleton: &Skeleton,
+        frames: &[usize],
+        options: &RetargetOptions,
+    ) -> Result<Vec<Pose>, TakeError> {
         match &self.content {
             Content::Motion(motion) => {
+                let wrong = |problem| self.wrong(problem);
                 let retarget = Retarget::new(motion, skeleton, options).map_err(wrong)?;
-                let poses = frames.into_iter().map(|frame| retarget.pose(frame));
+                let poses = frames.iter().map(|&frame| retarget.pose(frame));
                 poses.collect::<Result<_, _>>().map_err(wrong)
             }
             Content::Json { .. } => {
-                let read = |frame| read_pose(&self.path, Some(frame), skeleton);
-                Ok(frames.into_iter().map(read).collect::<Result<_, _>>()?)
+                let read = |&frame: &usize| read_pose(&self.path, Some(frame), skeleton);
+                Ok(frames.iter().map(read).collect::<Result<_, _>>()?)
             }
+        }
+    }
+
+    /// What is wrong with the motion for a body.
+    pub(crate) fn wrong(&self, problem: RetargetError) -> TakeError {
+        TakeError::Retarget {
+            path: self.path.clone(),
+            problem,
         }
     }
 }

@@ -25,6 +25,8 @@ pub struct SeparationOptions {
     pub max_steps: u32,
     /// The largest turn of a joint in all corrections, in radians.
     pub max_turn: f64,
+    /// Whether legs give way, too; if not, feet stay where they are.
+    pub legs_give_way: bool,
 }
 
 impl Default for SeparationOptions {
@@ -34,7 +36,25 @@ impl Default for SeparationOptions {
             max_fold_depth: 0.025,
             max_steps: 12,
             max_turn: 0.6,
+            legs_give_way: true,
         }
+    }
+}
+
+impl SeparationOptions {
+    /// Depth up to which a contact is light, in metres.
+    fn limit(&self, contact: &Contact) -> f32 {
+        match contact.kind {
+            ContactKind::Contact => self.max_depth,
+            ContactKind::Fold => self.max_fold_depth,
+            ContactKind::Crease => f32::INFINITY,
+        }
+    }
+
+    /// Whether no contact is too deep.
+    pub(super) fn is_sound(&self, report: &ContactReport) -> bool {
+        let mut contacts = report.contacts.iter();
+        contacts.all(|contact| contact.depth <= self.limit(contact))
     }
 }
 
@@ -92,17 +112,11 @@ impl SelfContact {
         for num_steps in 0..=options.max_steps {
             let report = self.report(&pose)?;
             let first = *first_depth.get_or_insert(report.depth());
-            let limit = |contact: &Contact| match contact.kind {
-                ContactKind::Contact => options.max_depth,
-                ContactKind::Fold => options.max_fold_depth,
-                ContactKind::Crease => f32::INFINITY,
-            };
-            let is_deep = |contact: &&Contact| contact.depth > limit(contact);
             let largest_turn = largest_turn(&given_pose, &pose);
             if largest_turn > options.max_turn {
                 return Ok(None);
             }
-            if !report.contacts.iter().any(|contact| is_deep(&contact)) {
+            if options.is_sound(&report) {
                 return Ok(Some(Separated {
                     num_steps,
                     largest_turn,
@@ -111,21 +125,27 @@ impl SelfContact {
                     report,
                 }));
             }
-            // Contacts that are nearly too deep are kept from becoming so.
-            let wishes = report
-                .contacts
-                .iter()
-                .filter(|contact| contact.depth > KEPT * limit(contact));
-            let wishes: Vec<(Contact, f64)> = wishes
-                .map(|contact| (*contact, f64::from(contact.depth - KEPT * limit(contact))))
-                .collect();
-            self.push(&mut pose, &wishes)?;
+            self.push(&mut pose, &report, options)?;
         }
         Ok(None)
     }
 
-    /// Turns joints so that each contact's vertex leaves by its distance in metres.
-    fn push(&self, pose: &mut Pose, wishes: &[(Contact, f64)]) -> Result<(), SkinError> {
+    /// Turns joints so that vertices that are too deep in another part leave it.
+    pub(super) fn push(
+        &self,
+        pose: &mut Pose,
+        report: &ContactReport,
+        options: &SeparationOptions,
+    ) -> Result<(), SkinError> {
+        // Contacts that are nearly too deep are kept from becoming so.
+        let above = |contact: &Contact| contact.depth - KEPT * options.limit(contact);
+        let wishes = report
+            .contacts
+            .iter()
+            .filter(|contact| above(contact) > 0.0);
+        let wishes: Vec<(Contact, f64)> = wishes
+            .map(|contact| (*contact, f64::from(above(contact))))
+            .collect();
         let body = self.body();
         let skeleton = body.skeleton();
         let transforms = skeleton.transforms(pose)?;
@@ -134,7 +154,7 @@ impl SelfContact {
                 .coords
                 .cast()
         };
-        let turns = self.turns(position);
+        let turns = self.turns(position, options.legs_give_way);
         let mut levers: DMatrix<f64> = DMatrix::zeros(wishes.len(), turns.len());
         let mut lengths: DVector<f64> = DVector::zeros(wishes.len());
         for (row, (contact, length)) in wishes.iter().enumerate() {
@@ -244,11 +264,13 @@ impl SelfContact {
         standing.into_iter().map(|(foot, _)| foot)
     }
 
-    fn turns(&self, position: impl Fn(usize) -> Vector3<f64>) -> Vec<Turn> {
+    fn turns(&self, position: impl Fn(usize) -> Vector3<f64>, legs_give_way: bool) -> Vec<Turn> {
+        let num_limbs = if legs_give_way { 2 } else { 1 };
         let mut turns = Vec::new();
         for side in Side::BOTH {
             // Arms give way before legs.
-            for (role, weight) in [(Role::Shoulder(side), 1.0), (Role::Hip(side), 0.5)] {
+            let roots = [(Role::Shoulder(side), 1.0), (Role::Hip(side), 0.5)];
+            for (role, weight) in roots.into_iter().take(num_limbs) {
                 let Some(joint) = self.figure().joint(role) else {
                     continue;
                 };
@@ -261,7 +283,7 @@ impl SelfContact {
                     });
                 }
             }
-            for (above, role, end, weight) in [
+            let hinges = [
                 (
                     Role::Shoulder(side),
                     Role::Elbow(side),
@@ -269,7 +291,8 @@ impl SelfContact {
                     0.7,
                 ),
                 (Role::Hip(side), Role::Knee(side), Role::Ankle(side), 0.5),
-            ] {
+            ];
+            for (above, role, end, weight) in hinges.into_iter().take(num_limbs) {
                 let joints = [above, role, end].map(|role| self.figure().joint(role));
                 let [Some(above), Some(joint), Some(end)] = joints else {
                     continue;
