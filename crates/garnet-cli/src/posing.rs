@@ -40,8 +40,8 @@ pub(crate) struct NamedPose {
 /// About so many frames of a motion tell where its ground is.
 const GROUND_FRAMES: usize = 2000;
 
-/// How deep parts of a body may run into each other in a motion, in metres. Of a T-shirt on a walk fewer vertices are trapped and a
-/// third of the faces cross the skin with half of what poses of the library may have.
+/// How deep parts of a body may run into each other in a motion, in metres: of a T-shirt on a walk 24 in place of 43 vertices are
+/// trapped with less than half of the 10 mm that poses of the library may have.
 const TOUCH: f32 = 0.005;
 
 /// Turns of arms that are told of, in radians.
@@ -126,12 +126,13 @@ impl PoseSource {
         let frames = range.of(take.num_frames())?;
         let mut notes = take.notes(skeleton);
         let mut poses = take.poses_of(skeleton, &frames, &options)?;
-        if take.motion().is_some() && tape_measures(body).is_some() {
+        let is_motion = take.motion().is_some();
+        if is_motion && tape_measures(body).is_some() {
             notes.extend(keep_apart(body, &take, &frames, &mut poses)?);
         }
-        if take.motion().is_some() && range.is_single() {
+        if is_motion && range.is_single() {
             put_on_ground(body, &mut poses, Ground::EachPose)?;
-        } else if take.motion().is_some() {
+        } else if is_motion {
             // Where the ground is does not depend on which frames are asked for.
             let step = take.num_frames().div_ceil(GROUND_FRAMES);
             let clip = take.poses(skeleton, FrameRange::every(step), &options)?;

@@ -22,6 +22,7 @@ use garnet_data::{
 };
 use garnet_pattern::GarmentKind;
 use garnet_sim::{FABRIC_NAMES, Fabric};
+use garnet_skin::Body;
 use rayon::prelude::*;
 
 /// What a drape should move less than, in metres.
@@ -41,6 +42,22 @@ fn constant<'a>(fabric: &'a mut Fabric, name: &str) -> Option<&'a mut f32> {
         "thickness" => Some(&mut fabric.thickness),
         _ => None,
     }
+}
+
+/// Tells the mean of each joint, where poses turn one after the other.
+fn tell_joints(
+    log: &mut impl Write,
+    body: &Body,
+    joints: &[usize],
+    by_pose: &[f64],
+) -> io::Result<()> {
+    for (first, &joint) in joints.iter().enumerate().take(by_pose.len()) {
+        let of_joint = by_pose.iter().skip(first).step_by(joints.len());
+        let mean = of_joint.clone().sum::<f64>() / of_joint.count() as f64;
+        let name = &body.skeleton().joints()[joint].name;
+        writeln!(log, "  {name}: mean {:.2} mm", 1e3 * mean)?;
+    }
+    Ok(())
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -114,12 +131,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 1e3 * BAR,
                 floors.iter().filter(|&&floor| floor > BAR).count(),
             )?;
-            for (first, &joint) in joints.iter().enumerate().filter(|_| takes_turns) {
-                let of_joint: Vec<f64> =
-                    (by_pose.iter().skip(first).step_by(joints.len()).copied()).collect();
-                let mean = of_joint.iter().sum::<f64>() / of_joint.len().max(1) as f64;
-                let name = &body.skeleton().joints()[joint].name;
-                writeln!(log, "  {name}: mean {:.2} mm", 1e3 * mean)?;
+            if takes_turns {
+                tell_joints(&mut log, &body, &joints, &by_pose)?;
             }
         }
     }

@@ -28,6 +28,9 @@ const STRIDE: f64 = 1.0 / 30.0;
 /// How far before and after a frame the motion is looked at, in seconds: some three standard deviations of all rounds together.
 const REACH: f64 = 0.6;
 
+/// Seconds from frame to frame that are believed; motions that tell others are taken for ones of 30 frames a second.
+const FRAME_TIMES: RangeInclusive<f64> = 1e-4..=10.0;
+
 /// Turns of the joints in a pose, as axes times angles in radians, each about its joint in the joint's own frame `[joint]`.
 pub type Turns = Vec<Vector3<f32>>;
 
@@ -54,11 +57,11 @@ impl SelfContact {
     ) -> Result<Vec<Turns>, SkinError> {
         let num_joints = self.body().skeleton().num_joints();
         let mut turns = vec![vec![Vector3::zeros(); num_joints]; poses.len()];
-        let bell = bell(SMOOTHING / seconds);
+        let bell = bell(SMOOTHING / seconds, poses.len());
         let is_still = |turns: &Turns| turns.iter().all(|turn| *turn == Vector3::zeros());
         for round in 0..ROUNDS {
             let pushed = poses.par_iter().zip(&turns).map(|(given, turns)| {
-                // What is still after a round was apart in it.
+                // What is still after a round was apart in it, or has nothing that could give way.
                 if round > 0 && is_still(turns) {
                     return Ok(None);
                 }
@@ -98,7 +101,7 @@ impl SelfContact {
     ) -> Result<Vec<Turns>, TakeError> {
         let frame_time = take
             .frame_time()
-            .filter(|&time| time > 0.0)
+            .filter(|time| FRAME_TIMES.contains(time))
             .unwrap_or(STRIDE);
         let stride = (STRIDE / frame_time).round().max(1.0) as usize;
         let seconds = stride as f64 * frame_time;
@@ -145,9 +148,10 @@ fn mixed(before: &[Vector3<f32>], after: &[Vector3<f32>], share: f32) -> Turns {
         .collect()
 }
 
-/// Half of a bell, from its middle, with a standard deviation of so many frames.
-fn bell(deviation: f64) -> Vec<f32> {
-    let reach = (3.0 * deviation).floor() as usize;
+/// Half of a bell, from its middle, with a standard deviation of so many frames; no longer than `num_frames`.
+fn bell(deviation: f64, num_frames: usize) -> Vec<f32> {
+    let deviation = deviation.max(f64::MIN_POSITIVE);
+    let reach = ((3.0 * deviation).floor() as usize).min(num_frames);
     let weight = |frame: usize| (-0.5 * (frame as f64 / deviation).powi(2)).exp() as f32;
     (0..=reach).map(weight).collect()
 }
@@ -194,12 +198,12 @@ mod tests {
     #[test]
     fn smoothing_keeps_what_is_the_same_in_all_frames_and_spreads_what_is_in_one() {
         let same = vec![vec![Vector3::new(0.1, -0.2, 0.3)]; 9];
-        for turns in smoothed(&same, &bell(2.0)) {
+        for turns in smoothed(&same, &bell(2.0, 9)) {
             approx::assert_relative_eq!(turns[0], same[0][0], epsilon = 1e-6);
         }
         let mut one = vec![vec![Vector3::zeros()]; 9];
         one[4][0].x = 1.0;
-        let spread: Vec<f32> = smoothed(&one, &bell(1.0))
+        let spread: Vec<f32> = smoothed(&one, &bell(1.0, 9))
             .iter()
             .map(|turns| turns[0].x)
             .collect();
