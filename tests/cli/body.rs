@@ -210,7 +210,7 @@ fn frames_of_a_motion_stand_where_they_stand_in_all_of_it() {
 }
 
 #[test]
-fn arms_are_kept_out_of_the_trunk_of_built_in_bodies_whichever_frames_are_asked_for() {
+fn arms_are_kept_out_of_the_trunk_of_built_in_bodies_in_one_frame_as_in_all() {
     let fixture = Fixture::new();
     let frame = |step: u32| {
         let mut columns = vec![0.0; NUM_COLUMNS];

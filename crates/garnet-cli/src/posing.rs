@@ -40,8 +40,8 @@ pub(crate) struct NamedPose {
 /// About so many frames of a motion tell where its ground is.
 const GROUND_FRAMES: usize = 2000;
 
-/// How deep parts of a body may run into each other in a motion, in metres: of a T-shirt on a walk 24 in place of 43 vertices are
-/// trapped with less than half of the 10 mm that poses of the library may have.
+/// How deep parts of a body may run into each other in a motion, in metres: half of what poses of the library may have. Of a T-shirt
+/// on a walk 43 vertices were trapped with 10 mm, 24 with 4 mm and 13 with 1 mm.
 const TOUCH: f32 = 0.005;
 
 /// Turns of arms that are told of, in radians.

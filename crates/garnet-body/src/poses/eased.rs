@@ -4,8 +4,8 @@
 //! way, and by how much, may change from one frame to the next: hands would jump. Here all frames are pushed apart by a
 //! little, the turns of each joint are smoothed over time, and the contacts are measured anew, some rounds.
 //!
-//! What a frame is turned by depends on frames next to it in the motion, not on which of them were asked for: turns are
-//! found at moments of the motion that lie [`STRIDE`] apart and interpolated between them.
+//! Turns are found at moments of the motion that lie [`STRIDE`] apart, no farther than [`REACH`] from the frames that are
+//! asked for, and interpolated between them: which frames those are matters by millimetres, where ways out are clear.
 
 use std::{collections::BTreeSet, ops::RangeInclusive};
 
