@@ -76,6 +76,11 @@ impl Settling {
         }
     }
 
+    /// Whether the cloth finds folds of its own; put where it rests it keeps most of those that it was given, and some of their strain.
+    pub fn finds_folds(self) -> bool {
+        self.put != Put::AtRest && self.takes_time()
+    }
+
     /// Whether anything is to be simulated.
     pub fn takes_time(self) -> bool {
         self.frames > 0 || self.put.motion_frames() > 0

@@ -31,6 +31,8 @@ pub(crate) struct Draped {
     pub(crate) warp: f64,
     /// Time of the network with all that it needs of a scene, in seconds.
     pub(crate) network: Option<f64>,
+    /// Whether a simulation has given the cloth its folds.
+    pub(crate) is_simulated: bool,
     /// Time of settling, in seconds; none if the cloth was left where the network had put it.
     pub(crate) settle: Option<f64>,
 }
@@ -134,6 +136,7 @@ impl<'a> Contender<'a> {
                 positions: worn.garment.weld().scatter(&nodes),
                 warp,
                 network: None,
+                is_simulated: false,
                 settle: None,
             });
         };
@@ -146,7 +149,7 @@ impl<'a> Contender<'a> {
         let start = Instant::now();
         let mut positions = predicted(model, &warped, &worn.body, &posed)?;
         let network = start.elapsed().as_secs_f64();
-        let mut settle = None;
+        let (mut settle, mut is_simulated) = (None, false);
         if let Some((frames, teachers)) = &mut self.settle {
             let teacher = teachers.of(staged)?;
             let start = Instant::now();
@@ -156,6 +159,7 @@ impl<'a> Contender<'a> {
             match teacher.settled(own, &staged.posed, &positions, settling, &stop) {
                 Ok(settled) => {
                     positions = settled;
+                    is_simulated = settling.finds_folds();
                     settle = Some(start.elapsed().as_secs_f64());
                 }
                 // As in `garnet drape`: cloth that flies apart stays where it was put, if that is on the body.
@@ -171,6 +175,7 @@ impl<'a> Contender<'a> {
             positions,
             warp,
             network: Some(network),
+            is_simulated,
             settle,
         })
     }

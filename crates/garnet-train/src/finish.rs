@@ -68,7 +68,7 @@ pub(crate) struct Finished {
 }
 
 impl Finished {
-    /// Untangles a drape; one that was learned or simulated as such.
+    /// Untangles a drape `[vertex]`; one that was learned or simulated as such.
     pub(crate) fn new(
         staged: &StagedScene,
         binding: &Binding,
@@ -76,10 +76,10 @@ impl Finished {
         options: &UntangleOptions,
     ) -> Result<Self, TrainError> {
         let garment = &staged.worn.garment;
-        let options = match (draped.settle, draped.network) {
-            (Some(_), _) => options.for_simulated(),
-            (None, Some(_)) => options.for_drapes(),
-            (None, None) => *options,
+        let options = match draped.network {
+            _ if draped.is_simulated => options.for_simulated(),
+            Some(_) => options.for_drapes(),
+            None => *options,
         };
         let start = Instant::now();
         let nodes = garment.weld().gather(&draped.positions);

@@ -73,9 +73,7 @@ impl UntangleOptions {
     ///
     /// On 156 scenes of a T-shirt, simulated from where the body is halfway, the garment is 2.66 mm and 4.6° from
     /// the teacher before and after; 3.5 pairs of its triangles cross in place of 0.4, and the strain p99 is 2.9 in place
-    /// of 2.8 %. Without `keeps_sides` 16.4 pairs cross, and the strain is 3.4 %. It holds where cloth was put at rest and settles for a
-    /// tenth of a second, too: on 155 scenes, put by a network, 44 pairs cross (as [drapes](Self::for_drapes) 51), 20 faces the skin (55) in all, and the strain
-    /// is 3.4 % (3.9).
+    /// of 2.8 %. Without `keeps_sides` 16.4 pairs cross, and the strain is 3.4 %.
     #[must_use]
     pub fn for_simulated(self) -> Self {
         Self {

@@ -156,7 +156,7 @@ impl Warped {
     ///
     /// If there are fewer positions than vertices.
     pub fn settled(garment: &BoundGarment, positions: &[Point3], settling: Settling) -> Self {
-        if settling.takes_time() {
+        if settling.finds_folds() {
             Self::simulated(garment, positions)
         } else {
             Self::at(garment, positions)
