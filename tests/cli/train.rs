@@ -372,7 +372,6 @@ fn what_cannot_be_followed_is_refused() {
     };
     let size = "has its size";
     train("naive-rq --preset light", size);
-    train("mine --from w.safetensors --preset light", size);
     for option in ["--preset tiny", "--epochs 7", "--from w.safetensors"] {
         let fit = format!("pose-space {option}");
         train(&fit, "`pose-space` is a pose-space deformation");
@@ -390,6 +389,7 @@ fn what_cannot_be_followed_is_refused() {
         "global --config global.toml",
         "naive --config tiny.toml",
         "local-params --preset tiny",
+        "mine --from w.safetensors --preset light",
     ] {
         train(own, "cannot read `nowhere/dataset.json`");
     }

@@ -45,21 +45,22 @@ const PAPER: Widths = Widths {
     reach: 0.0,
 };
 
+/// As `small`, with wider layers: that grows into it.
 const MEDIUM: Widths = Widths {
-    stn: &[32, 64, 128],
-    stn_head: &[64],
-    body_first: &[32, 32],
-    body_second: &[32, 64],
+    stn: &[64, 96],
+    stn_head: &[48],
+    body_first: &[64],
+    body_second: &[64, 96],
     body_global: 256,
-    points: &[32, 64],
-    input: 64,
-    blocks: &[64, 64, 64, 64, 64, 64],
-    convolutions: 2,
+    points: &[48, 88],
+    input: 88,
+    blocks: &[88, 88, 88, 88, 88, 88],
+    convolutions: 1,
     heads: 8,
     global: 256,
-    fusion: &[128, 128, 64],
-    neighbors: 15,
-    body_points: 0,
+    fusion: &[192, 128, 64],
+    neighbors: 8,
+    body_points: 1700,
     reach: 0.4,
 };
 

@@ -113,6 +113,14 @@ pub enum TrainError {
         /// Their kind.
         found: &'static str,
     },
+    /// Weights to start from do not grow to the size that is asked for.
+    #[error("`{}`: {source}", base.display())]
+    CannotGrow {
+        /// The weights.
+        base: PathBuf,
+        /// Why not.
+        source: NetError,
+    },
     /// A variant that is asked for was not trained.
     #[error("the package has no variant `{name}`; it has {known}")]
     NoVariant {

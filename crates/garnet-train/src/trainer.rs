@@ -46,6 +46,8 @@ pub struct TrainJob {
     pub config: TrainConfig,
     /// Weights to start from, besides those that the recipe names.
     pub base: Option<PathBuf>,
+    /// Whether weights to start from [grow](GarNet::grown) to the size that the configuration names; their size stays otherwise.
+    pub grows: bool,
     /// Whether a training that is under way is gone on with.
     pub begin: Begin,
 }
@@ -98,8 +100,8 @@ pub fn train(
         Some(_) => (None, None),
         None => base_of(job, &stage, &device)?,
     };
-    let base_model = base.as_ref().map(|base| &base.model);
-    let network = match state.as_ref().map(|state| &state.model).or(base_model) {
+    let kept = base.as_ref().filter(|_| !job.grows).map(|base| &base.model);
+    let network = match state.as_ref().map(|state| &state.model).or(kept) {
         Some(model) => model.config().clone(),
         None => new_network(&job.config, &stage)?,
     };
@@ -118,6 +120,8 @@ pub fn train(
         let base = base_name.unwrap_or_default();
         return Err(TrainError::OtherStart { base });
     }
+    let base = base.map(|base| first_weights(job, base.model, &subject.config, &device));
+    let base = base.transpose()?;
     let train = examples(&stage, &subject, Split::Train, start.as_ref(), observer)?;
     let valid = examples(&stage, &subject, Split::Valid, start.as_ref(), observer)?;
     fs::create_dir_all(&folder).map_err(|source| TrainError::folder(&folder, source))?;
@@ -125,7 +129,7 @@ pub fn train(
         state
     } else {
         let model = match base {
-            Some(base) => base.model,
+            Some(base) => base,
             None => subject.config.init(job.config.seed, &device)?,
         };
         let mut progress = Progress::new(&job.recipe.name, &job.config, data);
@@ -245,6 +249,23 @@ fn base_of(
         });
     }
     Ok((Some(checkpoint), Some(base)))
+}
+
+/// The weights that are started from, in the size that is asked for.
+fn first_weights(
+    job: &TrainJob,
+    base: GarNet,
+    config: &GarNetConfig,
+    device: &Device,
+) -> Result<GarNet, TrainError> {
+    if !job.grows {
+        return Ok(base);
+    }
+    let grown = base.grown(config, job.config.seed, device);
+    grown.map_err(|source| TrainError::CannotGrow {
+        base: job.base.clone().unwrap_or_default(),
+        source,
+    })
 }
 
 /// A training under way.

@@ -55,18 +55,16 @@ fn check_fit(args: &TrainArgs, recipe: &Recipe) -> anyhow::Result<()> {
     ))
 }
 
-/// Weights to start from have their size.
+/// What is fine-tuned keeps its size.
 fn check_size(args: &TrainArgs, recipe: &Recipe) -> anyhow::Result<()> {
-    let base = match (&args.from, &recipe.fine_tuned) {
-        (Some(path), _) => path.display().to_string(),
-        (None, Some((name, _))) => name.clone(),
-        (None, None) => return Ok(()),
+    let Some((base, _)) = (recipe.fine_tuned.as_ref()).filter(|_| args.from.is_none()) else {
+        return Ok(());
     };
     if args.preset.is_none() {
         return Ok(());
     }
     Err(refused(
-        "`--preset` is the size of a new network",
+        "`--preset` is the size of a new network, or of one that grows from weights (`--from`)",
         format!("`{}` starts from `{base}` and has its size", recipe.name),
         "leave it out, or train a network of that size first",
     ))

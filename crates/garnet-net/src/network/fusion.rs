@@ -1,8 +1,11 @@
 //! The fusion: from all features of a vertex to its translation.
 
 use burn::module::Module;
+#[cfg(test)]
+use burn::tensor::Tensor;
 use garnet_kernel::Activation;
 
+use super::growth::Widened;
 use super::shared_mlp::{SharedLinear, SharedMlp};
 use super::weights::WeightSource;
 use crate::ops::Engine;
@@ -24,6 +27,18 @@ impl Fusion {
             hidden: SharedMlp::new(inputs, hidden, source),
             translation: SharedLinear::silent(last, 3, source),
         }
+    }
+
+    /// Takes a smaller fusion in.
+    pub(super) fn take_in(&mut self, smaller: &Self, parts: &[Widened]) {
+        let last = self.hidden.take_in(&smaller.hidden, parts);
+        self.translation.take_in(&smaller.translation, &last);
+    }
+
+    /// The weights of the first layer, for tests.
+    #[cfg(test)]
+    pub(crate) fn first_weight(&self) -> Tensor<2> {
+        self.hidden.first_weight()
     }
 
     /// The same with random weights in the last layer, for tests.

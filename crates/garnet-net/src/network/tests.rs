@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, UnitQuaternion};
 
 use crate::{
     BodySampling, Frame, GarNet, GarNetConfig, GarmentGraph, NetError, PRESET_NAMES, PoolingConfig,
-    Predictor, Scene, SceneInput, Variant,
+    Predictor, Scene, SceneInput, Variant, surrogate,
 };
 
 /// A garment over a body, with all that networks may ask for.
@@ -39,8 +39,13 @@ impl Stage {
 
     fn draped(&self, config: &GarNetConfig) -> Vec<Point3> {
         let garment = GarmentGraph::new(&self.template, &[]).unwrap();
-        let model = awake(&garment.configured(config.clone()));
-        let sampling = BodySampling::new(self.body.positions(), None, &config.pooling).unwrap();
+        self.draped_by(awake(&garment.configured(config.clone())))
+    }
+
+    fn draped_by(&self, model: GarNet) -> Vec<Point3> {
+        let garment = GarmentGraph::new(&self.template, &[]).unwrap();
+        let pooling = &model.config().pooling;
+        let sampling = BodySampling::new(self.body.positions(), None, pooling).unwrap();
         let mut predictor = Predictor::new(model, garment, sampling).unwrap();
         let normals = vertex_normals(self.body.positions(), self.body.faces());
         predictor.predict(&self.input(&normals)).unwrap()
@@ -71,10 +76,12 @@ fn lumpy(body: &TriMesh) -> TriMesh {
 
 /// A network whose last layer is not silent.
 fn awake(config: &GarNetConfig) -> GarNet {
-    let mut net = config.init(5, &Device::flex()).unwrap();
-    net.fusion = net
-        .fusion
-        .awake(&mut super::WeightSource::new(6, &Device::flex()));
+    awake_on(config, &Device::flex())
+}
+
+fn awake_on(config: &GarNetConfig, device: &Device) -> GarNet {
+    let mut net = config.init(5, device).unwrap();
+    net.fusion = net.fusion.awake(&mut super::WeightSource::new(6, device));
     net
 }
 
@@ -368,4 +375,95 @@ fn presets_can_be_made_and_counted() {
     ];
     assert!((30.0..45.0).contains(&sizes[0]), "{sizes:?}");
     assert!(sizes[1] < 5.0 && sizes[2] < 1.5, "{sizes:?}");
+}
+
+#[test]
+fn a_network_tells_what_it_told_once_it_has_grown() {
+    let stage = Stage::new();
+    let smaller = GarNetConfig::preset("tiny").unwrap();
+    let larger = |mut config: GarNetConfig| {
+        config.body.stn.points = vec![12];
+        config.body.second = vec![19];
+        config.body.global = 24;
+        config.body.parameters = vec![20];
+        config.garment.points = vec![18];
+        config.garment.input = 24;
+        config.garment.blocks = vec![24, 40];
+        config.garment.global = 17;
+        config.fusion = vec![40, 16];
+        config
+    };
+    let kinds = [
+        (Variant::Naive, 0),
+        (Variant::Global, 0),
+        (Variant::GlobalParams, 3),
+        (Variant::Local, 0),
+        (Variant::LocalParams, 3),
+    ];
+    for (variant, num_parameters) in kinds {
+        let small = smaller.clone().with_variant(variant, num_parameters);
+        let graph = GarmentGraph::new(&stage.template, &[]).unwrap();
+        let small = graph.configured(small);
+        let large = larger(small.clone());
+        let before = awake(&small);
+        let after = before.grown(&large, 9, &Device::flex()).unwrap();
+        assert_eq!(after.config(), &large);
+        let [before, after] = [before, after].map(|model| stage.draped_by(model));
+        let moved = greatest_distance(&before, &stage.warped);
+        let off = greatest_distance(&before, &after);
+        assert!(
+            moved > 1e-3 && off < 1e-5 * moved,
+            "{variant:?}: {off} of {moved}"
+        );
+    }
+}
+
+#[test]
+fn new_channels_of_a_grown_network_learn() {
+    let stage = Stage::new();
+    let small = GarNetConfig::preset("tiny").unwrap();
+    let mut large = small.clone();
+    large.garment.blocks[1] += 8;
+    let device = Device::flex().autodiff();
+    let grown = awake_on(&small, &device).grown(&large, 4, &device).unwrap();
+    let garment = GarmentGraph::new(&stage.template, &[]).unwrap();
+    let sampling = BodySampling::new(stage.body.positions(), None, &large.pooling).unwrap();
+    let normals = vertex_normals(stage.body.positions(), stage.body.faces());
+    let scene = Scene::new(&large, &garment, &sampling, &stage.input(&normals)).unwrap();
+    let output = grown.forward(&garment, &sampling, &scene, &device);
+    let ones = vec![1.0; 3 * stage.template.num_vertices()];
+    let gradients = surrogate(output, ones).backward();
+    let hears = grown.fusion.first_weight().grad(&gradients).unwrap();
+    let hears: Vec<f32> = hears.into_data().try_into_vec().unwrap();
+    // The weights by which the fusion hears the eight new channels, which are zero.
+    let [points, input, block] = [16, 16, 16];
+    let first = points + input + block + 24;
+    let width = large.fusion[0];
+    let new = &hears[first * width..(first + 8) * width];
+    assert!(new.iter().all(|number| number.is_finite()));
+    assert!(new.iter().any(|&number| number != 0.0));
+}
+
+#[test]
+fn networks_grow_in_width_alone() {
+    let small = GarNetConfig::preset("small").unwrap();
+    let net = small.init(1, &Device::flex()).unwrap();
+    net.grown(&GarNetConfig::preset("medium").unwrap(), 1, &Device::flex())
+        .unwrap();
+    let refused = |change: &dyn Fn(&mut GarNetConfig), field: &str| {
+        let mut config = small.clone();
+        change(&mut config);
+        let error = net.grown(&config, 1, &Device::flex()).unwrap_err();
+        let error = error.to_string();
+        assert!(error.contains(&format!("`{field}`")), "{error}");
+    };
+    refused(&|config| config.garment.heads = 4, "garment.heads");
+    refused(
+        &|config| config.garment.convolutions = 2,
+        "garment.convolutions",
+    );
+    refused(&|config| config.fusion = vec![128, 64], "fusion");
+    refused(&|config| config.garment.blocks[2] = 47, "garment.blocks");
+    refused(&|config| config.garment.blocks[2] = 49, "garment.blocks");
+    refused(&|config| config.variant = Variant::Global, "variant");
 }

@@ -133,6 +133,7 @@ impl Invented {
             recipe: Recipe::of_name(name).unwrap(),
             config,
             base: None,
+            grows: false,
             begin: Begin::Anew,
         }
     }
