@@ -100,10 +100,11 @@ pub fn train(
         Some(_) => (None, None),
         None => base_of(job, &stage, &device)?,
     };
-    let kept = base.as_ref().filter(|_| !job.grows).map(|base| &base.model);
-    let network = match state.as_ref().map(|state| &state.model).or(kept) {
-        Some(model) => model.config().clone(),
-        None => new_network(&job.config, &stage)?,
+    let network = match (&state, &base) {
+        (Some(state), _) => state.model.config().clone(),
+        (None, Some(base)) if job.grows => grown_network(&job.config, base.model.config())?,
+        (None, Some(base)) => base.model.config().clone(),
+        (None, None) => new_network(&job.config, &stage)?,
     };
     let subject = Subject::new(&stage, network, &job.config.loss)?;
     let start = pose_space::start_of(&job.package, &stage, &subject.config)?;
@@ -120,23 +121,18 @@ pub fn train(
         let base = base_name.unwrap_or_default();
         return Err(TrainError::OtherStart { base });
     }
-    let base = base.map(|base| first_weights(job, base.model, &subject.config, &device));
-    let base = base.transpose()?;
-    let train = examples(&stage, &subject, Split::Train, start.as_ref(), observer)?;
-    let valid = examples(&stage, &subject, Split::Valid, start.as_ref(), observer)?;
-    fs::create_dir_all(&folder).map_err(|source| TrainError::folder(&folder, source))?;
     let state = if let Some(state) = state {
         state
     } else {
-        let model = match base {
-            Some(base) => base,
-            None => subject.config.init(job.config.seed, &device)?,
-        };
+        let model = first_weights(job, base, &subject.config, &device)?;
         let mut progress = Progress::new(&job.recipe.name, &job.config, data);
         progress.base = base_name;
         progress.pose_space = start_name;
         State::new(progress, model)
     };
+    let train = examples(&stage, &subject, Split::Train, start.as_ref(), observer)?;
+    let valid = examples(&stage, &subject, Split::Valid, start.as_ref(), observer)?;
+    fs::create_dir_all(&folder).map_err(|source| TrainError::folder(&folder, source))?;
     let mut trainer = Trainer {
         stage: &stage,
         subject: &subject,
@@ -176,6 +172,20 @@ fn new_network(config: &TrainConfig, stage: &Stage) -> Result<GarNetConfig, Trai
     if config.sewing_parameters {
         network.num_sewing_parameters = stage.num_sewing_parameters()?;
     }
+    Ok(network)
+}
+
+/// The network of a configuration that one of weights grows into, with what such weights decide.
+fn grown_network(config: &TrainConfig, from: &GarNetConfig) -> Result<GarNetConfig, TrainError> {
+    let config = TrainConfig {
+        kind: from.variant,
+        ..config.clone()
+    };
+    let mut network = config.network_config()?;
+    if !config.network.contains_key("start") {
+        network.start = from.start;
+    }
+    network.num_sewing_parameters = from.num_sewing_parameters;
     Ok(network)
 }
 
@@ -251,17 +261,21 @@ fn base_of(
     Ok((Some(checkpoint), Some(base)))
 }
 
-/// The weights that are started from, in the size that is asked for.
+/// Weights from the seed, or those that are started from, in the size that is asked for.
 fn first_weights(
     job: &TrainJob,
-    base: GarNet,
+    base: Option<Checkpoint>,
     config: &GarNetConfig,
     device: &Device,
 ) -> Result<GarNet, TrainError> {
+    let seed = job.config.seed;
+    let Some(base) = base else {
+        return Ok(config.init(seed, device)?);
+    };
     if !job.grows {
-        return Ok(base);
+        return Ok(base.model);
     }
-    let grown = base.grown(config, job.config.seed, device);
+    let grown = base.model.grown(config, seed, device);
     grown.map_err(|source| TrainError::CannotGrow {
         base: job.base.clone().unwrap_or_default(),
         source,

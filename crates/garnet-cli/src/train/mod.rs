@@ -113,8 +113,8 @@ fn advice(error: &TrainError) -> Option<String> {
             "train the variant that is fine-tuned first, or name weights with `--from`".to_owned()
         }
         TrainError::CannotGrow { .. } => {
-            "a network grows into one of as many layers, none of them narrower, that has the same start (`start` under \
-             `[network]` of the configuration), as `small` into `medium`; without `--preset` it keeps its size"
+            "a network grows into one of as many layers, none of them narrower, as `small` into `medium`; without \
+             `--preset` it keeps its size"
                 .to_owned()
         }
         TrainError::OtherStart { .. } => {

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use burn::tensor::Device;
 use garnet_data::GarmentPackage;
-use garnet_net::Checkpoint;
+use garnet_net::{Checkpoint, Variant};
 use garnet_train::{Begin, Precision, TrainConfig, TrainError, TrainEvent, TrainJob, train};
 
 use crate::invented::{Invented, run, tiny};
@@ -157,6 +157,7 @@ fn a_network_that_has_grown_begins_where_it_was() {
         let garment = format!("[network.garment]\nblocks = {blocks}");
         let config = TrainConfig {
             network: TrainConfig::parse(&garment).unwrap().network,
+            kind: Variant::Global,
             ..tiny(3)
         };
         TrainJob {
@@ -179,7 +180,10 @@ fn a_network_that_has_grown_begins_where_it_was() {
     assert!((start - before).abs() < 1e-5 * before, "{before}, {start}");
     assert!(large.best.valid.distance < before);
     let loaded = Checkpoint::load(&large.weights, &Device::flex()).unwrap();
-    assert_eq!(loaded.model.config().garment.blocks, [16, 40]);
+    let config = loaded.model.config();
+    // The kind is that of the weights.
+    assert_eq!(config.variant, Variant::Local);
+    assert_eq!(config.garment.blocks, [16, 40]);
 }
 
 #[test]
