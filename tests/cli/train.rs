@@ -450,14 +450,29 @@ fn further_data_sets_are_for_what_can_take_them() {
     let fixture = prepared();
     let train = "train net scenes --variant naive --more scenes";
     refused(&fixture, train, &["a network takes no further data sets"]);
-    let train = "train net scenes --variant mine --preset tiny --from net/template.obj";
-    refused(&fixture, train, &["`--preset`"]);
     let train = "train net scenes --variant mine --from net/template.obj";
     refused(
         &fixture,
         train,
         &["net/template.obj", "copy the file again"],
     );
+}
+
+#[test]
+fn weights_do_not_grow_into_fewer_or_more_layers() {
+    let fixture = prepared();
+    let train = "train net scenes --preset tiny --epochs 1 -q --variant";
+    done(&fixture, &format!("{train} naive"));
+    let from = "--from net/naive.safetensors";
+    let train = format!("train net scenes --variant mine --preset small {from}");
+    let reason = "the network cannot grow to that size: `garment.heads` differs";
+    let hint = "hint: a network grows into one of as many layers";
+    refused(
+        &fixture,
+        &train,
+        &["`net/naive.safetensors`: ", reason, hint],
+    );
+    assert!(!fixture.path("net/training/mine").exists());
 }
 
 #[test]
