@@ -470,7 +470,7 @@ fn weights_do_not_grow_into_fewer_or_more_layers() {
     refused(
         &fixture,
         &train,
-        &["`net/naive.safetensors`: ", reason, hint],
+        &["`net/naive.safetensors` cannot", reason, hint],
     );
     assert!(!fixture.path("net/training/mine").exists());
 }

@@ -114,7 +114,7 @@ pub enum TrainError {
         found: &'static str,
     },
     /// Weights to start from do not grow to the size that is asked for.
-    #[error("`{}`: {source}", base.display())]
+    #[error("`{}` cannot be started from in the size that is asked for", base.display())]
     CannotGrow {
         /// The weights.
         base: PathBuf,
