@@ -260,16 +260,21 @@ impl<'a> Cloth<'a> {
         contact
     }
 
-    /// The closest skin of a node and its distance. Where the node's last contacts prove that it
+    /// The closest skin of a node that is outside the body and its distance. Where the node's last contacts prove that it
     /// keeps the clearance, the distance is a lower bound.
-    pub(crate) fn closest(&self, node: usize) -> (ClosestPoint, f32) {
+    pub(crate) fn closest_outside(&self, node: usize) -> (ClosestPoint, f32) {
         let contact = &self.contacts[node];
         let moved = (self.positions[node] - contact.position).norm();
         let bound = contact.distance - moved;
         if bound >= self.options.clearance {
             return (contact.closest, bound);
         }
-        let hint = contact.closest.face;
+        self.closest(node)
+    }
+
+    /// The closest skin of a node and its distance.
+    pub(crate) fn closest(&self, node: usize) -> (ClosestPoint, f32) {
+        let hint = self.contacts[node].closest.face;
         let closest = self.finder.skin.closest_from(self.positions[node], hint);
         (closest, closest.distance_squared.sqrt())
     }

@@ -319,6 +319,43 @@ mod tests {
     }
 
     #[test]
+    fn what_is_inside_is_caught_where_it_is_and_not_where_its_contacts_were_found() {
+        let sphere = icosphere(4, RADIUS);
+        let other = shifted(&sphere, Vector3::new(1.6 * RADIUS, 0.0, 0.0));
+        let body = one_joint_body(joined(&[sphere, other]));
+        let garment = Garment::new(icosphere(3, RADIUS + 0.01))
+            .bind(&body)
+            .unwrap();
+        let binding = Binding::new(&garment).unwrap();
+        let options = UntangleOptions::default();
+        let (skin, warped) = (body.skin(), garment.rest());
+        let finder = ContactFinder {
+            binding: &binding,
+            skin,
+            embedded: &EmbeddedSkin::new(skin, warped).unwrap(),
+            normals: &SkinNormals::new(skin),
+            keeps_sides: false,
+            clearance: options.clearance,
+        };
+        let range = StretchRange {
+            min: options.min_stretch,
+            max: options.max_stretch,
+        };
+        let edges = clamped_edges(garment.graph(), warped, range);
+        let sweeper = Sweeper::new(garment.graph(), warped, &edges, options.push_length, 2.0);
+        let mut cloth = Cloth::new(&garment, &finder, &sweeper, &options);
+        let from_left = |&a: &usize, &b: &usize| warped[a].x.total_cmp(&warped[b].x);
+        let node = (0..warped.len()).min_by(from_left).unwrap();
+        // In both spheres, and as far as its contacts tell far from any skin.
+        cloth.positions[node] = Point3::new(0.95 * RADIUS, 0.0, 0.0);
+        cloth.contacts[node].distance = 1.0;
+        let crossing = garment.topology().vertex_faces(node);
+        let (report, is_trapped) = verified(&garment, &finder, warped, &cloth, crossing);
+        assert!(is_trapped[node]);
+        assert_eq!(report.crossing_faces, 0);
+    }
+
+    #[test]
     fn one_and_two_threads_give_the_same_bits() {
         let body = one_joint_body(icosphere(4, RADIUS));
         let run = |num_threads: usize| {

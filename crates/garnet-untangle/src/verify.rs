@@ -36,7 +36,11 @@ pub(crate) fn verified(
     let is_inside = inside(garment, skin, &cloth.positions, crossing);
     let mut is_trapped = vec![false; cloth.positions.len()];
     let measured = |node: usize| {
-        let (closest, distance) = cloth.closest(node);
+        let (closest, distance) = if is_inside[node] {
+            cloth.closest(node)
+        } else {
+            cloth.closest_outside(node)
+        };
         (distance, finder.embedded.is_trap(&closest))
     };
     let nodes = (0..cloth.positions.len())
