@@ -104,6 +104,11 @@ fn hints_fit_what_is_wrong_with_the_files_of_a_data_set() {
     );
     refused(
         &fixture,
+        &format!("{asked} --mixed"),
+        &["with poses mixed false, asked for is true"],
+    );
+    refused(
+        &fixture,
         &format!("{asked} --sizing made-to-measure"),
         &["with sizing one-size, asked for is made-to-measure"],
     );

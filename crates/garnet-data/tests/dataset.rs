@@ -27,6 +27,7 @@ fn options(threads: usize) -> DatasetOptions {
             test: 1,
         },
         poses: 2,
+        mixed: false,
         quality: Quality::Fast,
         until: Until::Rest,
         sizing: Sizing::OneSize,

@@ -54,7 +54,7 @@ pub enum TrainEvent {
         pass: u32,
         /// How many there will be.
         passes: u32,
-        /// Mean square error over the mean square of what is to be told.
+        /// The mean distance from what is to be told over the root of its mean square.
         loss: f64,
     },
     /// All is ready.

@@ -20,20 +20,21 @@ const MAX_TURNED_AREA: f64 = 30e-4;
 
 /// Draws poses: by group in the shares of [`Group::percent`], within a group any sequence of its
 /// set, within a sequence any phase, left and right exchanged in half of them, with noise inside the
-/// ranges of motion.
+/// ranges of motion. Or [mixed](Self::mixed) of several such draws.
 ///
 /// A pose depends on seed and number alone: poses can be drawn in any order, on any thread.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseSampler {
     seed: u64,
     noise: f64,
+    is_mixed: bool,
     sequences: SequenceSet,
 }
 
 /// A drawn pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampledPose {
-    /// Name of its sequence.
+    /// Name of its sequence; of the first one of a mixed pose, as all that follows but the angles.
     pub sequence: &'static str,
     /// Kind of its sequence.
     pub group: Group,
@@ -99,6 +100,7 @@ impl PoseSampler {
         Self {
             seed,
             noise: 1.0,
+            is_mixed: false,
             sequences: SequenceSet::ALL,
         }
     }
@@ -107,6 +109,13 @@ impl PoseSampler {
     #[must_use]
     pub const fn with_noise(self, noise: f64) -> Self {
         Self { noise, ..self }
+    }
+
+    /// Poses that are put together: trunk and legs between two draws in half of them, arms of another
+    /// draw or of two in three of four. They go beyond what single sequences have, inside the ranges of motion.
+    #[must_use]
+    pub const fn mixed(self, is_mixed: bool) -> Self {
+        Self { is_mixed, ..self }
     }
 
     /// Poses of these sequences alone; groups without any give their share to the others. The empty
@@ -192,6 +201,48 @@ impl PoseSampler {
     fn draw(&self, index: u64, try_index: u32) -> SampledPose {
         // Later tries keep the sequence: the shares stay as they are.
         let mut of_sequence = self.source(index, 0);
+        let sequence = self.pick(&mut of_sequence);
+        let less = 1.0 - f64::from(try_index) / f64::from(MAX_TRIES - 1);
+        let mut source = if try_index == 0 {
+            of_sequence
+        } else {
+            self.source(index, try_index)
+        };
+        let noise = self.noise * less;
+        let mut drawn = draw_of(sequence, &mut source, noise);
+        if self.is_mixed {
+            drawn.angles = self.mixed_with_others(drawn.angles, &mut source, noise);
+        }
+        drawn
+    }
+
+    /// The angles, mixed with those of up to three more draws.
+    fn mixed_with_others(
+        &self,
+        mut angles: BodyAngles,
+        source: &mut ChaCha8Rng,
+        noise: f64,
+    ) -> BodyAngles {
+        let mut other = || draw_of(self.pick(source), source, noise).angles;
+        let [trunk, left, right] = [(); 3].map(|()| other());
+        if below(source, 2) == 1 {
+            angles = angles.blended(&trunk, uniform(source));
+        }
+        let arms = match below(source, 4) {
+            0 => return angles,
+            1 => left.arms,
+            _ => [left.arms[0], right.arms[1]],
+        };
+        // Hands that are elsewhere are not where the body leans on them.
+        BodyAngles {
+            arms,
+            hands_planted: false,
+            ..angles
+        }
+    }
+
+    /// A sequence, by the shares of the groups.
+    fn pick(&self, source: &mut ChaCha8Rng) -> &'static Sequence {
         let of_group = |group: Group| -> Vec<&'static Sequence> {
             let all = Sequence::of_group(group);
             all.filter(|sequence| self.sequences.contains(sequence))
@@ -200,7 +251,7 @@ impl PoseSampler {
         let groups = Group::ALL.map(|group| (group.percent(), of_group(group)));
         let groups: Vec<_> = groups.iter().filter(|(_, all)| !all.is_empty()).collect();
         let total = groups.iter().map(|(percent, _)| percent).sum();
-        let mut percent = below(&mut of_sequence, total);
+        let mut percent = below(source, total);
         let mut sequences: &[&'static Sequence] = &[];
         for (share, all) in groups {
             sequences = all;
@@ -209,14 +260,7 @@ impl PoseSampler {
             }
             percent -= share;
         }
-        let pick = below(&mut of_sequence, sequences.len() as u64) as usize;
-        let less = 1.0 - f64::from(try_index) / f64::from(MAX_TRIES - 1);
-        let mut source = if try_index == 0 {
-            of_sequence
-        } else {
-            self.source(index, try_index)
-        };
-        draw_of(sequences[pick], &mut source, self.noise * less)
+        sequences[below(source, sequences.len() as u64) as usize]
     }
 
     fn source(&self, index: u64, try_index: u32) -> ChaCha8Rng {
@@ -315,10 +359,31 @@ mod tests {
     }
 
     #[test]
+    fn mixed_poses_have_arms_of_other_sequences_and_trunks_between_them() {
+        let sampler = PoseSampler::new(7).with_noise(0.0);
+        let mixed = sampler.mixed(true);
+        let [mut other_arms, mut other_trunks] = [0, 0];
+        for index in 0..400 {
+            let (plain, mixed) = (sampler.sample(index), mixed.sample(index));
+            assert_eq!(
+                (plain.sequence, plain.phase, plain.is_mirrored),
+                (mixed.sequence, mixed.phase, mixed.is_mirrored)
+            );
+            let (plain, mixed) = (plain.angles, mixed.angles);
+            other_arms += u32::from(plain.arms != mixed.arms);
+            other_trunks += u32::from((plain.spine, plain.legs) != (mixed.spine, mixed.legs));
+            assert!(plain.arms == mixed.arms || !mixed.hands_planted);
+        }
+        // Arms stay in an eighth, trunk and legs in a half; three standard deviations of 400 are 20 and 30.
+        assert!((330..=370).contains(&other_arms), "{other_arms}");
+        assert!((170..=230).contains(&other_trunks), "{other_trunks}");
+    }
+
+    #[test]
     fn every_angle_stays_in_the_ranges_of_trained_people() {
         let sampler = PoseSampler::new(5).with_noise(3.0);
-        for index in 0..2000 {
-            let sample = sampler.sample(index);
+        let samples = |sampler: PoseSampler| (0..2000).map(move |index| sampler.sample(index));
+        for sample in samples(sampler).chain(samples(sampler.mixed(true))) {
             assert_eq!(
                 sample.angles.beyond_ranges(),
                 Vec::new(),

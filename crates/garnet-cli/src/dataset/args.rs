@@ -39,6 +39,10 @@ pub(crate) struct DatasetArgs {
         allow_negative_numbers = true
     )]
     pub(crate) poses: u32,
+    /// Put poses together: trunk and legs between two poses, arms of others. More scenes of those, for `train --more`,
+    /// teach more of poses that no sequence has.
+    #[arg(long, conflicts_with = "import")]
+    pub(crate) mixed: bool,
     /// Named seed of bodies and poses.
     #[arg(
         long,

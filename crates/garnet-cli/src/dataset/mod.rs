@@ -98,6 +98,7 @@ fn make(args: &DatasetArgs, package: &GarmentPackage, console: &Console) -> anyh
         seed: args.seed,
         bodies: args.bodies,
         poses: args.poses,
+        mixed: args.mixed,
         quality: args.quality.quality(),
         until: args.until.until(),
         sizing: args.sizing(package),

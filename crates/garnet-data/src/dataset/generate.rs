@@ -34,6 +34,8 @@ pub struct DatasetOptions {
     pub bodies: Counts,
     /// Scenes on each body.
     pub poses: u32,
+    /// Whether poses are [mixed](garnet_body::poses::PoseSampler::mixed) of several.
+    pub mixed: bool,
     /// Quality of the simulation.
     pub quality: Quality,
     /// How far the simulation goes.
@@ -170,6 +172,7 @@ impl DatasetManifest {
             seed: options.seed,
             bodies: options.bodies,
             poses: options.poses,
+            mixed: options.mixed,
             quality: Some(quality_name(options.quality).to_owned()),
             until: options.until,
             sizing: options.sizing,
@@ -327,7 +330,7 @@ impl Job<'_> {
         if missing.is_empty() {
             return Ok(());
         }
-        let sampler = sampler(self.options.seed, task.split);
+        let sampler = sampler(self.options.seed, task.split).mixed(self.options.mixed);
         let start = Instant::now();
         let dressed = self.dresser.dressed(task.index, self.stop);
         let mut fitting = start.elapsed();

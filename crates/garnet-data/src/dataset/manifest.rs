@@ -31,6 +31,9 @@ pub struct DatasetManifest {
     pub bodies: Counts,
     /// Scenes on each body.
     pub poses: u32,
+    /// Whether poses are [mixed](garnet_body::poses::PoseSampler::mixed) of several.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub mixed: bool,
     /// Quality of the simulation; none for drapes made elsewhere.
     pub quality: Option<String>,
     /// How far the simulation went.
@@ -174,6 +177,7 @@ impl DatasetManifest {
                     ),
                 ),
                 ("poses", manifest.poses.to_string()),
+                ("poses mixed", manifest.mixed.to_string()),
                 ("quality", manifest.quality.clone().unwrap_or_default()),
                 ("end", manifest.until.name().to_owned()),
                 ("sizing", manifest.sizing.name().to_owned()),

@@ -61,7 +61,7 @@ pub struct PoseSpaceConfig {
     pub region_shapes: u32,
     /// Scenes by which it is found out how much each feature counts in a region, at most.
     pub region_searched: u32,
-    /// Numbers of the two layers in the middle of such a network.
+    /// Numbers of each layer in the middle of such a network.
     pub hidden: u32,
     /// Times that such a network sees each scene.
     pub passes: u32,
@@ -88,8 +88,8 @@ impl Default for PoseSpaceConfig {
             told_by: None,
             region_shapes: 80,
             region_searched: 1000,
-            hidden: 512,
-            passes: 40,
+            hidden: 384,
+            passes: 80,
         }
     }
 }

@@ -173,6 +173,7 @@ fn manifest(package: &GarmentPackage) -> DatasetManifest {
             test: 1,
         },
         poses: 6,
+        mixed: false,
         quality: None,
         until: Until::Rest,
         sizing: Sizing::OneSize,

@@ -255,6 +255,7 @@ fn described(
         seed: 0,
         bodies: Counts { train, valid, test },
         poses: most.unwrap_or(0),
+        mixed: false,
         quality: None,
         vary: Variations::default(),
         until: Until::Rest,

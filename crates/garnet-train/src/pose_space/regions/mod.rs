@@ -33,7 +33,7 @@ const SEARCHED_SHAPES: usize = 48;
 
 /// Numbers that networks are told are as many times those by which Gaussian processes tell scenes apart: first
 /// layers begin with random weights, and few of them are steep.
-const GAIN: f64 = 10.0;
+const GAIN: f64 = 20.0;
 
 /// All that is the same for all regions.
 struct Ground<'a> {
@@ -106,7 +106,7 @@ pub(super) fn fitted(
 enum Told {
     /// A round of the search, and the error of what was left out, in metres.
     Searched(u32, f64),
-    /// A pass of the training, and its mean square error over the variance.
+    /// A pass of the training, and what was missed over the standard deviation.
     Learned(u32, f64),
 }
 
