@@ -158,6 +158,35 @@ fn a_data_set_may_end_where_bodies_arrive_or_are_midway() {
 }
 
 #[test]
+fn mixed_poses_are_others_on_the_same_bodies() {
+    let package = common::tshirt();
+    let scenes = [false, true].map(|mixed| {
+        let folder = tempfile::tempdir().unwrap();
+        let options = DatasetOptions {
+            until: Until::Midway,
+            mixed,
+            ..options(2)
+        };
+        make(&package, folder.path(), &options);
+        let dataset = Dataset::open(folder.path()).unwrap();
+        assert_eq!(dataset.manifest.mixed, mixed);
+        let shards: Vec<_> = dataset.shards().map(Result::unwrap).collect();
+        let bodies: Vec<_> = shards
+            .iter()
+            .flat_map(|shard| shard.bodies.clone())
+            .collect();
+        let scenes: Vec<_> = shards.into_iter().flat_map(|shard| shard.scenes).collect();
+        (bodies, scenes)
+    });
+    let [(plain_bodies, plain), (mixed_bodies, mixed)] = scenes;
+    assert_eq!(plain_bodies, mixed_bodies);
+    assert_eq!(plain.len(), mixed.len());
+    let pairs = plain.iter().zip(&mixed);
+    assert!(pairs.clone().all(|(a, b)| a.sequence == b.sequence));
+    assert!(pairs.clone().any(|(a, b)| a.posed != b.posed));
+}
+
+#[test]
 fn scenes_have_a_body_a_pose_and_a_garment() {
     let package = common::tshirt();
     let folder = tempfile::tempdir().unwrap();
