@@ -61,7 +61,7 @@ pub enum Outcome {
 /// A pose in which a body does not run through itself, standing on the ground.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SoundPose {
-    /// Name of its sequence.
+    /// Name of its sequence; of the first one of a mixed pose, as its phase.
     pub sequence: &'static str,
     /// Where in the sequence it is, 0 to 1.
     pub phase: f64,
