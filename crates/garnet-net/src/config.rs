@@ -294,6 +294,12 @@ impl GarNetConfig {
         (self.garment.inputs.iter()).any(|input| nearest.contains(input))
     }
 
+    /// Whether it asks for [`SceneInput::body_normals`](crate::SceneInput::body_normals).
+    pub fn needs_body_normals(&self) -> bool {
+        self.body.normals && self.has_body_stream()
+            || self.garment.inputs.contains(&VertexInput::BodyNormal)
+    }
+
     /// Whether scenes have to bring skinning rotations.
     pub fn needs_rotations(&self) -> bool {
         self.frame == Frame::Skin || self.garment.inputs.contains(&VertexInput::Rotation)

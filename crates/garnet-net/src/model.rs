@@ -203,6 +203,11 @@ impl Model {
         network.map(|network| network.model().config())
     }
 
+    /// Whether it asks for [`SceneInput::body_normals`].
+    pub fn needs_body_normals(&self) -> bool {
+        (self.config()).is_some_and(GarNetConfig::needs_body_normals)
+    }
+
     /// Size and work.
     ///
     /// # Errors

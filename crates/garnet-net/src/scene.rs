@@ -354,8 +354,7 @@ fn check(
 ) -> Result<(), NetError> {
     let num_vertices = garment.num_vertices();
     let (normals, rotations) = (input.body_normals, input.rotations);
-    let needs_normals = config.body.normals && config.has_body_stream()
-        || config.garment.inputs.contains(&VertexInput::BodyNormal);
+    let needs_normals = config.needs_body_normals();
     if needs_normals && normals.is_empty() {
         return Err(NetError::Missing {
             what: "normals of the body are",

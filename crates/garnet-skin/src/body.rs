@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use garnet_knn::Surface;
-use garnet_mesh::{TriMesh, is_inside_out};
+use garnet_mesh::{TriMesh, Vector3, is_inside_out, vertex_normals};
 use nalgebra::Isometry3;
 
 use crate::{
@@ -67,6 +67,8 @@ pub struct Body {
     was_inside_out: bool,
     /// Whether a face names each vertex `[vertex]`; empty if all are named.
     is_named: Vec<bool>,
+    /// Unit normals at rest, once they were asked for.
+    rest_normals: OnceLock<Vec<Vector3>>,
     /// The body without vertices that no face names, once it was asked for.
     without_strays: OnceLock<Option<Arc<Self>>>,
 }
@@ -143,6 +145,7 @@ impl Body {
         Ok(Self {
             skin: skin_of(&rest, &weights),
             is_named: named_vertices(&rest),
+            rest_normals: OnceLock::new(),
             without_strays: OnceLock::new(),
             rest,
             skeleton,
@@ -199,6 +202,12 @@ impl Body {
     /// The mesh at rest.
     pub fn rest(&self) -> &TriMesh {
         &self.rest
+    }
+
+    /// Unit normals of the mesh at rest `[vertex]`.
+    pub(crate) fn rest_normals(&self) -> &[Vector3] {
+        let (positions, faces) = (self.rest.positions(), self.rest.faces());
+        (self.rest_normals).get_or_init(|| vertex_normals(positions, faces))
     }
 
     /// The mesh at rest, ready for proximity queries.
@@ -331,7 +340,7 @@ mod tests {
         let shifted = ball
             .positions()
             .iter()
-            .map(|p| p + crate::Vector3::new(4.0, 0.0, 0.0));
+            .map(|p| p + Vector3::new(4.0, 0.0, 0.0));
         let ball = ball.with_positions(shifted.collect()).unwrap();
         // A hole leaves no doubt.
         let open = TriMesh::new(ball.positions().to_vec(), ball.faces()[20..].to_vec()).unwrap();

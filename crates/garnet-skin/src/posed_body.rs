@@ -1,7 +1,7 @@
 //! A body that garments are draped on: posed skin, the transforms that posed it, its shape.
 
 use garnet_knn::Surface;
-use garnet_mesh::{Point3, Vector3};
+use garnet_mesh::{Point3, Vector3, vertex_normals};
 use nalgebra::Isometry3;
 
 use crate::shape::shape_offsets;
@@ -23,6 +23,11 @@ impl PosedBody {
     /// The posed skin.
     pub fn skin(&self) -> &Surface {
         &self.skin
+    }
+
+    /// Unit normals of the posed skin `[body vertex]`.
+    pub fn vertex_normals(&self) -> Vec<Vector3> {
+        vertex_normals(self.skin.positions(), self.skin.faces())
     }
 
     /// The rigid transform of each joint from rest to pose.

@@ -1,6 +1,6 @@
 //! A warped garment with the frames and numbers that a learned displacement is told.
 
-use garnet_mesh::{Point3, Vector3, vertex_normals};
+use garnet_mesh::{Point3, Vector3};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use crate::{Body, BoundGarment, PosedBody, SkinError, Warp, blended_transforms};
@@ -19,8 +19,6 @@ pub struct WarpedGarment {
     pub rotations: Vec<UnitQuaternion<f32>>,
     /// Where the pelvis is.
     pub world_from_root: Isometry3<f32>,
-    /// Unit normals of the posed skin `[body vertex]`.
-    pub body_normals: Vec<Vector3>,
 }
 
 impl WarpedGarment {
@@ -46,7 +44,6 @@ impl WarpedGarment {
             positions: weld.scatter(&nodes),
             rotations: weld.scatter(&turns),
             world_from_root: body.world_from_root(posed),
-            body_normals: vertex_normals(posed.skin().positions(), posed.skin().faces()),
         })
     }
 }
@@ -93,8 +90,7 @@ impl Body {
         let Some(offsets) = posed.shape_offsets() else {
             return vec![[0.0; 4]; sums.len()];
         };
-        let normals = vertex_normals(self.rest().positions(), self.rest().faces());
-        for (vertex, (offset, normal)) in offsets.iter().zip(&normals).enumerate() {
+        for (vertex, (offset, normal)) in offsets.iter().zip(self.rest_normals()).enumerate() {
             let outward = offset.dot(normal);
             for (joint, weight) in self.weights().vertex(vertex) {
                 let parts = [offset.x, offset.y, offset.z, outward, 1.0];
@@ -146,7 +142,6 @@ mod tests {
         let posed = body.posed(&bent()).unwrap();
         let warped = WarpedGarment::new(&sleeve, &body, &posed, Warp::DualQuaternion).unwrap();
         assert_eq!(warped.positions.len(), warped.rotations.len());
-        assert_eq!(warped.body_normals.len(), body.rest().num_vertices());
         let angles = warped.rotations.iter().map(UnitQuaternion::angle);
         let largest = angles.fold(0.0, f32::max);
         // Weights that are smoothed along the cloth keep a little of the shoulder to the end.

@@ -2,14 +2,14 @@
 
 use std::sync::{Arc, OnceLock};
 
-use garnet_mesh::{Point3, TriMesh};
+use garnet_mesh::{Point3, TriMesh, Vector3};
 use garnet_net::losses::{LossBody, LossConfig, LossTarget, Losses};
 use garnet_net::{
     Aim, BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, SceneNeighbors,
 };
 use garnet_skin::{Body, WarpedGarment};
 
-use crate::network_input::input_of;
+use crate::network_input::{input_of, normals_of};
 use crate::{SceneName, Stage, StagedScene, TrainError};
 
 /// What a network and its losses know before any scene.
@@ -35,6 +35,8 @@ pub(crate) struct Example {
     pub(crate) graph: GarmentGraph,
     pub(crate) warped: WarpedGarment,
     pub(crate) body: Vec<Point3>,
+    /// Unit normals of the body `[body vertex]`, if the network asks for them.
+    pub(crate) body_normals: Vec<Vector3>,
     /// Of shape and pose, whether the network asks for them or not.
     pub(crate) parameters: Vec<f32>,
     /// What a model is to tell `[vertex]`, in metres.
@@ -100,6 +102,7 @@ impl Subject {
             },
             warped: staged.warped(self.config.start, &posed)?,
             body: posed.skin().positions().to_vec(),
+            body_normals: normals_of(&posed, self.config.needs_body_normals()),
             parameters: worn.body.pose_and_shape(&posed),
             draped: staged.told(self.aim)?.into_owned(),
             neighbors: OnceLock::new(),
@@ -132,6 +135,11 @@ impl AsRef<Self> for Example {
 impl Example {
     /// The scene as networks take it.
     pub(crate) fn input(&self) -> SceneInput<'_> {
-        input_of(&self.warped, &self.body, &self.parameters)
+        input_of(
+            &self.warped,
+            &self.body,
+            &self.body_normals,
+            &self.parameters,
+        )
     }
 }

@@ -144,10 +144,15 @@ impl Network {
         if let Some(reason) = unfamiliar {
             return Self::fallen_back(garment, body, reason);
         }
+        let body_normals = if self.model.needs_body_normals() {
+            body.vertex_normals()
+        } else {
+            Vec::new()
+        };
         let moved = self.model.predict(&SceneInput {
             warped: &warped.positions,
             body: body.skin().positions(),
-            body_normals: &warped.body_normals,
+            body_normals: &body_normals,
             world_from_root: warped.world_from_root,
             rotations: &warped.rotations,
             parameters: &parameters,
