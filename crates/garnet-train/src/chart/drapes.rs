@@ -44,8 +44,9 @@ pub struct Timing {
 /// Drapes scenes of a split one by one and gives each sample to `take`, with the number of its
 /// task. Returns what the networks take, one a task.
 ///
-/// All candidates drape a scene before the next one comes, and in turn, so that a machine with other
-/// work treats them alike. The first scene is draped once more before, unmeasured.
+/// All candidates drape a scene before the next one comes, so that a machine with other work treats them alike. Each
+/// drapes it once more before, unmeasured: what it needs is then where the processor finds it, as in drapes one after
+/// another, and not where the candidate before has driven it.
 ///
 /// # Errors
 ///
@@ -63,7 +64,6 @@ pub fn time_drapes(
     let mut contenders: Vec<Contender<'_>> = contenders.collect::<Result<_, _>>()?;
     let measure = Measure::new(stage)?;
     let is_wanted = |scene| tasks.iter().any(|task| task.scenes.contains(&scene));
-    let mut is_warm = false;
     let mut first_error = None;
     stage.for_each_of(split, is_wanted, Ok, &mut |staged: StagedScene| {
         if first_error.is_some() {
@@ -71,17 +71,13 @@ pub fn time_drapes(
         }
         let mut scene = || {
             let binding = Binding::new(&staged.worn.garment)?;
-            if !is_warm {
-                for contender in &mut contenders {
-                    run(contender, &staged, &binding, &timing.untangle)?;
-                }
-                is_warm = true;
-            }
             let wanted = contenders.iter_mut().enumerate();
             let wanted = wanted.filter(|(task, _)| tasks[*task].scenes.contains(&staged.name));
-            let samples = samples(wanted.collect(), &measure, &staged, &binding, timing)?;
-            for (task, sample) in samples {
-                take(task, sample);
+            for (task, contender) in wanted {
+                take(
+                    task,
+                    sample(contender, &measure, &staged, &binding, timing)?,
+                );
             }
             Ok(())
         };
@@ -129,36 +125,29 @@ fn run(
     })
 }
 
-/// The samples of one scene.
-fn samples(
-    mut contenders: Vec<(usize, &mut Contender<'_>)>,
+/// The sample of a candidate and a scene.
+fn sample(
+    contender: &mut Contender<'_>,
     measure: &Measure,
     staged: &StagedScene,
     binding: &Binding,
     timing: Timing,
-) -> Result<Vec<(usize, Sample)>, TrainError> {
-    let mut runs: Vec<Vec<Run>> = contenders.iter().map(|_| Vec::new()).collect();
-    for _ in 0..timing.repeats.max(1) {
-        for ((_, contender), runs) in contenders.iter_mut().zip(&mut runs) {
-            runs.push(run(contender, staged, binding, &timing.untangle)?);
-        }
-    }
-    let mut samples = Vec::with_capacity(runs.len());
-    for ((task, _), mut runs) in contenders.into_iter().zip(runs) {
-        runs.sort_by(|a, b| a.seconds.total().total_cmp(&b.seconds.total()));
-        let middle = runs.swap_remove(runs.len() / 2);
-        let (mut before, mut after) = (Tally::default(), Tally::default());
-        measure.add(&mut before, staged, &middle.before)?;
-        measure.add(&mut after, staged, &middle.finished.positions)?;
-        let sample = Sample {
-            body: staged.name.body,
-            pose: staged.name.pose,
-            seconds: middle.seconds,
-            before,
-            after: Some(after),
-            left: middle.finished.left,
-        };
-        samples.push((task, sample));
-    }
-    Ok(samples)
+) -> Result<Sample, TrainError> {
+    let mut run = || run(contender, staged, binding, &timing.untangle);
+    run()?;
+    let runs = (0..timing.repeats.max(1)).map(|_| run());
+    let mut runs: Vec<Run> = runs.collect::<Result<_, _>>()?;
+    runs.sort_by(|a, b| a.seconds.total().total_cmp(&b.seconds.total()));
+    let middle = runs.swap_remove(runs.len() / 2);
+    let (mut before, mut after) = (Tally::default(), Tally::default());
+    measure.add(&mut before, staged, &middle.before)?;
+    measure.add(&mut after, staged, &middle.finished.positions)?;
+    Ok(Sample {
+        body: staged.name.body,
+        pose: staged.name.pose,
+        seconds: middle.seconds,
+        before,
+        after: Some(after),
+        left: middle.finished.left,
+    })
 }
