@@ -2,6 +2,7 @@
 
 use crate::contact::{Contacts, Interval, Skin};
 use crate::layers::Layers;
+use crate::xpbd::Projection;
 use crate::xpbd::pairs::Pairs;
 use crate::xpbd::particles::{Particles, Push};
 use crate::xpbd::patch::Pace;
@@ -127,9 +128,13 @@ impl<'a> Solver<'a> {
         self.drag = self.schedule.drag + stage.extra_drag;
         self.friction_share = stage.friction;
         self.substep = 0;
-        let every = self.schedule.bending_interval;
+        let projection = Projection {
+            step,
+            over_relaxation: self.schedule.over_relaxation,
+            bending_interval: self.schedule.bending_interval,
+        };
         self.patchwork
-            .set_step(self.cloth, &self.inverse_masses, step, every);
+            .set_projection(self.cloth, &self.inverse_masses, projection);
     }
 
     /// Lets the air move by so much in the next frame around cloth so loose `[vertex]`, in metres; not

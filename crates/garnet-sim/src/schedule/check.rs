@@ -49,6 +49,7 @@ impl Schedule {
                 0.5,
                 2.0,
             ),
+            ("an over-relaxation of", self.over_relaxation, 0.1, 1.9),
             ("a drag of", self.drag, 0.0, 100.0),
             ("a share of friction of", self.motion_friction, 0.0, 10.0),
             ("a rate of carrying of", self.carry, 0.0, 1e5),

@@ -58,6 +58,9 @@ pub struct Schedule {
     /// Share of their rest lengths that springs are taken to have. One projection a substep leaves springs soft, and cloth
     /// sags: at a low rate shorter ones hang as long as those of a higher rate do.
     pub length_share: f32,
+    /// What corrections of the lengths of springs are multiplied by: above 1 they are over-relaxed, and springs are stiffer
+    /// at the same rate; far above it cloth trembles.
+    pub over_relaxation: f32,
     /// Velocity lost to the air, 1/s.
     pub drag: f32,
     /// Rate at which cloth takes the velocity of the air that goes along with the body, 1/s. Cloth
@@ -231,6 +234,7 @@ impl Schedule {
             },
             contraction_frames: 0,
             length_share: 1.0,
+            over_relaxation: 1.0,
             drag: 10.0,
             carry: CARRY,
             max_speed: 8.0,

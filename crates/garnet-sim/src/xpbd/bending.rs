@@ -1,6 +1,7 @@
 //! Hinges that resist folds.
 
 use crate::Cloth;
+use crate::xpbd::Projection;
 use crate::xpbd::coloring::colors;
 use crate::xpbd::particles::{Particles, Places};
 use crate::xpbd::quad::Quad;
@@ -62,14 +63,16 @@ impl Bending {
         }
     }
 
-    /// Sets the length of the substep, in seconds, and in how many of them hinges are projected
-    /// once. The impulse of one projection is that of all these substeps.
-    pub(crate) fn set_step(
+    /// Sets how hinges are projected. The impulse of one projection is that of all the substeps up to the next.
+    pub(crate) fn set_projection(
         &mut self,
         cloth: &Cloth,
         inverse_masses: &[f32],
-        step: f32,
-        every: u32,
+        Projection {
+            step,
+            bending_interval,
+            ..
+        }: Projection,
     ) {
         for (row, hinge) in self.rows.iter_mut().zip(&self.hinges) {
             let Some(hinge) = *hinge else { continue };
@@ -79,7 +82,7 @@ impl Bending {
                 .map(|m| inverse[m] * hinge.weights[m] * hinge.weights[m])
                 .sum();
             // Cloth without bending rigidity has an infinite compliance: no response.
-            let stiffness = hinge.stiffness * step * step * every as f32;
+            let stiffness = hinge.stiffness * step * step * bending_interval as f32;
             let denominator = per_weight * stiffness + 1.0;
             row.responses = Quad(
                 [0, 1, 2, 3].map(|m| -inverse[m] * hinge.weights[m] * stiffness / denominator),
@@ -136,7 +139,7 @@ mod tests {
         let all: Vec<u32> = (0..cloth.hinges().len() as u32).collect();
         let mut bending = Bending::new(cloth, &all, sheet.places());
         assert!(bending.hinges.iter().any(Option::is_none));
-        bending.set_step(cloth, &cloth.inverse_masses(), 5e-4, 4);
+        bending.set_projection(cloth, &cloth.inverse_masses(), Projection::of(5e-4, 4));
         bending.rebase(&particles.bases);
         let [mut fast, mut plain] = [0; 2].map(|_| particles.offsets.clone());
         for _ in 0..20 {

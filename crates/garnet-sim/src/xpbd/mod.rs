@@ -18,3 +18,26 @@ mod seam;
 #[cfg(test)]
 mod sheet;
 pub(crate) mod springs;
+
+/// How springs and hinges are projected.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Projection {
+    /// Length of a substep, in seconds.
+    pub(crate) step: f32,
+    /// What corrections of springs are multiplied by.
+    pub(crate) over_relaxation: f32,
+    /// Hinges are projected once in so many substeps.
+    pub(crate) bending_interval: u32,
+}
+
+#[cfg(test)]
+impl Projection {
+    /// Substeps of so many seconds.
+    fn of(step: f32, bending_interval: u32) -> Self {
+        Self {
+            step,
+            over_relaxation: 1.0,
+            bending_interval,
+        }
+    }
+}

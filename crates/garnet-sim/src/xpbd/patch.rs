@@ -2,6 +2,7 @@
 
 use crate::Cloth;
 use crate::contact::{self, Plane};
+use crate::xpbd::Projection;
 use crate::xpbd::bending::Bending;
 use crate::xpbd::pairs::{End, Pair};
 use crate::xpbd::particles::{Particles, Places, Push};
@@ -67,16 +68,15 @@ impl Patch {
         }
     }
 
-    /// Sets the length of the substep, in seconds, and in how many of them hinges are projected once.
-    pub(super) fn set_step(
+    /// Sets how springs and hinges are projected.
+    pub(super) fn set_projection(
         &mut self,
         cloth: &Cloth,
         inverse_masses: &[f32],
-        step: f32,
-        every: u32,
+        projection: Projection,
     ) {
-        self.springs.set_step(cloth, inverse_masses, step);
-        self.bending.set_step(cloth, inverse_masses, step, every);
+        (self.springs).set_projection(cloth, inverse_masses, projection);
+        (self.bending).set_projection(cloth, inverse_masses, projection);
     }
 
     /// Sets the rest lengths `[spring of the cloth]`, in metres.

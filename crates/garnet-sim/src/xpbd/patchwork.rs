@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::Cloth;
 use crate::contact::Plane;
+use crate::xpbd::Projection;
 use crate::xpbd::pairs::Pair;
 use crate::xpbd::particles::Particles;
 use crate::xpbd::patch::{Pace, Parts, Patch};
@@ -89,15 +90,14 @@ impl Patchwork {
         }
     }
 
-    /// Sets the length of the substep, in seconds, and in how many of them hinges are projected once.
-    pub(crate) fn set_step(
+    /// Sets how springs and hinges are projected.
+    pub(crate) fn set_projection(
         &mut self,
         cloth: &Cloth,
         inverse_masses: &[f32],
-        step: f32,
-        every: u32,
+        projection: Projection,
     ) {
-        let set = |patch: &mut Patch| patch.set_step(cloth, inverse_masses, step, every);
+        let set = |patch: &mut Patch| patch.set_projection(cloth, inverse_masses, projection);
         (self.patches.par_iter_mut()).for_each(|patch| set(exclusive(patch)));
         set(self.seam.patch());
     }

@@ -1,6 +1,7 @@
 //! Edges that resist changes of their length, in blocks.
 
 use crate::Cloth;
+use crate::xpbd::Projection;
 use crate::xpbd::coloring::colors;
 use crate::xpbd::particles::{Particles, Places};
 use crate::xpbd::quad::Quad;
@@ -72,8 +73,17 @@ impl Springs {
         }
     }
 
-    /// Sets the length of the substep, in seconds.
-    pub(crate) fn set_step(&mut self, cloth: &Cloth, inverse_masses: &[f32], step: f32) {
+    /// Sets how springs are projected.
+    pub(crate) fn set_projection(
+        &mut self,
+        cloth: &Cloth,
+        inverse_masses: &[f32],
+        Projection {
+            step,
+            over_relaxation,
+            ..
+        }: Projection,
+    ) {
         for (index, slot) in self.slots.iter().enumerate() {
             let Some(spring) = *slot else { continue };
             let spring = &cloth.springs()[spring as usize];
@@ -83,8 +93,8 @@ impl Springs {
                 .map(|vertex| inverse_masses[vertex as usize]);
             let stretched = first + second + compliance(spring.stiffness);
             let block = &mut self.blocks[index / WIDTH];
-            block.first_shares[index % WIDTH] = first / stretched;
-            block.second_shares[index % WIDTH] = second / stretched;
+            block.first_shares[index % WIDTH] = over_relaxation * first / stretched;
+            block.second_shares[index % WIDTH] = over_relaxation * second / stretched;
             // Without any stiffness the compliance is infinite, and the factor zero.
             let shortened = first + second + compliance(spring.compression);
             block.compressions[index % WIDTH] = stretched / shortened;
@@ -151,11 +161,11 @@ mod tests {
     use crate::xpbd::sheet::{Sheet, waves};
 
     /// All springs of a sheet, ready to be projected.
-    fn springs(sheet: &Sheet) -> Springs {
+    fn springs(sheet: &Sheet, projection: Projection) -> Springs {
         let cloth = &sheet.cloth;
         let all: Vec<u32> = (0..cloth.springs().len() as u32).collect();
         let mut springs = Springs::new(cloth, &all, sheet.places());
-        springs.set_step(cloth, &cloth.inverse_masses(), 5e-4);
+        springs.set_projection(cloth, &cloth.inverse_masses(), projection);
         springs.set_lengths(|spring| cloth.springs()[spring].rest_length);
         springs.rebase(&sheet.particles.bases);
         springs
@@ -165,7 +175,7 @@ mod tests {
     fn projected(fabric: &Fabric, scale: f32) -> Vec<Quad> {
         let sheet = Sheet::new([4, 3], fabric, |p| p * scale);
         let mut offsets = sheet.particles.offsets.clone();
-        springs(&sheet).project(&mut offsets);
+        springs(&sheet, Projection::of(5e-4, 1)).project(&mut offsets);
         offsets
     }
 
@@ -173,7 +183,7 @@ mod tests {
     fn vector_instructions_give_the_same_bits_as_the_plain_loop() {
         // Not as many springs as blocks have room for, in several colors.
         let sheet = Sheet::new([9, 7], &Fabric::interlock(), waves);
-        let springs = springs(&sheet);
+        let springs = springs(&sheet, Projection::of(5e-4, 1));
         let [mut fast, mut plain] = [0; 2].map(|_| sheet.particles.offsets.clone());
         for _ in 0..20 {
             springs.project(&mut fast);
@@ -181,6 +191,25 @@ mod tests {
         }
         assert_eq!(fast, plain);
         assert!(plain.iter().any(|offset| offset.dot3(*offset) > 1e-8));
+    }
+
+    #[test]
+    fn over_relaxed_springs_are_corrected_by_as_much_more() {
+        let sheet = Sheet::new([4, 3], &Fabric::interlock(), waves);
+        let plain = Projection::of(5e-4, 1);
+        let more = Projection {
+            over_relaxation: 1.5,
+            ..plain
+        };
+        let [plain, more] = [plain, more].map(|projection| springs(&sheet, projection));
+        for (plain, more) in plain.blocks.iter().zip(&more.blocks) {
+            let shares = |block: &Block| [block.first_shares, block.second_shares].concat();
+            for (plain, more) in shares(plain).into_iter().zip(shares(more)) {
+                assert!((more - 1.5 * plain).abs() < 1e-6);
+            }
+            let bits = |block: &Block| block.compressions.map(f32::to_bits);
+            assert_eq!(bits(plain), bits(more));
+        }
     }
 
     #[test]

@@ -34,6 +34,7 @@ pub(crate) fn undamped(frames: u32, rate: f32) -> Schedule {
         patches: 1,
         contraction_frames: 0,
         length_share: 1.0,
+        over_relaxation: 1.0,
         drag: 0.0,
         carry: 0.0,
         max_speed: 100.0,
