@@ -191,7 +191,7 @@ fn a_tolerance_takes_what_simulates_least() {
     };
     for (limit, method, frames) in [
         ("--tolerance 6.8", "pose-space", 6),
-        ("--tolerance 6", "falling", 7),
+        ("--tolerance 6", "falling", 6),
         ("--tolerance 4.2", "arrival", 30),
         ("--tolerance 3", "midway", 46),
     ] {

@@ -30,7 +30,7 @@ impl Put {
     pub const fn frames(self) -> u32 {
         match self {
             Self::AtRest => 6,
-            Self::Falling => 7,
+            Self::Falling => 6,
             Self::AtArrival => 30,
             Self::Midway | Self::OnRestBody => 46,
         }
