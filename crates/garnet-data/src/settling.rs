@@ -29,8 +29,7 @@ impl Put {
     /// they are midway, they come nearer with each frame up to 60 at least, for a hundredth of the time each ([`Schedule::after_arrival`]).
     pub const fn frames(self) -> u32 {
         match self {
-            Self::AtRest => 6,
-            Self::Falling => 6,
+            Self::AtRest | Self::Falling => 6,
             Self::AtArrival => 30,
             Self::Midway | Self::OnRestBody => 46,
         }
