@@ -42,7 +42,7 @@ pub(crate) struct DrapeArgs {
     #[arg(long, value_name = "MM", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Simulate the cloth where it was put for so many frames of 1/60 s, the body standing still: strain
-    /// gives way and folds get finer [default: 6 for networks that gain by it on their test scenes, 8 for those that put
+    /// gives way and folds get finer [default: 6 for networks that gain by it on their test scenes and those that put
     /// cloth where it still falls, 30 for those that put it where it is when the body arrives, 46 where it is halfway: there the way is simulated
     /// first; else 0].
     #[arg(long, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]

@@ -32,7 +32,7 @@ pub(crate) struct EvalArgs {
     #[arg(long, value_name = "SPLIT", default_value = "test")]
     split: SplitName,
     /// Measure networks twice: as they are, and with their drapes simulated for so many frames of 1/60 s; 0
-    /// leaves that out [default: 6; of networks that put cloth where it still falls 8, where it arrives 30, is midway 46, and these
+    /// leaves that out [default: 6; of networks that put cloth where it still falls 6, where it arrives 30, is midway 46, and these
     /// alone].
     #[arg(long, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
