@@ -5,10 +5,12 @@
 use std::path::{Path, PathBuf};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use garnet::{Draper, Garment, io::ObjFile};
+use garnet::{
+    Draper, Garment,
+    io::{ObjFile, Scene},
+};
 use garnet_benches::group;
 use garnet_mesh::subdivided;
-use garnet_skin::Scene;
 
 #[expect(
     clippy::print_stdout,

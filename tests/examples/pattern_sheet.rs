@@ -12,12 +12,13 @@ use std::{
     path::Path,
 };
 
+use garnet::io::write_obj;
 use garnet::{
     data::wearer_of,
     shape::{BodyParameters, Measure, ParametricBody},
 };
 use garnet_knn::Surface;
-use garnet_mesh::{TriMesh, write_obj};
+use garnet_mesh::TriMesh;
 use garnet_pattern::{GarmentKind, SewnGarment, Size, Template};
 use garnet_tests::{Scene, Sheet};
 use garnet_view::{Camera, palette};

@@ -12,11 +12,12 @@ use std::{
 };
 
 use garnet::{
-    motion::{Ground, ReadOptions, RetargetOptions, Take, put_on_ground},
+    io::{Take, read_rig},
+    motion::{Ground, ReadOptions, RetargetOptions, put_on_ground},
     poses::{GaitCycle, PoseSampler, Poser, SelfContact, SeparationOptions, key_poses},
     shape::{BodyParameters, Measure, ParametricBody},
 };
-use garnet_skin::{Body, Method, Pose, read_rig};
+use garnet_skin::{Body, Method, Pose};
 use garnet_tests::{Scene, Sheet};
 use garnet_view::{Camera, palette};
 

@@ -8,40 +8,45 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Each crate and the crates of this workspace that it may use.
-const ARROWS: [(&str, &[&str]); 14] = [
+const ARROWS: [(&str, &[&str]); 15] = [
     ("garnet-mesh", &[]),
     ("garnet-knn", &["mesh"]),
     ("garnet-skin", &["mesh", "knn"]),
     ("garnet-untangle", &["mesh", "knn", "skin"]),
     ("garnet-body", &["mesh", "knn", "skin"]),
+    ("garnet-io", &["mesh", "knn", "skin", "body"]),
     ("garnet-pattern", &["mesh"]),
     ("garnet-sim", &["mesh", "knn"]),
     (
         "garnet-data",
-        &["mesh", "knn", "skin", "body", "pattern", "sim"],
+        &["mesh", "knn", "skin", "body", "io", "pattern", "sim"],
     ),
     ("garnet-kernel", &[]),
     ("garnet-net", &["mesh", "knn", "kernel"]),
     (
         "garnet-train",
         &[
-            "net", "data", "untangle", "mesh", "knn", "skin", "body", "pattern", "sim", "kernel",
+            "net", "data", "untangle", "mesh", "knn", "skin", "body", "io", "pattern", "sim",
+            "kernel",
         ],
     ),
     ("garnet-view", &["mesh"]),
     (
         "garnet",
         &[
-            "mesh", "knn", "skin", "untangle", "body", "pattern", "sim", "data", "kernel", "net",
-            "train",
+            "mesh", "knn", "skin", "untangle", "body", "io", "pattern", "sim", "data", "kernel",
+            "net", "train",
         ],
     ),
     ("garnet-cli", &["garnet", "view"]),
 ];
 
 /// Third parties that only some crates may name.
-const OWNERS: [(&str, &[&str]); 10] = [
-    ("tobj", &["garnet-mesh"]),
+const OWNERS: [(&str, &[&str]); 12] = [
+    ("tobj", &["garnet-io"]),
+    ("gltf", &["garnet-io"]),
+    // Tests of data sets write archives to import.
+    ("zip", &["garnet-io", "garnet-data"]),
     ("kiddo", &["garnet-knn"]),
     ("burn", &["garnet-net", "garnet-train"]),
     ("clap", &["garnet-cli"]),

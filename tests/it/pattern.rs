@@ -2,10 +2,11 @@
 
 use garnet::{
     data::wearer_of,
+    io::ObjFile,
     shape::{ParametricBody, Population},
 };
 use garnet_knn::Surface;
-use garnet_pattern::{GarmentKind, Measures, Size, Template};
+use garnet_pattern::{GarmentKind, Measures, Size, Template, Wearer};
 
 const BODIES: u64 = 30;
 
@@ -43,4 +44,20 @@ fn garments_start_around_every_body_without_a_crossing() {
     }
     println!("{made} garments made to measure and {sized} T-shirts of a size");
     assert!(sized > BODIES);
+}
+
+#[test]
+fn the_obj_of_a_pattern_reads_back_with_every_vertex_once() {
+    for kind in GarmentKind::ALL {
+        let template = Template::new(kind, 2500).unwrap();
+        let parameters = template.garment().parameters();
+        let garment = template.made_to_measure(&parameters, &Wearer::reference());
+        let garment = garment.unwrap();
+        let text = garment.obj(&garment.start);
+        let file = ObjFile::parse(text.into_bytes(), "garment.obj").unwrap();
+        assert_eq!(file.positions(), garment.start);
+        assert_eq!(file.triangles(), garment.faces);
+        assert_eq!(file.num_groups(), garment.panels.len());
+        assert!(file.num_texture_vertices() >= garment.num_vertices());
+    }
 }

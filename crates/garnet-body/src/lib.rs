@@ -1,4 +1,4 @@
-//! The built-in parametric human body, its tape measures, poses and motion files.
+//! The built-in parametric human body, its tape measures, poses, motions and retargeting.
 
 mod draws;
 pub mod motion;

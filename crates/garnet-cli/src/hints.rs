@@ -6,9 +6,10 @@ use garnet::{
     CheckpointError, Error, MeshError, NetError, SkinError,
     data::{DataError, MANIFEST_FILE, ReadAs},
     io::{
-        ArrayProblem, FileError, FileProblem, ObjError, ObjLineProblem, ObjParseError, WriteError,
+        ArrayProblem, FileError, FileProblem, MotionError, MotionProblem, ObjError, ObjLineProblem,
+        ObjParseError, WriteError,
     },
-    motion::{MotionError, MotionProblem, RetargetError},
+    motion::RetargetError,
     pattern::PatternError,
     sim::SimError,
     train::TrainError,

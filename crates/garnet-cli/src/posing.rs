@@ -8,8 +8,9 @@ use std::{
 use anyhow::Context;
 use garnet::{
     Body, Pose, Vector3,
+    io::Take,
     motion::{
-        FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, Take, lowest_points,
+        FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, lowest_points,
         put_on_ground,
     },
     poses::{Poser, SelfContact, SeparationOptions, key_pose, key_poses, turn},
@@ -179,7 +180,7 @@ fn keep_apart(
         legs_give_way: false,
         ..SeparationOptions::default()
     };
-    let easing = contact.easing_of_take(take, frames, &options)?;
+    let easing = take.easing(&contact, frames, &options)?;
     let largest = |turns: &[Vector3]| turns.iter().map(Vector3::norm).fold(0.0, f32::max);
     let largest: Vec<f32> = easing.iter().map(|turns| largest(turns)).collect();
     for (pose, turns) in poses.iter_mut().zip(&easing) {

@@ -6,10 +6,11 @@ use std::{
 };
 
 use garnet_body::{motion::RetargetError, shape::ShapeError};
-use garnet_mesh::{MeshDifference, MeshError, ObjError, WriteError};
+use garnet_io::{FileError, ObjError, WriteRigError};
+use garnet_mesh::{MeshDifference, MeshError, WriteError};
 use garnet_pattern::PatternError;
 use garnet_sim::SimError;
-use garnet_skin::{FileError, SkinError, WriteRigError};
+use garnet_skin::SkinError;
 
 use crate::dataset::ImportProblem;
 

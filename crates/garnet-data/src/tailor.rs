@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
-use garnet_mesh::{ObjFile, Point3};
+use garnet_io::ObjFile;
+use garnet_mesh::Point3;
 use garnet_pattern::{Fit, GarmentKind, Parameters, SewnGarment, Size, Template, Wearer};
 use garnet_sim::{Cloth, Fabric, GRIP, MovingBody, Quality, RestShape, Scene, Schedule, drape};
 use garnet_skin::{Body, Garment};

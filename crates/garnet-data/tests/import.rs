@@ -15,7 +15,8 @@ use std::{
 use garnet_data::{
     DataError, Dataset, DatasetManifest, GarmentPackage, ImportManifest, Split, import,
 };
-use garnet_mesh::{Point3, TriMesh, Vector3, write_obj};
+use garnet_io::write_obj;
+use garnet_mesh::{Point3, TriMesh, Vector3};
 use tempfile::TempDir;
 use zip::{ZipWriter, write::SimpleFileOptions};
 

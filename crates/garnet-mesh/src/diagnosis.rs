@@ -3,8 +3,7 @@
 use std::collections::HashMap;
 
 use crate::normals::area_vector;
-use crate::{Point3, Topology, TriMesh, Unit, UpAxis, Vector3};
-use crate::{guess_body_unit, guess_garment_units, guess_up_axis};
+use crate::{Point3, Topology, TriMesh, Vector3};
 
 /// The smallest box along the axes that holds some points, in the unit of the points.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -114,22 +113,6 @@ impl MeshDiagnosis {
             && self.non_manifold_edges.is_empty()
             && self.inconsistent_edges.is_empty()
     }
-
-    /// The up axis, if the mesh is a body that stands.
-    pub fn body_up_axis(&self) -> Option<UpAxis> {
-        guess_up_axis(self.bounds.extent())
-    }
-
-    /// The unit, if the mesh is a body; its height is the larger of y and z.
-    pub fn body_unit(&self) -> Option<Unit> {
-        let extent = self.bounds.extent();
-        guess_body_unit(extent.y.max(extent.z))
-    }
-
-    /// The units that fit the size if the mesh is a garment, the longest first.
-    pub fn garment_units(&self) -> Vec<Unit> {
-        guess_garment_units(self.bounds.extent().max())
-    }
 }
 
 /// Looks at a mesh as it is; nothing is repaired.
@@ -210,7 +193,7 @@ fn mean_length(positions: &[Point3], edges: &[[u32; 2]]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::primitives::{capsule, cuboid, tube};
+    use crate::primitives::{cuboid, tube};
 
     #[test]
     fn a_clean_closed_mesh_has_nothing_to_tell() {
@@ -290,16 +273,8 @@ mod tests {
     }
 
     #[test]
-    fn a_body_tells_its_unit_and_up_axis() {
-        let diagnosis = diagnose(&capsule(15.0, 140.0, 12, 4));
-        assert_eq!(diagnosis.body_unit(), Some(Unit::Centimetre));
-        assert_eq!(diagnosis.body_up_axis(), Some(UpAxis::Y));
-    }
-
-    #[test]
     fn a_garment_tells_its_rims() {
         let diagnosis = diagnose(&tube(0.3, 0.7, 12, 6));
         assert_eq!(diagnosis.boundary_loops.len(), 2);
-        assert_eq!(diagnosis.garment_units(), [Unit::Metre]);
     }
 }

@@ -1,8 +1,9 @@
-//! Triangle meshes: OBJ in and lossless out, topology, normals, areas, curvatures, comparison.
+//! Triangle meshes: topology, normals, areas, curvatures, comparison, fingerprints; atomic writes of
+//! files.
 //!
-//! Values are checked once, where they enter: [`ObjFile`] and [`TriMesh`] hold only
-//! coordinates up to [`MAX_COORDINATE`] and faces that name existing vertices. Everything else takes positions and faces
-//! as slices, so that many poses share one [`Topology`].
+//! Values are checked once, where they enter: a [`TriMesh`] holds only coordinates up to
+//! [`MAX_COORDINATE`] and faces that name existing vertices. Everything else takes positions and
+//! faces as slices, so that many poses share one [`Topology`].
 //!
 //! ```
 //! use garnet_mesh::primitives::tube;
@@ -25,17 +26,9 @@ mod diagnosis;
 mod edges;
 mod error;
 mod fingerprint;
-mod foreign;
 mod kinship;
 mod lists;
 mod normals;
-mod obj_error;
-mod obj_file;
-mod obj_normals;
-mod obj_output;
-mod obj_parse;
-mod obj_scan;
-mod obj_words;
 mod orientation;
 pub mod primitives;
 mod subdivide;
@@ -56,14 +49,11 @@ pub use error::MeshError;
 pub use fingerprint::{Fingerprint, FingerprintError};
 pub use kinship::{Kinship, KnownMesh, MeshDifference, kinship};
 pub use normals::{face_areas, face_normals, vertex_normals};
-pub use obj_error::{ObjElement, ObjError, ObjLineProblem, ObjParseError};
-pub use obj_file::ObjFile;
-pub use obj_output::write_obj;
 pub use orientation::is_inside_out;
 pub use subdivide::subdivided;
 pub use topology::{Hinge, Topology};
 pub use tri_mesh::{MAX_COORDINATE, TriMesh, check_range, stray_coordinate};
-pub use units::{Unit, UnitError, UpAxis, guess_body_unit, guess_garment_units, guess_up_axis};
+pub use units::{Unit, UnitError, UpAxis};
 
 /// A point in space, in metres.
 pub type Point3 = nalgebra::Point3<f32>;

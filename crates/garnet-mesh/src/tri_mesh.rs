@@ -100,7 +100,7 @@ impl TriMesh {
 }
 
 /// Whether a coordinate is a number up to [`MAX_COORDINATE`].
-pub(crate) fn is_in_range(value: f32) -> bool {
+fn is_in_range(value: f32) -> bool {
     value.abs() <= MAX_COORDINATE
 }
 

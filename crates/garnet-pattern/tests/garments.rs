@@ -4,7 +4,7 @@
 
 use std::sync::LazyLock;
 
-use garnet_mesh::{ObjFile, Topology, diagnose};
+use garnet_mesh::{Topology, diagnose};
 use garnet_pattern::{GarmentKind, PatternError, SewnGarment, Size, Template, Wearer};
 
 const REFERENCE: Wearer = Wearer::reference();
@@ -245,19 +245,6 @@ fn wrong_parameters_are_refused_by_name() {
         refused,
         Err(PatternError::BadWearer { what: "waist", .. })
     ));
-}
-
-#[test]
-fn an_obj_reads_back_with_every_vertex_once() {
-    for template in TEMPLATES.iter() {
-        let garment = mean(template);
-        let text = garment.obj(&garment.start);
-        let file = ObjFile::parse(text.into_bytes(), "garment.obj").unwrap();
-        assert_eq!(file.positions(), garment.start);
-        assert_eq!(file.triangles(), garment.faces);
-        assert_eq!(file.num_groups(), garment.panels.len());
-        assert!(file.num_texture_vertices() >= garment.num_vertices());
-    }
 }
 
 #[test]

@@ -139,7 +139,7 @@ impl Body {
                 mesh: rest.num_vertices(),
             });
         }
-        check_joint_count(&skeleton, &weights)?;
+        weights.check_joints(&skeleton)?;
         let was_inside_out = is_inside_out(rest.positions(), rest.faces());
         let rest = if was_inside_out { turned(rest) } else { rest };
         Ok(Self {
@@ -263,19 +263,6 @@ fn turned(mesh: TriMesh) -> TriMesh {
 }
 
 /// Checks that weights are for as many joints as the skeleton has.
-pub(crate) fn check_joint_count(
-    skeleton: &Skeleton,
-    weights: &SkinWeights,
-) -> Result<(), SkinError> {
-    if weights.num_joints() == skeleton.num_joints() {
-        return Ok(());
-    }
-    Err(SkinError::JointCount {
-        weights: weights.num_joints(),
-        skeleton: skeleton.num_joints(),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

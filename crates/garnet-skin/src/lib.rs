@@ -1,5 +1,4 @@
-//! Skeletons, poses, weights, dual-quaternion skinning, weight transfer to garments, pose recovery,
-//! rig and scene files.
+//! Skeletons, poses, weights, dual-quaternion skinning, weight transfer to garments, pose recovery.
 //!
 //! ```
 //! use garnet_mesh::TriMesh;
@@ -34,7 +33,6 @@ mod body;
 mod cloth_graph;
 mod dual_quaternion;
 mod error;
-mod files;
 mod garment;
 mod pieces;
 mod pose;
@@ -57,11 +55,6 @@ pub use body::{Body, Rig};
 pub use cloth_graph::{ClothGraph, HalfEdge};
 pub use dual_quaternion::DualQuaternion;
 pub use error::SkinError;
-pub use files::{
-    ArrayProblem, FileError, FileProblem, GltfProblem, NpyArray, NpyValues, NpzFile, Scene,
-    WriteRigError, read_pose, read_rig, read_rig_gltf, read_rig_npz, read_weights, stage_rig_npz,
-    write_rig_npz,
-};
 pub use garment::{BoundGarment, Garment, Warp};
 pub use garnet_mesh::{Point3, Vector3};
 pub use pose::{Pose, PoseFit};

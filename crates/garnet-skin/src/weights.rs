@@ -153,6 +153,21 @@ impl SkinWeights {
         dense
     }
 
+    /// Refuses a skeleton with another number of joints than the weights are for.
+    ///
+    /// # Errors
+    ///
+    /// [`SkinError::JointCount`].
+    pub fn check_joints(&self, skeleton: &Skeleton) -> Result<(), SkinError> {
+        if self.num_joints() == skeleton.num_joints() {
+            return Ok(());
+        }
+        Err(SkinError::JointCount {
+            weights: self.num_joints(),
+            skeleton: skeleton.num_joints(),
+        })
+    }
+
     pub(crate) fn row(&self, vertex: usize) -> (&[u16], &[f32]) {
         let range = self.starts[vertex]..self.starts[vertex + 1];
         (&self.joints[range.clone()], &self.weights[range])

@@ -1,9 +1,10 @@
 //! What can go wrong between files and a drape.
 
 use garnet_body::motion::RetargetError;
-use garnet_mesh::{Bounds, MeshError, ObjError};
+use garnet_io::{FileError, ObjError};
+use garnet_mesh::{Bounds, MeshError};
 use garnet_net::{CheckpointError, NetError};
-use garnet_skin::{FileError, SkinError};
+use garnet_skin::SkinError;
 use garnet_untangle::UntangleError;
 
 /// What can go wrong between files and a drape.

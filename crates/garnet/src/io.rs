@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-pub use garnet_mesh::{
-    ObjError, ObjFile, ObjLineProblem, ObjParseError, WriteError, remove_stale_temporaries,
-    write_atomically, write_obj,
+pub use garnet_io::{
+    ArrayProblem, FileError, FileProblem, MotionError, MotionProblem, ObjError, ObjFile,
+    ObjLineProblem, ObjParseError, Scene, Take, TakeError, WriteRigError, guess_body_unit,
+    guess_garment_units, guess_up_axis, read_pose, read_rig, write_obj, write_rig_npz,
 };
-pub use garnet_skin::{
-    ArrayProblem, FileError, FileProblem, Scene, WriteRigError, read_pose, read_rig, write_rig_npz,
-};
+pub use garnet_mesh::{WriteError, remove_stale_temporaries, write_atomically};
 
 use crate::{Body, Error};
 

@@ -56,8 +56,7 @@ pub use garnet_knn::{ClosestPoint, Surface};
 pub use garnet_mesh::{
     Bounds, Kinship, KnownMesh, MAX_COORDINATE, MeshDiagnosis, MeshDifference, MeshError, Point3,
     StretchSummary, TriMesh, Unit, UnitError, UpAxis, Vector3, diagnose, edge_stretch,
-    edge_stretches, guess_body_unit, guess_up_axis, is_inside_out, kinship, pattern_stretches,
-    primitives, vertex_distances,
+    edge_stretches, is_inside_out, kinship, pattern_stretches, primitives, vertex_distances,
 };
 pub use garnet_net::{Aim, CheckpointError, CheckpointHeader, ModelFile, NetError};
 #[cfg(feature = "train")]

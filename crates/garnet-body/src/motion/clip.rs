@@ -50,7 +50,11 @@ impl Motion {
     /// The unit is the one in which the legs come closest to those of an adult; the up axis is that
     /// from the ankles to the head at rest. Where the skeleton is no human figure, it is taken as
     /// metres and Y up.
-    pub(super) fn in_metres(
+    ///
+    /// # Errors
+    ///
+    /// [`SkinError`] if a joint is no longer finite.
+    pub fn in_metres(
         skeleton: &Skeleton,
         frames: Vec<Pose>,
         options: &ReadOptions,

@@ -14,7 +14,6 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
 use super::{SelfContact, SeparationOptions};
-use crate::motion::{RetargetError, RetargetOptions, Take, TakeError};
 
 /// How often frames are pushed apart and smoothed.
 const ROUNDS: u32 = 8;
@@ -33,6 +32,15 @@ const FRAME_TIMES: RangeInclusive<f64> = 1e-4..=10.0;
 
 /// Turns of the joints in a pose, as axes times angles in radians, each about its joint in the joint's own frame `[joint]`.
 pub type Turns = Vec<Vector3<f32>>;
+
+/// How long a motion is, and how fast.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Timing {
+    /// How many frames it has.
+    pub num_frames: usize,
+    /// Seconds from one frame to the next, if they are known.
+    pub frame_time: Option<f64>,
+}
 
 /// Turns the joints of a pose.
 pub fn turn(pose: &mut Pose, turns: &[Vector3<f32>]) {
@@ -87,26 +95,30 @@ impl SelfContact {
         Ok(turns)
     }
 
-    /// The turns that keep the parts of the body apart in frames of a motion that is carried over to it `[frame][joint]`. Whichever other
-    /// frames are asked for, a frame's are the same but for millimetres, except where a limb may leave another part by several ways.
+    /// The turns that keep the parts of the body apart in frames of a motion `[frame][joint]`, whose
+    /// poses of this body `poses_of` gives by their numbers.
+    ///
+    /// Whichever other frames are asked for, a frame's turns are the same but for millimetres,
+    /// except where a limb may leave another part by several ways.
     ///
     /// # Errors
     ///
-    /// Those of [`Take::poses_of`] and [`SelfContact::easing`].
-    pub fn easing_of_take(
+    /// Those of `poses_of` and [`SelfContact::easing`].
+    pub fn easing_of_frames<E: From<SkinError>>(
         &self,
-        take: &Take,
+        timing: Timing,
         frames: &[usize],
         options: &SeparationOptions,
-    ) -> Result<Vec<Turns>, TakeError> {
-        let frame_time = take
-            .frame_time()
+        poses_of: impl Fn(&[usize]) -> Result<Vec<Pose>, E>,
+    ) -> Result<Vec<Turns>, E> {
+        let frame_time = timing
+            .frame_time
             .filter(|time| FRAME_TIMES.contains(time))
             .unwrap_or(STRIDE);
         let stride = (STRIDE / frame_time).round().max(1.0) as usize;
         let seconds = stride as f64 * frame_time;
         let reach = (REACH / seconds).ceil() as usize;
-        let last = take.num_frames().saturating_sub(1) / stride;
+        let last = timing.num_frames.saturating_sub(1) / stride;
         let near = |&frame: &usize| {
             let moment = frame / stride;
             moment.saturating_sub(reach)..=(moment + 1 + reach).min(last)
@@ -115,10 +127,7 @@ impl SelfContact {
         let mut found: Vec<Option<Turns>> = vec![None; last + 1];
         for run in runs(&moments) {
             let of_run: Vec<usize> = run.clone().map(|moment| moment * stride).collect();
-            let poses =
-                take.poses_of(self.body().skeleton(), &of_run, &RetargetOptions::default())?;
-            let turns = self.easing(&poses, seconds, options);
-            let turns = turns.map_err(|error| take.wrong(RetargetError::from(error)))?;
+            let turns = self.easing(&poses_of(&of_run)?, seconds, options)?;
             for (moment, turns) in run.zip(turns) {
                 found[moment] = Some(turns);
             }

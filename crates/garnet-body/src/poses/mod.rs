@@ -40,7 +40,7 @@ mod sequences;
 pub use angles::{Arm, Bend, BodyAngles, Leg, NUM_ANGLES};
 pub use bent::{BentError, BentRing, Hinge, bent_ring};
 pub use contact::{Contact, ContactKind, ContactReport, SelfContact};
-pub use eased::{Turns, turn};
+pub use eased::{Timing, Turns, turn};
 pub use folds::{SkinFolds, skin_folds};
 pub use gait::GaitCycle;
 pub use key_pose::{KeyPose, key_pose, key_poses};

@@ -1,6 +1,7 @@
 //! Units and axes of files, and the way from them to metres with y up and back.
 
-use garnet::{Bounds, Point3, TriMesh, Unit, UpAxis, Vector3, guess_body_unit, guess_up_axis};
+use garnet::io::{guess_body_unit, guess_up_axis};
+use garnet::{Bounds, Point3, TriMesh, Unit, UpAxis, Vector3};
 
 /// Unit of length and up axis of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

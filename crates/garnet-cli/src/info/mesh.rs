@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use garnet::{
     Bounds, MeshDiagnosis, Rig, TriMesh, diagnose,
-    io::{ObjFile, read_rig},
+    io::{ObjFile, guess_body_unit, guess_garment_units, guess_up_axis, read_rig},
     is_inside_out,
     shape::{Recognized, recognized},
 };
@@ -84,6 +84,7 @@ impl MeshInfo {
 
     fn new(file: &ObjFile, found: &MeshDiagnosis) -> Self {
         let Bounds { min, max } = found.bounds;
+        let extent = found.bounds.extent();
         let mut boundary_lengths: Vec<usize> = found.boundary_loops.iter().map(Vec::len).collect();
         boundary_lengths.sort_unstable_by(|a, b| b.cmp(a));
         Self {
@@ -98,13 +99,12 @@ impl MeshInfo {
             min: min.coords.into(),
             max: max.coords.into(),
             mean_edge_length: found.mean_edge_length,
-            unit_if_body: found.body_unit().map(|unit| unit.to_string()),
-            units_if_garment: found
-                .garment_units()
+            unit_if_body: guess_body_unit(extent.y.max(extent.z)).map(|unit| unit.to_string()),
+            units_if_garment: guess_garment_units(extent.max())
                 .iter()
                 .map(ToString::to_string)
                 .collect(),
-            up_if_body: found.body_up_axis().map(|up| up.to_string()),
+            up_if_body: guess_up_axis(extent).map(|up| up.to_string()),
             components: found.num_components,
             is_closed: found.is_closed,
             boundary_loops: boundary_lengths.len(),

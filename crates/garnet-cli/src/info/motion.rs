@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use garnet::motion::{ReadOptions, Take};
+use garnet::{io::Take, motion::ReadOptions};
 use serde::Serialize;
 
 use super::table::Table;

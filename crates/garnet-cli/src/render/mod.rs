@@ -161,7 +161,7 @@ fn upright(file: &ObjFile, up: UpAxis) -> anyhow::Result<TriMesh> {
 fn metres_of(file: &ObjFile) -> f32 {
     let named = Bounds::of_faces(file.positions(), &file.triangles());
     let extent = named.unwrap_or_default().extent();
-    let unit = garnet::guess_body_unit(extent.max());
+    let unit = garnet::io::guess_body_unit(extent.max());
     unit.unwrap_or(Unit::Metre).in_metres()
 }
 

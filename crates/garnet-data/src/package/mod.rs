@@ -6,9 +6,10 @@ mod together;
 
 use std::path::{Path, PathBuf};
 
-use garnet_mesh::{Fingerprint, ObjFile, RestEdge, StagedFile, TriMesh};
+use garnet_io::{ObjFile, read_rig, stage_rig_npz};
+use garnet_mesh::{Fingerprint, RestEdge, StagedFile, TriMesh};
 use garnet_sim::{Cloth, RestShape};
-use garnet_skin::{Body, Rig, read_rig, stage_rig_npz};
+use garnet_skin::{Body, Rig};
 
 pub use manifest::{
     Manifest, PACKAGE_SCHEMA, StoredFabric, StoredPattern, StoredRestBody, Variant,

@@ -8,8 +8,9 @@ use garnet_data::{
     BodyRecord, Counts, DATASET_SCHEMA, DatasetManifest, GarmentPackage, Limits, PackageParts,
     Posed, SceneRecord, Shard, Sizing, Split, StoredFabric, Until, Variations,
 };
+use garnet_io::{ObjFile, write_obj};
 use garnet_mesh::primitives::{capsule, tube};
-use garnet_mesh::{ObjFile, Point3, Vector3, write_obj};
+use garnet_mesh::{Point3, Vector3};
 use garnet_skin::{Body, Garment, Joint, Pose, Skeleton, SkinWeights, Warp, WarpedGarment};
 use garnet_train::{Begin, Recipe, TrainConfig, TrainError, TrainJob, Trained, train};
 use nalgebra::UnitQuaternion;

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use garnet_mesh::{Bounds, KnownMesh, MeshDifference, ObjFile, Point3, Unit, check_range};
-use garnet_skin::{ArrayProblem, FileError, NpyArray, NpyValues, NpzFile};
+use garnet_io::{ArrayProblem, FileError, NpyArray, NpyValues, NpzFile, ObjFile};
+use garnet_mesh::{Bounds, KnownMesh, MeshDifference, Point3, Unit, check_range};
 
 use super::{ImportScene, Posed, SceneRecord};
 use crate::{DataError, GarmentPackage, ReadAs};

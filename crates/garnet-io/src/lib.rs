@@ -1,0 +1,40 @@
+//! Files of meshes and scenes: OBJ in and lossless out, rigs, poses, motions.
+//!
+//! Readers tell formats by their content, check every number where it enters, and give metres with
+//! Y up wherever the format says what it is in.
+//!
+//! ```
+//! use garnet_io::ObjFile;
+//!
+//! let file = ObjFile::parse(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(), "triangle.obj")?;
+//! assert_eq!(file.mesh()?.num_faces(), 1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod error;
+mod gltf;
+mod json;
+mod motion;
+mod npy;
+mod npz;
+mod obj;
+mod pose_json;
+mod read_rig;
+mod rig_json;
+mod rig_npz;
+mod scene;
+mod units;
+mod weights_json;
+
+pub use self::gltf::{GltfProblem, read_rig_gltf};
+pub use error::{FileError, FileProblem};
+pub use motion::{MotionError, MotionProblem, Take, TakeError};
+pub use npy::{ArrayProblem, NpyArray, NpyValues};
+pub use npz::NpzFile;
+pub use obj::{ObjElement, ObjError, ObjFile, ObjLineProblem, ObjParseError, write_obj};
+pub use pose_json::read_pose;
+pub use read_rig::read_rig;
+pub use rig_npz::{WriteRigError, read_rig_npz, stage_rig_npz, write_rig_npz};
+pub use scene::Scene;
+pub use units::{guess_body_unit, guess_garment_units, guess_up_axis};
+pub use weights_json::read_weights;

@@ -1,0 +1,99 @@
+//! Why a motion cannot be read.
+
+use std::{io, path::PathBuf};
+
+use garnet_skin::SkinError;
+
+use crate::FileProblem;
+
+/// A motion file that cannot be read.
+///
+/// The text says which file; [`std::error::Error::source`] says why, with the line where there is
+/// one.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot read `{}`", path.display())]
+pub struct MotionError {
+    /// The file.
+    pub path: PathBuf,
+    /// Why it cannot be read.
+    #[source]
+    pub problem: MotionProblem,
+}
+
+/// What is wrong with a motion file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MotionProblem {
+    /// The system refuses.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// The content is none of the known formats.
+    #[error("the file is no motion (BVH, npz with `poses`, or pose JSON)")]
+    UnknownFormat,
+    /// A word stands where another is expected.
+    #[error("line {line}: found `{found}`, expected {expected}")]
+    Unexpected {
+        /// Line, from 1.
+        line: usize,
+        /// The word.
+        found: String,
+        /// What may stand there.
+        expected: &'static str,
+    },
+    /// The file ends too early.
+    #[error("line {line}: the file ends here, expected {expected}")]
+    Ends {
+        /// The last line, from 1.
+        line: usize,
+        /// What should follow.
+        expected: &'static str,
+    },
+    /// A row of numbers has another length.
+    #[error("line {line}: {found} numbers, expected {expected}, one for each channel")]
+    RowLength {
+        /// Line, from 1.
+        line: usize,
+        /// How many there are.
+        found: usize,
+        /// How many channels the skeleton has.
+        expected: usize,
+    },
+    /// The file has another number of frames than it says.
+    #[error("line {line}: {found} frames, expected {expected} as `Frames:` says")]
+    FrameCount {
+        /// The last line, from 1.
+        line: usize,
+        /// How many there are.
+        found: usize,
+        /// How many were announced.
+        expected: usize,
+    },
+    /// The skeleton goes on and on.
+    #[error("line {line}: more than {limit} joints or levels of joints")]
+    TooDeep {
+        /// Line, from 1.
+        line: usize,
+        /// The largest number.
+        limit: usize,
+    },
+    /// An axis-angle vector or a shift is no number.
+    #[error("frame {frame}: a value of `{key}` is not finite")]
+    NonFinite {
+        /// The frame, from 0.
+        frame: usize,
+        /// The key.
+        key: &'static str,
+    },
+    /// There is no frame.
+    #[error("there is no frame")]
+    NoFrames,
+    /// The skeleton or a pose is impossible.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
+    /// The JSON does not parse.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// The npz archive is damaged, or one of its arrays wrong.
+    #[error(transparent)]
+    File(Box<FileProblem>),
+}

@@ -1,0 +1,10 @@
+//! Motion files: BVH, npz in the layout of AMASS and SMPL, pose JSON.
+
+mod bvh;
+mod bvh_text;
+mod error;
+mod smpl;
+mod take;
+
+pub use error::{MotionError, MotionProblem};
+pub use take::{Take, TakeError};

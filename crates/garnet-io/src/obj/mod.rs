@@ -1,0 +1,14 @@
+//! OBJ: meshes in, and the same text with other positions out.
+
+mod error;
+mod file;
+mod foreign;
+mod normals;
+mod output;
+mod parse;
+mod scan;
+mod words;
+
+pub use error::{ObjElement, ObjError, ObjLineProblem, ObjParseError};
+pub use file::ObjFile;
+pub use output::write_obj;

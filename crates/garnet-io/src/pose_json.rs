@@ -1,0 +1,199 @@
+//! Poses as JSON.
+
+use std::{collections::BTreeMap, path::Path};
+
+use garnet_skin::{Pose, Skeleton, SkinError, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion};
+use serde::Deserialize;
+
+use super::{
+    FileError, FileProblem,
+    json::{self, Frame},
+    scene::rigid_transforms,
+};
+
+/// How far the norm of a quaternion may be from 1 and still be rounding.
+const NORM_ROUNDING: f64 = 1e-3;
+
+/// How many near names an error lists.
+const NUM_NEAR_NAMES: usize = 3;
+
+#[derive(Debug, Deserialize)]
+struct PoseFileJson {
+    schema: Option<String>,
+    units: Option<String>,
+    up: Option<String>,
+    frames: Option<Vec<PoseJson>>,
+    joint_order: Option<Vec<String>>,
+    joints: Option<BTreeMap<String, [f64; 4]>>,
+    local_rotation_xyzw: Option<Vec<[f64; 4]>>,
+    joint_transforms_row_major_4x4: Option<Vec<Vec<f64>>>,
+    root_translation: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Deserialize)]
+struct PoseJson {
+    joint_order: Option<Vec<String>>,
+    joints: Option<BTreeMap<String, [f64; 4]>>,
+    local_rotation_xyzw: Option<Vec<[f64; 4]>>,
+    joint_transforms_row_major_4x4: Option<Vec<Vec<f64>>>,
+    root_translation: Option<[f64; 3]>,
+}
+
+/// Reads a pose for `skeleton`.
+///
+/// Two forms are read. `garnet.pose/1` has rotations by joint name, `[x, y, z, w]`; joints that it
+/// does not name rest:
+///
+/// ```json
+/// {"schema": "garnet.pose/1", "joints": {"left_knee": [0.5, 0, 0, 0.866025]}, "root_translation": [0, 0, 0]}
+/// ```
+///
+/// The other has `local_rotation_xyzw` `[joint]` in the order of `joint_order`, or of the skeleton
+/// without it. Where rotations are absent, `joint_transforms_row_major_4x4` gives the pose. With
+/// `frames`, a list of such poses, `frame` picks one, from 0; without `frame` it is the first.
+///
+/// # Errors
+///
+/// [`FileError`] with line and column of what does not parse, the joint that the skeleton does not
+/// have, the quaternion whose norm is off 1 by more than 1e-3, or the frame that is not there.
+pub fn read_pose(
+    path: impl AsRef<Path>,
+    frame: Option<usize>,
+    skeleton: &Skeleton,
+) -> Result<Pose, FileError> {
+    json::read_with(path.as_ref(), |bytes| parse(bytes, frame, skeleton))
+}
+
+fn parse(bytes: &[u8], frame: Option<usize>, skeleton: &Skeleton) -> Result<Pose, FileProblem> {
+    let file: PoseFileJson = json::parse(bytes)?;
+    if let Some(schema) = file.schema.filter(|schema| schema != "garnet.pose/1") {
+        return Err(FileProblem::Field {
+            field: "schema".to_owned(),
+            found: schema,
+            expected: "`garnet.pose/1`, or none",
+        });
+    }
+    let units = Frame {
+        units: file.units,
+        up: file.up,
+    };
+    let metres = units.metres()?;
+    let mut frames = file.frames.unwrap_or_else(|| {
+        vec![PoseJson {
+            joint_order: None,
+            joints: file.joints,
+            local_rotation_xyzw: file.local_rotation_xyzw,
+            joint_transforms_row_major_4x4: file.joint_transforms_row_major_4x4,
+            root_translation: file.root_translation,
+        }]
+    });
+    let frame = frame.unwrap_or(0);
+    if frame >= frames.len() {
+        return Err(FileProblem::FrameOutOfRange {
+            frame,
+            num_frames: frames.len(),
+        });
+    }
+    let mut pose = frames.swap_remove(frame);
+    pose.joint_order = pose.joint_order.or(file.joint_order);
+    pose_of(pose, skeleton, metres)
+}
+
+fn pose_of(json: PoseJson, skeleton: &Skeleton, metres: f64) -> Result<Pose, FileProblem> {
+    let mut pose = Pose::rest(skeleton.num_joints());
+    if let Some(by_name) = json.joints {
+        for (name, xyzw) in by_name {
+            pose.rotations[joint_of(&name, skeleton)?] = unit_quaternion(&name, xyzw)?;
+        }
+    } else if let Some(rotations) = json.local_rotation_xyzw {
+        let order = json.joint_order.unwrap_or_else(|| {
+            let names = skeleton.joints().iter().map(|joint| joint.name.clone());
+            names.collect()
+        });
+        if rotations.len() != order.len() {
+            return Err(FileProblem::ListLength {
+                field: "local_rotation_xyzw".to_owned(),
+                found: rotations.len(),
+                expected: order.len(),
+            });
+        }
+        for (name, xyzw) in order.iter().zip(rotations) {
+            pose.rotations[joint_of(name, skeleton)?] = unit_quaternion(name, xyzw)?;
+        }
+    } else if let Some(matrices) = json.joint_transforms_row_major_4x4 {
+        let posed_from_rest = rigid_transforms(&matrices, skeleton, metres)?;
+        return Ok(Pose::from_transforms(skeleton, &posed_from_rest)?.pose);
+    } else {
+        return Err(FileProblem::NoPose);
+    }
+    let shift = json.root_translation.unwrap_or_default();
+    let root_translation = Vector3::from(shift.map(|value| (value * metres) as f32));
+    pose.root_translation = root_translation;
+    // Values beyond f32 become infinite in the cast above.
+    if root_translation.iter().all(|value| value.is_finite()) {
+        return Ok(pose);
+    }
+    let root = skeleton.parents_first()[0];
+    Err(FileProblem::Skin(SkinError::NonFiniteTransform {
+        joint: root,
+        name: skeleton.joints()[root].name.clone(),
+    }))
+}
+
+/// A rotation out of a file; `joint` is for the error.
+pub(super) fn unit_quaternion(
+    joint: &str,
+    [x, y, z, w]: [f64; 4],
+) -> Result<UnitQuaternion<f32>, FileProblem> {
+    let quaternion = Quaternion::new(w, x, y, z);
+    let norm = quaternion.norm();
+    if (norm - 1.0).abs() <= NORM_ROUNDING {
+        return Ok(UnitQuaternion::new_normalize(quaternion).cast());
+    }
+    Err(FileProblem::NotAUnitQuaternion {
+        joint: joint.to_owned(),
+        norm,
+    })
+}
+
+fn joint_of(name: &str, skeleton: &Skeleton) -> Result<usize, FileProblem> {
+    skeleton
+        .find(name)
+        .ok_or_else(|| FileProblem::UnknownJointName {
+            name: name.to_owned(),
+            near: near_names(name, skeleton),
+        })
+}
+
+/// The joints whose names are at the least edit distance, up to half the length of `name`.
+fn near_names(name: &str, skeleton: &Skeleton) -> Vec<String> {
+    let name: Vec<char> = name.to_lowercase().chars().take(64).collect();
+    let mut near: Vec<(usize, &str)> = Vec::new();
+    for joint in skeleton.joints() {
+        let other: Vec<char> = joint.name.to_lowercase().chars().take(64).collect();
+        let distance = edit_distance(&name, &other);
+        if distance <= name.len().max(2) / 2 {
+            near.push((distance, &joint.name));
+        }
+    }
+    near.sort_unstable();
+    near.dedup();
+    near.truncate(NUM_NEAR_NAMES);
+    near.into_iter().map(|(_, name)| name.to_owned()).collect()
+}
+
+/// Insertions, deletions and replacements that make `b` of `a` (Levenshtein).
+fn edit_distance(a: &[char], b: &[char]) -> usize {
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.iter().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, to) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(from != to);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}

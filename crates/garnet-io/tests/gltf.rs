@@ -1,0 +1,320 @@
+//! Rigs as GLB and glTF: what they mean, and damaged files.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use garnet_io::read_rig;
+use garnet_skin::Point3;
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+mod common;
+
+use common::{chain, strip};
+
+/// JSON and binary chunk of the strip of the other tests.
+///
+/// The knee comes before the hip in the skin; weights are bytes; everything is a hundred times its
+/// size under a node that scales by 0.01.
+fn file() -> (Value, Vec<u8>) {
+    let rig = strip();
+    let mesh = rig.rest.as_ref().unwrap();
+    let mut binary = Vec::new();
+    let mut views = Vec::new();
+    let mut add = |bytes: Vec<u8>| {
+        views.push(json!({"buffer": 0, "byteOffset": binary.len(), "byteLength": bytes.len()}));
+        binary.extend(bytes);
+    };
+    let floats = |values: &mut dyn Iterator<Item = f32>| {
+        values.flat_map(f32::to_le_bytes).collect::<Vec<u8>>()
+    };
+    add(floats(&mut mesh.positions().iter().flat_map(|point| {
+        [point.x, point.y, point.z].map(|value| 100.0 * value)
+    })));
+    add(mesh
+        .faces()
+        .as_flattened()
+        .iter()
+        .flat_map(|&corner| (corner as u16).to_le_bytes())
+        .collect());
+    add((0..8).flat_map(|_| [1, 0, 0, 0]).collect());
+    let shares = [0_u8, 0, 64, 64, 191, 191, 255, 255];
+    add(shares
+        .iter()
+        .flat_map(|share| [255 - share, *share, 0, 0])
+        .collect());
+    let inverse_bind = |x: f32, y: f32| {
+        let mut matrix = [0.0; 16];
+        for i in 0..4 {
+            matrix[5 * i] = 1.0;
+        }
+        matrix[12] = -x;
+        matrix[13] = -y;
+        matrix
+    };
+    add(floats(
+        &mut [inverse_bind(5.0, 40.0), inverse_bind(5.0, 0.0)]
+            .concat()
+            .into_iter(),
+    ));
+    let num_bytes = binary.len();
+    let json = json!({
+        "asset": {"version": "2.0"},
+        "nodes": [
+            {"mesh": 0, "skin": 0},
+            {"name": "armature", "children": [2], "scale": [0.01, 0.01, 0.01]},
+            {"name": "hip", "children": [3], "translation": [5.0, 0.0, 0.0]},
+            {"name": "between", "children": [4]},
+            {"name": "knee", "translation": [0.0, 40.0, 0.0]},
+        ],
+        "skins": [{"joints": [4, 2], "inverseBindMatrices": 4}],
+        "meshes": [{"primitives": [{
+            "attributes": {"POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 3},
+            "indices": 1,
+        }]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5123, "count": 18, "type": "SCALAR"},
+            {"bufferView": 2, "componentType": 5121, "count": 8, "type": "VEC4"},
+            {"bufferView": 3, "componentType": 5121, "count": 8, "type": "VEC4", "normalized": true},
+            {"bufferView": 4, "componentType": 5126, "count": 2, "type": "MAT4"},
+        ],
+        "bufferViews": views,
+        "buffers": [{"byteLength": num_bytes}],
+    });
+    (json, binary)
+}
+
+fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let chunks = [(b"JSON", &text[..]), (b"BIN\0", binary)];
+    let mut body = Vec::new();
+    for (kind, data) in chunks {
+        body.extend((data.len() as u32).to_le_bytes());
+        body.extend(kind);
+        body.extend(data);
+    }
+    let mut bytes = b"glTF\x02\0\0\0".to_vec();
+    bytes.extend((body.len() as u32 + 12).to_le_bytes());
+    bytes.extend(body);
+    bytes
+}
+
+fn written(folder: &Path, bytes: &[u8]) -> PathBuf {
+    let path = folder.join("body.glb");
+    fs::write(&path, bytes).unwrap();
+    path
+}
+
+fn check(path: &Path) {
+    let rig = read_rig(path).unwrap();
+    let expected = strip();
+    let (mesh, expected_mesh) = (rig.rest.unwrap(), expected.rest.unwrap());
+    for (found, expected) in mesh.positions().iter().zip(expected_mesh.positions()) {
+        approx::assert_relative_eq!(*found, *expected, epsilon = 1e-6);
+    }
+    assert_eq!(mesh.faces(), expected_mesh.faces());
+    let [knee, hip] = [0, 1].map(|joint| rig.skeleton.joints()[joint].clone());
+    assert_eq!((knee.name.as_str(), knee.parent), ("knee", Some(1)));
+    assert_eq!((hip.name.as_str(), hip.parent), ("hip", None));
+    approx::assert_relative_eq!(
+        knee.rest_position,
+        Point3::new(0.05, 0.4, 0.0),
+        epsilon = 1e-6
+    );
+    approx::assert_relative_eq!(
+        hip.rest_position,
+        Point3::new(0.05, 0.0, 0.0),
+        epsilon = 1e-6
+    );
+    // Slot 0 of the file is joint 1 of the skin, the hip, with 255 minus the share.
+    assert_eq!(rig.weights.vertex(0).collect::<Vec<_>>(), [(1, 1.0)]);
+    assert_eq!(rig.weights.heaviest(7), 0);
+    approx::assert_relative_eq!(
+        rig.weights.vertex(2).next().unwrap().1,
+        0.75,
+        epsilon = 0.01
+    );
+}
+
+#[test]
+fn a_glb_and_a_gltf_with_its_buffer_inside_or_beside_give_the_same_rig() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, binary) = file();
+    check(&written(folder.path(), &glb(&json, &binary)));
+
+    let beside = folder.path().join("body.gltf");
+    fs::write(folder.path().join("body data.bin"), &binary).unwrap();
+    json["buffers"][0]["uri"] = json!("body%20data.bin");
+    fs::write(&beside, json.to_string()).unwrap();
+    check(&beside);
+
+    let symbols = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let text: String = binary
+        .chunks(3)
+        .map(|group| {
+            let bits = group
+                .iter()
+                .chain(&[0, 0])
+                .take(3)
+                .fold(0_u32, |bits, &byte| bits << 8 | u32::from(byte));
+            let symbol = |i: usize| char::from(symbols[(bits >> (18 - 6 * i) & 63) as usize]);
+            let filled = |i| if i <= group.len() { symbol(i) } else { '=' };
+            (0..4).map(filled).collect::<String>()
+        })
+        .collect();
+    json["buffers"][0]["uri"] = json!(format!("data:application/octet-stream;base64,{text}"));
+    let inside = folder.path().join("inside.json");
+    fs::write(&inside, json.to_string()).unwrap();
+    check(&inside);
+}
+
+#[test]
+fn two_primitives_on_the_same_vertices_share_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, binary) = file();
+    let primitive = json["meshes"][0]["primitives"][0].clone();
+    json["meshes"][0]["primitives"] = json!([primitive, primitive]);
+    let rig = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap();
+    let mesh = rig.rest.unwrap();
+    assert_eq!((mesh.num_vertices(), mesh.num_faces()), (8, 12));
+}
+
+#[test]
+fn sparse_accessors_replace_single_vertices() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, mut binary) = file();
+    let start = binary.len();
+    binary.extend([3, 0, 0, 0]);
+    binary.extend(
+        [7.0_f32, 8.0, 9.0]
+            .iter()
+            .flat_map(|value| value.to_le_bytes()),
+    );
+    json["buffers"][0]["byteLength"] = json!(binary.len());
+    let views = json["bufferViews"].as_array_mut().unwrap();
+    views.push(json!({"buffer": 0, "byteOffset": start, "byteLength": 16}));
+    json["accessors"][0]["sparse"] = json!({
+        "count": 1,
+        "indices": {"bufferView": 5, "componentType": 5121},
+        "values": {"bufferView": 5, "byteOffset": 4},
+    });
+    let rig = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap();
+    let moved = rig.rest.unwrap().positions()[3];
+    approx::assert_relative_eq!(moved, Point3::new(0.07, 0.08, 0.09), epsilon = 1e-6);
+    json["accessors"][0]["count"] = json!(3);
+    json["accessors"][2]["count"] = json!(3);
+    assert!(read_rig(written(folder.path(), &glb(&json, &binary))).is_err());
+}
+
+#[test]
+fn impossible_files_are_refused_with_the_reason() {
+    type Change = fn(&mut Value);
+    let cases: [(Change, &str); 13] = [
+        (
+            |json| json["nodes"][0]["skin"] = Value::Null,
+            "no mesh has a skin",
+        ),
+        (
+            |json| json["nodes"][0]["skin"] = json!(4),
+            "names skin 4, but there are 1",
+        ),
+        (
+            |json| json["nodes"][4]["children"] = json!([2]),
+            "is its own ancestor",
+        ),
+        (
+            |json| json["nodes"][1]["children"] = json!([9]),
+            "names node 9",
+        ),
+        (
+            |json| json["skins"][0]["joints"] = json!([4, 77]),
+            "names node 77",
+        ),
+        (
+            |json| json["skins"][0]["inverseBindMatrices"] = Value::Null,
+            "no inverse bind matrices",
+        ),
+        (
+            |json| json["accessors"][0]["count"] = json!(9),
+            "accessor 0: it ends outside its buffer view",
+        ),
+        (
+            |json| json["accessors"][0]["count"] = json!(u64::MAX),
+            "accessor 0: it ends outside its buffer view",
+        ),
+        (
+            |json| json["accessors"][0]["byteOffset"] = json!(u64::MAX - 3),
+            "accessor 0: it ends outside",
+        ),
+        (
+            |json| json["bufferViews"][0]["byteLength"] = json!(u64::MAX),
+            "accessor 0: ",
+        ),
+        (
+            |json| json["meshes"][0]["primitives"][0]["mode"] = json!(1),
+            "not made of triangles",
+        ),
+        (
+            |json| json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
+            "KHR_draco_mesh_compression",
+        ),
+        (
+            |json| json["buffers"][0]["byteLength"] = json!(1_u64 << 40),
+            "fewer bytes than it says",
+        ),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    for (change, expected) in cases {
+        let (mut json, binary) = file();
+        change(&mut json);
+        let error = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap_err();
+        assert!(chain(&error).contains(expected), "{}", chain(&error));
+    }
+}
+
+#[test]
+fn a_glb_cut_anywhere_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (json, binary) = file();
+    let bytes = glb(&json, &binary);
+    for length in 0..bytes.len() {
+        assert!(
+            read_rig(written(folder.path(), &bytes[..length])).is_err(),
+            "cut at {length}"
+        );
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_damage_makes_the_reader_panic(changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6)) {
+        let folder = tempfile::tempdir().unwrap();
+        let (json, binary) = file();
+        let mut bytes = glb(&json, &binary);
+        for (at, value) in changes {
+            let at = at.index(bytes.len());
+            bytes[at] = value;
+        }
+        let _ = read_rig(written(folder.path(), &bytes));
+    }
+
+    #[test]
+    fn no_number_in_the_json_makes_the_reader_panic(at in any::<prop::sample::Index>(), value in prop_oneof![0_u64..12, any::<u64>()]) {
+        let folder = tempfile::tempdir().unwrap();
+        let (json, binary) = file();
+        let text = json.to_string();
+        let is_digit = |i: &usize| text.as_bytes()[*i].is_ascii_digit();
+        let digits: Vec<usize> = (0..text.len()).filter(is_digit).collect();
+        let at = digits[at.index(digits.len())];
+        let changed = format!("{}{value}{}", &text[..at], &text[at + 1..]);
+        if let Ok(json) = serde_json::from_str(&changed) {
+            let _ = read_rig(written(folder.path(), &glb(&json, &binary)));
+        }
+    }
+}
