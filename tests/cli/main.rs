@@ -14,6 +14,8 @@ mod fixtures;
 mod garbage;
 mod garment;
 mod glb;
+#[cfg(unix)]
+mod pages;
 mod readme;
 mod refit;
 mod render;

@@ -69,8 +69,8 @@ const OWNERS: [(&str, &[&str]); 12] = [
 /// Packages that may use any crate: they are used by none.
 const OUTERMOST: [&str; 2] = ["garnet-tests", "garnet-benches"];
 
-/// Lines of a source file, its tests included.
-const MAX_LINES: usize = 600;
+/// Lines of a source file, its tests included: a longer one has more than one idea.
+const MAX_LINES: usize = 800;
 
 /// The packages of the workspace, each with the names of all that it depends on.
 fn packages() -> BTreeMap<String, (PathBuf, Vec<String>)> {
