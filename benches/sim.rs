@@ -6,12 +6,11 @@
 use std::ops::ControlFlow;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use garnet::Point3;
-use garnet::data::Put;
 use garnet::sim::{
     Cloth, Collider, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, SelfContact, Stage,
     drape, settle,
 };
+use garnet::{Moment, Point3};
 use garnet_benches::{Scene as Mannequin, group};
 
 /// About how many vertices the garments have.
@@ -88,8 +87,11 @@ fn sim(criterion: &mut Criterion) {
             bencher.iter(|| run(&on_body, &schedule));
         });
         group.bench_function(BenchmarkId::new("settle", size), |bencher| {
-            let schedule =
-                Schedule::after_arrival(cloth.mean_edge_length(), Put::AtArrival.frames());
+            let schedule = Schedule::after(
+                Moment::Arrival,
+                cloth.mean_edge_length(),
+                Moment::Arrival.settle_frames(),
+            );
             bencher.iter(|| settle(&on_body, &schedule, &mut |_| ControlFlow::Continue(())));
         });
     }

@@ -22,7 +22,7 @@ const ARROWS: [(&str, &[&str]); 15] = [
         &["mesh", "knn", "skin", "body", "io", "pattern", "sim"],
     ),
     ("garnet-kernel", &[]),
-    ("garnet-net", &["mesh", "knn", "kernel"]),
+    ("garnet-net", &["mesh", "knn", "skin", "sim", "kernel"]),
     (
         "garnet-train",
         &[

@@ -3,10 +3,10 @@
 use std::{path::Path, sync::atomic::AtomicBool};
 
 use garnet::{
-    Aim, Draper, Garment, Network, PackagedGarment, Pose, UnitQuaternion, Vector3, Warped,
-    data::{BodyPath, GarmentPackage, MIDWAY, Put, Settling, Teacher},
+    Draper, Garment, Moment, Network, PackagedGarment, Pose, UnitQuaternion, Vector3, Warped,
+    data::{BodyPath, GarmentPackage, Settling, Teacher},
     edge_stretch, io,
-    train::{put_of, weights_of},
+    train::weights_of,
 };
 
 #[test]
@@ -20,11 +20,10 @@ fn the_shirt_settles_from_where_it_arrives_and_is_free() {
         .bind(&package.body)
         .unwrap();
     let mut network = Network::load(weights, &garment, &package.body, &[]).unwrap();
-    assert_eq!(network.aim(), Aim::Arrival);
-    let put = put_of(network.aim());
+    let moment = network.moment();
     assert_eq!(
-        (put, variant.settle_frames),
-        (Put::AtArrival, Some(put.frames()))
+        (moment, variant.settle_frames),
+        (Moment::Arrival, Some(moment.settle_frames()))
     );
 
     let reach = io::ObjFile::read(models.join("demo/reach.obj")).unwrap();
@@ -34,7 +33,7 @@ fn the_shirt_settles_from_where_it_arrives_and_is_free() {
     assert!(moved.fallback.is_none());
     let from = moved.garment.positions(&garment);
     let teacher = Teacher::new(&package).unwrap();
-    let (settling, stop) = (Settling::of(put), AtomicBool::new(false));
+    let (settling, stop) = (Settling::of(moment), AtomicBool::new(false));
     let settled = teacher
         .settled(&package.body, &target, &from, settling, &stop)
         .unwrap();
@@ -66,22 +65,22 @@ fn the_shirt_goes_on_from_where_it_is_midway() {
         .bind(&package.body)
         .unwrap();
     let mut network = Network::load(weights, &garment, &package.body, &[]).unwrap();
-    let put = put_of(network.aim());
-    assert_eq!((network.aim(), put), (Aim::Midway, Put::Midway));
+    let moment = network.moment();
+    assert_eq!(moment, Moment::Midway);
 
     let reach = io::ObjFile::read(models.join("demo/reach.obj")).unwrap();
     let target = package.body.fitted(reach.positions()).unwrap();
     let path = BodyPath::to_posed(&package.body, &target);
-    let halfway = path.posed(&package.body, MIDWAY).unwrap();
+    let halfway = path.posed(&package.body, moment.motion_share()).unwrap();
     let warped = network.warped(&garment, &halfway).unwrap();
     let moved = network.moved(&garment, &halfway, &warped).unwrap();
     assert!(moved.fallback.is_none());
     let from = moved.garment.positions(&garment);
     let (teacher, stop) = (Teacher::new(&package).unwrap(), AtomicBool::new(false));
     let settled = teacher
-        .settled(&package.body, &target, &from, Settling::of(put), &stop)
+        .settled(&package.body, &target, &from, Settling::of(moment), &stop)
         .unwrap();
-    let put = Warped::settled(&garment, &settled, Settling::of(put));
+    let put = Warped::settled(&garment, &settled, Settling::of(moment));
     let drape = Draper::new().finish(&garment, &target, &put).unwrap();
     assert_eq!(drape.report.as_ref().unwrap().inside, 0);
     let edges = garnet_mesh::Topology::new(package.mesh.num_vertices(), package.mesh.faces());

@@ -24,17 +24,17 @@ pub use check::{BalanceReport, Limits, SceneReport};
 pub use dataset::{
     BodyRecord, Counts, DATASET_SCHEMA, Dataset, DatasetEvent, DatasetManifest, DatasetOptions,
     ImportManifest, ImportProblem, ImportScene, Plan, Posed, Rejection, SceneRecord, Shard, Sizing,
-    Split, StoredParameters, Tally, Until, Variations, generate, import, sampler, sequences,
+    Split, StoredParameters, Tally, Variations, generate, import, sampler, sequences,
 };
 pub use error::{DataError, ReadAs, toml_problem};
-pub use garnet_sim::MIDWAY;
+pub use garnet_sim::Moment;
 pub use ladder::Rung;
 pub use noise::{NOISE_TURN, moved_by_turn, noise_floor, noise_joint};
 pub use package::{
     GarmentPackage, MANIFEST_FILE, Manifest, PACKAGE_SCHEMA, PackageParts, StoredFabric,
     StoredPattern, StoredRestBody, Variant,
 };
-pub use settling::{Put, Settling};
+pub use settling::Settling;
 pub use tailor::{Tailor, Worn, usual_fabric};
 pub use teacher::{Quality, Teacher, quality_name, quality_of};
 pub use wearer::{default_rest_body, wearer_of};

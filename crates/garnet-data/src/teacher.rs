@@ -14,7 +14,7 @@ use garnet_skin::{Body, BoundGarment, Garment, PosedBody};
 pub use garnet_sim::Quality;
 
 use crate::parts::{allowed_parts, collider};
-use crate::{BodyPath, DataError, GarmentPackage, Settling, Until};
+use crate::{BodyPath, DataError, GarmentPackage, Moment, Settling};
 
 /// Distances from the skin at rest from which on air carries cloth along, a little and wholly, in
 /// metres. With air between skin and the tightest cloth, too, more dresses do not come to rest.
@@ -172,7 +172,7 @@ impl Teacher {
     }
 
     /// Simulates the garment as far as is said: until the body comes to its last place, both positions of the result are
-    /// [`Drape::arrived`] of [`Teacher::drape`]; until it is [midway](crate::MIDWAY), [`Drape::midway`] is that of it.
+    /// [`Drape::arrived`] of [`Teacher::drape`]; until it is [midway](Moment::Midway), [`Drape::midway`] is that of it.
     ///
     /// # Errors
     ///
@@ -181,15 +181,10 @@ impl Teacher {
         &self,
         path: &BodyPath,
         quality: Quality,
-        until: Until,
+        until: Moment,
         stop: &AtomicBool,
     ) -> Result<Drape, DataError> {
-        let schedule = self.schedule(quality);
-        let schedule = match until {
-            Until::Rest => schedule,
-            Until::Arrival => schedule.until_arrival(),
-            Until::Midway => schedule.until_midway(),
-        };
+        let schedule = self.schedule(quality).until(until);
         self.drape_by(path, schedule, stop, &mut |_| {})
     }
 
@@ -250,14 +245,14 @@ impl Teacher {
     /// ```no_run
     /// use std::{path::Path, sync::atomic::AtomicBool};
     ///
-    /// use garnet_data::{DataError, GarmentPackage, Put, Settling, Teacher};
+    /// use garnet_data::{DataError, GarmentPackage, Moment, Settling, Teacher};
     /// use garnet_mesh::Point3;
     /// use garnet_skin::PosedBody;
     ///
     /// fn settled(target: &PosedBody, from: &[Point3]) -> Result<Vec<Point3>, DataError> {
     ///     let package = GarmentPackage::read(Path::new("models/tshirt"))?;
     ///     let teacher = Teacher::new(&package)?;
-    ///     let (settling, stop) = (Settling::of(Put::AtRest), AtomicBool::new(false));
+    ///     let (settling, stop) = (Settling::of(Moment::Rest), AtomicBool::new(false));
     ///     teacher.settled(&package.body, target, from, settling, &stop)
     /// }
     /// ```
@@ -280,12 +275,13 @@ impl Teacher {
         if !settling.takes_time() {
             return Ok(from.to_vec());
         }
-        let Settling { put, frames } = settling;
-        let schedule = self.layered(put.schedule(self.cloth.mean_edge_length(), frames));
+        let moment = settling.from;
+        let edge_length = self.cloth.mean_edge_length();
+        let schedule = self.layered(Schedule::after(moment, edge_length, settling.frames));
         let at_nodes = self.garment.weld().gather(from);
         let start = self.simulated(&at_nodes);
         let run = |scene: &Scene<'_>| settled(scene, &schedule, stop);
-        let result = if put.motion_frames() > 0 {
+        let result = if moment.is_on_way() {
             let path = BodyPath::to_posed(body, posed);
             self.on_way(&path, &start, run)
         } else {
@@ -297,7 +293,7 @@ impl Teacher {
                     motion: &|_| posed.skin().positions().to_vec(),
                     wind: None,
                     allowed_parts: self.allowed.as_deref(),
-                    likely_faces: put.is_near_rest().then_some(&self.likely_faces),
+                    likely_faces: moment.lies_near_rest().then_some(&self.likely_faces),
                 }),
             })
         };

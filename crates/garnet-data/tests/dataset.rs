@@ -12,8 +12,8 @@ use std::{
 };
 
 use garnet_data::{
-    Counts, DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, Limits, Quality,
-    Sizing, Until, Variations, generate,
+    Counts, DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, Limits, Moment,
+    Quality, Sizing, Variations, generate,
 };
 use garnet_mesh::TriMesh;
 use garnet_skin::Body;
@@ -29,7 +29,7 @@ fn options(threads: usize) -> DatasetOptions {
         poses: 2,
         mixed: false,
         quality: Quality::Fast,
-        until: Until::Rest,
+        until: Moment::Rest,
         sizing: Sizing::OneSize,
         vary: Variations::default(),
         // Coarse cloth in few steps: here the files are tested, not the drapes.
@@ -121,7 +121,7 @@ fn a_data_set_may_end_where_bodies_arrive_or_are_midway() {
     let package = common::tshirt();
     let [whole, arrivals, midways] = [(); 3].map(|()| tempfile::tempdir().unwrap());
     make(&package, whole.path(), &options(2));
-    for (folder, until) in [(&arrivals, Until::Arrival), (&midways, Until::Midway)] {
+    for (folder, until) in [(&arrivals, Moment::Arrival), (&midways, Moment::Midway)] {
         let options = DatasetOptions {
             until,
             ..options(2)
@@ -163,7 +163,7 @@ fn mixed_poses_are_others_on_the_same_bodies() {
     let scenes = [false, true].map(|mixed| {
         let folder = tempfile::tempdir().unwrap();
         let options = DatasetOptions {
-            until: Until::Midway,
+            until: Moment::Midway,
             mixed,
             ..options(2)
         };

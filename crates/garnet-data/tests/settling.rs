@@ -7,12 +7,12 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use garnet_body::poses::{Poser, key_pose};
-use garnet_data::{BodyPath, DataError, GarmentPackage, Put, Quality, Settling, Teacher};
+use garnet_data::{BodyPath, DataError, GarmentPackage, Moment, Quality, Settling, Teacher};
 use garnet_mesh::{Point3, Topology, edge_stretch};
 use garnet_sim::{Drape, Event};
 use garnet_skin::{Garment, PosedBody, Warp};
 
-const FRAMES: u32 = Put::AtRest.frames();
+const FRAMES: u32 = Moment::Rest.settle_frames();
 
 /// A package, its simulation, and a body that it is warped to.
 struct Scene {
@@ -44,12 +44,16 @@ impl Scene {
     }
 
     fn settled(&self, from: &[Point3], frames: u32) -> Vec<Point3> {
-        self.settled_from(from, Put::AtRest, frames)
+        self.settled_from(from, Moment::Rest, frames)
     }
 
-    fn settled_from(&self, from: &[Point3], put: Put, frames: u32) -> Vec<Point3> {
+    fn settled_from(&self, from: &[Point3], moment: Moment, frames: u32) -> Vec<Point3> {
         let stop = AtomicBool::new(false);
-        let (body, settling) = (&self.package.body, Settling { put, frames });
+        let body = &self.package.body;
+        let settling = Settling {
+            from: moment,
+            frames,
+        };
         self.teacher
             .settled(body, &self.posed, from, settling, &stop)
             .unwrap()
@@ -147,8 +151,8 @@ fn cloth_put_where_it_arrives_finds_the_folds_of_the_teacher() {
     assert!(same(&frames[59]) > 0.95, "{}", same(&frames[59]));
     assert!(same(&frames[61]) < 0.5, "{}", same(&frames[61]));
 
-    let put = Put::AtArrival;
-    let settled = scene.settled_from(&simulated.arrived, put, put.frames());
+    let moment = Moment::Arrival;
+    let settled = scene.settled_from(&simulated.arrived, moment, moment.settle_frames());
     let before = mean_distance(&simulated.arrived, &simulated.positions);
     let after = mean_distance(&settled, &simulated.positions);
     assert!(after < 0.5 * before, "{before} {after}");
@@ -162,8 +166,8 @@ fn cloth_put_where_it_is_midway_goes_on_with_the_body_into_the_folds_of_the_teac
     // Coarser T-shirts find other folds for any change.
     let scene = Scene::of(common::tshirt_of(2000), "wave");
     let simulated = scene.simulated(Quality::Teacher);
-    let frames = Put::Midway.frames();
-    let resumed = |frames: u32| scene.settled_from(&simulated.midway, Put::Midway, frames);
+    let frames = Moment::Midway.settle_frames();
+    let resumed = |frames: u32| scene.settled_from(&simulated.midway, Moment::Midway, frames);
     let end = resumed(frames);
     assert_eq!(end, resumed(frames));
     let midway = mean_distance(&simulated.midway, &simulated.positions);
@@ -173,7 +177,7 @@ fn cloth_put_where_it_is_midway_goes_on_with_the_body_into_the_folds_of_the_teac
         &scene.package.body,
         &scene.posed,
         &end,
-        Settling::of(Put::Midway),
+        Settling::of(Moment::Midway),
         &AtomicBool::new(true),
     );
     assert!(matches!(stopped, Err(DataError::Stopped)));
@@ -185,7 +189,7 @@ fn settling_can_be_stopped_and_refuses_places_that_are_none() {
     let scene = Scene::new("wave");
     let settled = |from: &[Point3], is_stopped: bool| {
         let stop = AtomicBool::new(is_stopped);
-        let (body, settling) = (&scene.package.body, Settling::of(Put::AtRest));
+        let (body, settling) = (&scene.package.body, Settling::of(Moment::Rest));
         let teacher = &scene.teacher;
         let settled = teacher.settled(body, &scene.posed, from, settling, &stop);
         settled.unwrap_err()

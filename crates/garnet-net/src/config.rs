@@ -1,11 +1,13 @@
 //! What a network is made of: every width, head, block and neighbor count.
 //!
-//! The paper publishes few of these numbers (`research/field.md`, A.1 and A.2), so all of them are
+//! The paper publishes few of these numbers, so all of them are
 //! values of a configuration, which weight files carry. [`GarNetConfig::preset`] names usable sets.
 
+use garnet_sim::Moment;
+use garnet_skin::Warp;
 use serde::{Deserialize, Serialize};
 
-use crate::{ARRIVAL, Aim, FALLING, MIDWAY, NetError, POSE_SPACE};
+use crate::NetError;
 
 /// The length unit of the network and its losses, in metres.
 ///
@@ -50,35 +52,25 @@ pub enum Start {
     DualQuaternion,
     /// Dual-quaternion skinning and the change of the body's shape.
     Shape,
-    /// As [`Start::Shape`], moved by the pose-space deformation of the garment; not in the paper.
+    /// As [`Start::Shape`], moved by the pose-space deformation that predicts where the garment rests;
+    /// not in the paper.
     PoseSpace,
-    /// As [`Start::Shape`], moved by the deformation that tells where the garment arrives; not in the paper.
-    Arrival,
-    /// As [`Start::Shape`], moved by the deformation that tells where it is most of the way from there to rest; not in the paper.
-    Falling,
-    /// As [`Start::Shape`], moved by the deformation that tells where the garment is when the body is halfway; not in the paper.
-    Midway,
 }
 
 impl Start {
-    /// The pose-space deformation that moves the garment, if one does.
-    pub const fn deformation(self) -> Option<&'static str> {
+    /// The warp of the garment.
+    pub const fn warp(self) -> Warp {
         match self {
-            Self::DualQuaternion | Self::Shape => None,
-            Self::PoseSpace => Some(POSE_SPACE),
-            Self::Arrival => Some(ARRIVAL),
-            Self::Falling => Some(FALLING),
-            Self::Midway => Some(MIDWAY),
+            Self::DualQuaternion => Warp::DualQuaternion,
+            Self::Shape | Self::PoseSpace => Warp::Shape,
         }
     }
 
-    /// What a network tells that starts so.
-    pub const fn aim(self) -> Aim {
+    /// The moment that a pose-space deformation predicts which moves the warped garment, if one does.
+    pub const fn deformation(self) -> Option<Moment> {
         match self {
-            Self::DualQuaternion | Self::Shape | Self::PoseSpace => Aim::Rest,
-            Self::Arrival => Aim::Arrival,
-            Self::Falling => Aim::Falling,
-            Self::Midway => Aim::Midway,
+            Self::DualQuaternion | Self::Shape => None,
+            Self::PoseSpace => Some(Moment::Rest),
         }
     }
 }

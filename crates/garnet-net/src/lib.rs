@@ -63,9 +63,10 @@ pub use config::{
 pub use cost::Cost;
 pub use error::{CheckpointError, NetError};
 pub use garment_graph::GarmentGraph;
+pub use garnet_sim::Moment;
 pub use model::{Model, ModelFile, ModelHeader};
 pub use network::{GarNet, surrogate};
-pub use pose_space::{ARRIVAL, Aim, FALLEN, FALLING, MIDWAY, POSE_SPACE, PoseSpace};
+pub use pose_space::PoseSpace;
 pub use predictor::Predictor;
 pub use presets::PRESET_NAMES;
 pub use reference_case::write_reference_case;

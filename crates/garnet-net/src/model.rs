@@ -4,11 +4,13 @@ use std::path::{Path, PathBuf};
 
 use burn::tensor::Device;
 use garnet_mesh::Point3;
+use garnet_sim::Moment;
+use garnet_skin::Warp;
 
-use crate::pose_space::{Aim, PoseSpaceHeader, SCHEMA};
+use crate::pose_space::{PoseSpaceHeader, SCHEMA, deformation_name};
 use crate::{
     BodySampling, Checkpoint, CheckpointError, CheckpointHeader, Cost, GarNetConfig, GarmentGraph,
-    NetError, PoseSpace, Predictor, SceneInput, Start, TrainedRange, weight_file,
+    NetError, PoseSpace, Predictor, SceneInput, TrainedRange, weight_file,
 };
 
 /// What moves a warped garment to where the teacher would put it: a pose-space deformation, a network, or
@@ -62,8 +64,8 @@ pub struct ModelHeader {
     pub checksum: String,
     /// What the network is made of, if there is one.
     pub config: Option<GarNetConfig>,
-    /// What the model tells.
-    pub aim: Aim,
+    /// The moment at which the model predicts the cloth.
+    pub moment: Moment,
     /// The file, and that of the pose-space deformation that a network starts from.
     pub files: Vec<PathBuf>,
 }
@@ -83,25 +85,25 @@ impl ModelHeader {
             return Ok(Self {
                 checksum: header.checksum,
                 config: None,
-                aim: header.aim,
+                moment: header.moment,
                 files,
             });
         }
         let header = weight_file::parse::<CheckpointHeader>(path, &bytes)?.header;
         let start = header.config.start;
-        files.extend(start.deformation().map(|name| beside(path, name)));
+        files.extend(start.deformation().map(|moment| beside(path, moment)));
         Ok(Self {
             checksum: header.checksum,
             config: Some(header.config),
-            aim: start.aim(),
+            moment: Moment::Rest,
             files,
         })
     }
 }
 
 /// Where the pose-space deformation is that a network starts from.
-fn beside(path: &Path, name: &str) -> PathBuf {
-    path.with_file_name(format!("{name}.safetensors"))
+fn beside(path: &Path, moment: Moment) -> PathBuf {
+    path.with_file_name(format!("{}.safetensors", deformation_name(moment)))
 }
 
 impl From<Predictor> for Model {
@@ -157,7 +159,7 @@ impl Model {
         };
         let checkpoint = Checkpoint::from_bytes(path, bytes, &Device::flex())?;
         let start = checkpoint.model.config().start.deformation();
-        let start = start.map(|name| start_of(path, name, &checkpoint, &garment));
+        let start = start.map(|moment| start_of(path, moment, &checkpoint, &garment));
         let pose_space = start.transpose()?;
         let network = Predictor::of_checkpoint(path, checkpoint, garment, template, rest_body)?;
         Ok(Self {
@@ -181,20 +183,17 @@ impl Model {
     }
 
     /// How the garment has to be brought to the body.
-    pub fn start(&self) -> Start {
-        let of_space = (self.pose_space.as_ref()).map_or(Aim::Rest, |space| space.aim);
-        match (self.config(), of_space) {
-            (Some(config), _) => config.start,
-            (None, Aim::Rest) => Start::PoseSpace,
-            (None, Aim::Arrival) => Start::Arrival,
-            (None, Aim::Falling) => Start::Falling,
-            (None, Aim::Midway) => Start::Midway,
-        }
+    pub fn warp(&self) -> Warp {
+        self.config()
+            .map_or(Warp::Shape, |config| config.start.warp())
     }
 
-    /// What it tells.
-    pub fn aim(&self) -> Aim {
-        self.start().aim()
+    /// The moment at which it predicts the cloth. A network predicts where it rests.
+    pub fn moment(&self) -> Moment {
+        match (&self.network, &self.pose_space) {
+            (None, Some(space)) => space.moment,
+            _ => Moment::Rest,
+        }
     }
 
     /// What the network is made of, if there is one.
@@ -285,11 +284,11 @@ impl Model {
 /// The pose-space deformation that a network starts from.
 fn start_of(
     path: &Path,
-    name: &str,
+    moment: Moment,
     checkpoint: &Checkpoint,
     garment: &GarmentGraph,
 ) -> Result<PoseSpace, CheckpointError> {
-    let start = beside(path, name);
+    let start = beside(path, moment);
     let space = fitting(&start, PoseSpace::load(&start)?, garment)?;
     let expected = checkpoint.pose_space.as_deref().unwrap_or("none");
     if space.checksum() == expected {

@@ -16,7 +16,7 @@ pub struct Drape {
     /// Where they were when the body had come to its last place, before they settled, in metres; outside of
     /// the body as the vertices in the end are.
     pub arrived: Vec<Point3>,
-    /// Where they were when the body was [midway](crate::MIDWAY), in metres, outside of the body in the same way; empty if that
+    /// Where they were when the body was [midway](crate::Moment::Midway), in metres, outside of the body in the same way; empty if that
     /// was not simulated.
     pub midway: Vec<Point3>,
     /// How well they lie.

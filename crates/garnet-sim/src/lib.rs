@@ -12,6 +12,7 @@ mod drape;
 mod error;
 mod fabric;
 mod layers;
+mod moment;
 pub mod reference;
 mod report;
 mod rest_shape;
@@ -26,9 +27,10 @@ pub use drape::{Drape, Event, drape, settle};
 pub use error::SimError;
 pub use fabric::{DEFAULT_THICKNESS, FABRIC_NAMES, Fabric, USUAL_COMPRESSION};
 pub use garnet_mesh::{Point3, Vector3};
+pub use moment::{FALLEN, Moment};
 pub use report::{
     DrapeReport, Energy, Penetration, STILL_SPEED, SelfIntersections, Speeds, Strain,
 };
 pub use rest_shape::{GRIP, RestShape};
 pub use scene::{MovingBody, Scene, Wind};
-pub use schedule::{MAX_SUBSTEPS, MIDWAY, Quality, STANDARD_GRAVITY, Schedule, SelfContact, Stage};
+pub use schedule::{MAX_SUBSTEPS, Quality, STANDARD_GRAVITY, Schedule, SelfContact, Stage};

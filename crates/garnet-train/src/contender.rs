@@ -3,19 +3,20 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::{DataError, Put, Settling};
+use garnet_data::{DataError, Settling};
 use garnet_mesh::Point3;
-use garnet_net::{Aim, Cost, GarNetConfig, Model, Start};
+use garnet_net::{Cost, GarNetConfig, Model, Moment};
+use garnet_skin::Warp;
 
 use crate::network_input::predicted;
 use crate::teachers::Teachers;
-use crate::{Candidate, Stage, StagedScene, TrainError, warp_of};
+use crate::{Candidate, Stage, StagedScene, TrainError};
 
 /// A candidate, bound to the garment.
 #[derive(Debug)]
 pub(crate) struct Contender<'a> {
     name: String,
-    start: Start,
+    warp: Warp,
     model: Option<Model>,
     cost: Option<Cost>,
     /// For how many frames cloth settles, and who simulates it.
@@ -37,24 +38,14 @@ pub(crate) struct Draped {
     pub(crate) settle: Option<f64>,
 }
 
-/// Where a model puts cloth.
-pub const fn put_of(aim: Aim) -> Put {
-    match aim {
-        Aim::Rest => Put::AtRest,
-        Aim::Arrival => Put::AtArrival,
-        Aim::Falling => Put::Falling,
-        Aim::Midway => Put::Midway,
-    }
-}
-
 impl<'a> Contender<'a> {
     /// Reads the weights, if it has any.
     pub(crate) fn new(stage: &'a Stage, candidate: &Candidate) -> Result<Self, TrainError> {
-        stage.check_aim(Aim::Rest)?;
+        stage.check_moment(Moment::Rest)?;
         let package = &stage.package;
-        let (name, start, model, settle) = match candidate {
-            Candidate::Skinning => ("dqs", Start::DualQuaternion, None, 0),
-            Candidate::Warp => ("warp", Start::Shape, None, 0),
+        let (name, warp, model, settle) = match candidate {
+            Candidate::Skinning => ("dqs", Warp::DualQuaternion, None, 0),
+            Candidate::Warp => ("warp", Warp::Shape, None, 0),
             Candidate::Model {
                 name,
                 weights,
@@ -67,19 +58,19 @@ impl<'a> Contender<'a> {
                 let rest = package.body.rest().positions();
                 let template = package.mesh.positions();
                 let model = Model::load(weights, graph, template, rest)?;
-                (name.as_str(), model.start(), Some(model), *settle)
+                (name.as_str(), model.warp(), Some(model), *settle)
             }
         };
-        // Where cloth is midway is on no body before the rest of the motion.
-        let is_midway = (model.as_ref()).is_some_and(|model| model.aim() == Aim::Midway);
+        // Cloth on the way is on no body before the rest of the motion.
+        let is_on_way = (model.as_ref()).is_some_and(|model| model.moment().is_on_way());
         let num_vertices = package.mesh.num_vertices();
         let cost = model.as_ref().map(|model| model.cost(num_vertices));
         Ok(Self {
             name: Candidate::settled_name(name, settle),
-            start,
+            warp,
             cost: cost.transpose()?,
             model,
-            settle: (settle > 0 || is_midway).then(|| (settle, Teachers::new(stage))),
+            settle: (settle > 0 || is_on_way).then(|| (settle, Teachers::new(stage))),
         })
     }
 
@@ -88,9 +79,9 @@ impl<'a> Contender<'a> {
         &self.name
     }
 
-    /// What the network tells; where the cloth rests, of skinning and warp.
-    pub(crate) fn aim(&self) -> Aim {
-        self.model.as_ref().map_or(Aim::Rest, Model::aim)
+    /// The moment at which the network predicts the cloth; rest, of skinning and warp.
+    pub(crate) fn moment(&self) -> Moment {
+        self.model.as_ref().map_or(Moment::Rest, Model::moment)
     }
 
     /// Whether cloth is simulated where the network has put it.
@@ -130,7 +121,7 @@ impl<'a> Contender<'a> {
         let worn = &staged.worn;
         let Some(model) = &mut self.model else {
             let start = Instant::now();
-            let nodes = worn.garment.warped(&staged.posed, warp_of(self.start))?;
+            let nodes = worn.garment.warped(&staged.posed, self.warp)?;
             let warp = start.elapsed().as_secs_f64();
             return Ok(Draped {
                 positions: worn.garment.weld().scatter(&nodes),
@@ -141,10 +132,10 @@ impl<'a> Contender<'a> {
             });
         };
         model.rebind(worn.graph.clone())?;
-        let put = put_of(model.aim());
+        let from = model.moment();
         let start = Instant::now();
-        let posed = staged.posed_for(model.aim())?;
-        let warped = staged.warped(self.start, &posed)?;
+        let posed = staged.posed_for(from)?;
+        let warped = staged.warped(self.warp, &posed)?;
         let warp = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let mut positions = predicted(model, &warped, &worn.body, &posed)?;
@@ -155,7 +146,7 @@ impl<'a> Contender<'a> {
             let start = Instant::now();
             let stop = AtomicBool::new(false);
             let (own, frames) = (&worn.body, *frames);
-            let settling = Settling { put, frames };
+            let settling = Settling { from, frames };
             match teacher.settled(own, &staged.posed, &positions, settling, &stop) {
                 Ok(settled) => {
                     positions = settled;
@@ -163,9 +154,9 @@ impl<'a> Contender<'a> {
                     settle = Some(start.elapsed().as_secs_f64());
                 }
                 // As in `garnet drape`: cloth that flies apart stays where it was put, if that is on the body.
-                Err(DataError::Sim(_)) if put != Put::Midway => {}
+                Err(DataError::Sim(_)) if !from.is_on_way() => {}
                 Err(DataError::Sim(_)) => {
-                    let nodes = worn.garment.warped(&staged.posed, warp_of(self.start))?;
+                    let nodes = worn.garment.warped(&staged.posed, self.warp)?;
                     positions = worn.garment.weld().scatter(&nodes);
                 }
                 Err(error) => return Err(error.into()),

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use garnet_data::{Put, Split};
-use garnet_net::{Aim, GarNetConfig, ModelHeader};
+use garnet_data::Split;
+use garnet_net::{GarNetConfig, ModelHeader, Moment};
 use garnet_untangle::Binding;
 use serde::Serialize;
 
-use crate::contender::{Contender, put_of};
+use crate::contender::Contender;
 use crate::curves::Counts;
 use crate::finish::Finished;
 use crate::measure::Measure;
@@ -45,11 +45,12 @@ impl Candidate {
         weights: &Path,
         settle: Option<u32>,
     ) -> Result<Vec<Self>, TrainError> {
-        let put = put_of(ModelHeader::read(weights)?.aim);
-        let settled = settle.unwrap_or(put.frames());
-        let mut frames = match put {
-            Put::AtRest => vec![0, settled],
-            Put::AtArrival | Put::Falling | Put::Midway | Put::OnRestBody => vec![settled],
+        let moment = ModelHeader::read(weights)?.moment;
+        let settled = settle.unwrap_or(moment.settle_frames());
+        let mut frames = if moment.is_rest() {
+            vec![0, settled]
+        } else {
+            vec![settled]
         };
         frames.dedup();
         let of = |settle| Self::Model {
@@ -102,8 +103,8 @@ pub struct Row {
     pub name: String,
     /// What the network is made of; none for skinning and warp.
     pub config: Option<GarNetConfig>,
-    /// What the network tells.
-    pub aim: Aim,
+    /// The moment at which the network predicts the cloth.
+    pub moment: Moment,
     /// For how many frames the cloth settles where the network has put it.
     pub settle: u32,
     /// Scenes whose cloth flew apart when it was to settle, and was left where the network had put it.
@@ -171,7 +172,7 @@ pub(crate) fn evaluate_until(
     observer: &mut dyn FnMut(EvalEvent),
     stop: &AtomicBool,
 ) -> Result<Evaluation, TrainError> {
-    stage.check_aim(Aim::Rest)?;
+    stage.check_moment(Moment::Rest)?;
     let total = stage.num_scenes(split)?;
     let mut entrants: Vec<Entrant<'_>> = (candidates.iter())
         .map(|candidate| Ok(Entrant::new(Contender::new(stage, candidate)?)))
@@ -235,7 +236,7 @@ impl<'a> Entrant<'a> {
         Row {
             name: self.contender.name().to_owned(),
             config: self.contender.config().cloned(),
-            aim: self.contender.aim(),
+            moment: self.contender.moment(),
             settle: self.contender.settle_frames(),
             unsettled: self.unsettled,
             parameters: cost.map_or(0, |cost| cost.parameters),

@@ -8,7 +8,6 @@ use burn::tensor::Device;
 use garnet_data::{GarmentPackage, Manifest, Split, Variant};
 use garnet_net::{Checkpoint, ModelHeader, PoseSpace, Precision, TrainedRange};
 
-use crate::contender::put_of;
 use crate::evaluate::evaluate_until;
 use crate::examples::examples;
 use crate::state::State;
@@ -159,7 +158,7 @@ pub(crate) fn publish(
         default: false,
         // Where cloth arrives is no drape.
         distance_error: test
-            .filter(|_| subject.aim.is_rest())
+            .filter(|_| subject.moment.is_rest())
             .map(|test| test.distance),
         settled_error: None,
         settle_frames: None,
@@ -228,7 +227,7 @@ fn settled(
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
 ) -> Result<(f64, u32), TrainError> {
-    let frames = put_of(ModelHeader::read(weights)?.aim).frames();
+    let frames = ModelHeader::read(weights)?.moment.settle_frames();
     let candidate = Candidate::Model {
         name: String::new(),
         weights: weights.to_path_buf(),

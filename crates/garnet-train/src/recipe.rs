@@ -1,7 +1,8 @@
 //! What the names of the paper's variants stand for.
 
 use garnet_net::losses::LossConfig;
-use garnet_net::{ARRIVAL, Aim, FALLING, MIDWAY, POSE_SPACE, Variant};
+use garnet_net::pose_space::deformation_name;
+use garnet_net::{Moment, Variant};
 
 use crate::{Choice, TrainConfig, TrainError};
 
@@ -12,6 +13,14 @@ const KINDS: [(&str, Variant); 5] = [
     ("local", Variant::Local),
     ("global-params", Variant::GlobalParams),
     ("local-params", Variant::LocalParams),
+];
+
+/// The moments that pose-space deformations predict.
+const PREDICTED: [Moment; 4] = [
+    Moment::Midway,
+    Moment::Arrival,
+    Moment::Falling,
+    Moment::Rest,
 ];
 
 /// What methods of drapes and rows of tables are called, which variants cannot be.
@@ -82,15 +91,12 @@ impl Recipe {
         })
     }
 
-    /// What a pose-space deformation of this name tells; none if the name is that of a network.
-    pub fn pose_space(&self) -> Option<Aim> {
-        match self.name.as_str() {
-            POSE_SPACE => Some(Aim::Rest),
-            ARRIVAL => Some(Aim::Arrival),
-            FALLING => Some(Aim::Falling),
-            MIDWAY => Some(Aim::Midway),
-            _ => None,
-        }
+    /// The moment that a pose-space deformation of this name predicts; none if the name is that of a
+    /// network.
+    pub fn pose_space(&self) -> Option<Moment> {
+        PREDICTED
+            .into_iter()
+            .find(|&moment| deformation_name(moment) == self.name)
     }
 
     /// Puts what the name asks for into a configuration.
@@ -120,10 +126,18 @@ mod tests {
         let tuned = Recipe::of_name("local-mcrq").unwrap();
         let expected = ("local".to_owned(), LossConfig::fine_tune_mcrq());
         assert_eq!((tuned.kind, tuned.fine_tuned), (None, Some(expected)));
-        let aim = |name| Recipe::of_name(name).unwrap().pose_space();
-        let aims = [POSE_SPACE, ARRIVAL, FALLING, MIDWAY, "local"].map(aim);
-        let known = [Aim::Rest, Aim::Arrival, Aim::Falling, Aim::Midway].map(Some);
-        assert_eq!((&aims[..4], aims[4]), (&known[..], None));
+        let moment = |name| Recipe::of_name(name).unwrap().pose_space();
+        let names = ["pose-space", "arrival", "falling", "midway"];
+        let known = [
+            Moment::Rest,
+            Moment::Arrival,
+            Moment::Falling,
+            Moment::Midway,
+        ];
+        assert_eq!(names.map(moment), known.map(Some));
+        for name in ["local", "start", "rest"] {
+            assert_eq!(moment(name), None, "{name}");
+        }
         let own = Recipe::of_name("my_shirt-2").unwrap();
         assert_eq!((own.kind, own.fine_tuned), (None, None));
         assert_eq!(kind_name(Variant::GlobalParams), "global-params");

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use garnet_body::shape::ParametricBody;
 use garnet_data::{
-    BodyPath, BodyRecord, Dataset, GarmentPackage, MIDWAY, Posed, SceneRecord, Shard, Sizing,
-    Split, Until,
+    BodyPath, BodyRecord, Dataset, GarmentPackage, Posed, SceneRecord, Shard, Sizing, Split,
 };
 use garnet_mesh::{Point3, TriMesh};
-use garnet_net::{Aim, FALLEN, GarmentGraph, Start};
+use garnet_net::GarmentGraph;
+use garnet_sim::{FALLEN, Moment};
 use garnet_skin::{Body, BoundGarment, Garment, Pose, PosedBody, Warp, WarpedGarment};
 use rayon::prelude::*;
 
@@ -62,24 +62,14 @@ pub struct StagedScene {
     pub worn: Arc<Worn>,
     /// The body in its pose.
     pub posed: PosedBody,
-    /// What the teacher made of it `[vertex]`, in metres; see [`Stage::check_aim`].
+    /// What the teacher made of it `[vertex]`, in metres; see [`Stage::check_moment`].
     pub draped: Vec<Point3>,
     /// Where the garment was when the body came to its last place `[vertex]`, in metres, if the data set has it.
     pub arrived: Option<Vec<Point3>>,
-    /// Where the garment was when the body was [midway](MIDWAY) `[vertex]`, in metres, if the data set has it.
+    /// Where the garment was when the body was [midway](Moment::Midway) `[vertex]`, in metres, if the data set has it.
     pub midway: Option<Vec<Point3>>,
     /// The body of the data set at rest and its pose; none of those made elsewhere.
     pub own: Option<(Arc<Body>, Pose)>,
-}
-
-/// The warp that a network starts from.
-pub const fn warp_of(start: Start) -> Warp {
-    match start {
-        Start::DualQuaternion => Warp::DualQuaternion,
-        Start::Shape | Start::PoseSpace | Start::Arrival | Start::Falling | Start::Midway => {
-            Warp::Shape
-        }
-    }
 }
 
 impl StagedScene {
@@ -102,20 +92,20 @@ impl StagedScene {
     /// # Errors
     ///
     /// [`TrainError::Skin`].
-    pub fn warped(&self, start: Start, posed: &PosedBody) -> Result<WarpedGarment, TrainError> {
+    pub fn warped(&self, warp: Warp, posed: &PosedBody) -> Result<WarpedGarment, TrainError> {
         let Worn { garment, body, .. } = &*self.worn;
-        Ok(WarpedGarment::new(garment, body, posed, warp_of(start))?)
+        Ok(WarpedGarment::new(garment, body, posed, warp)?)
     }
 
-    /// The body where a model tells of the cloth: in its pose, or midway.
+    /// The body at the moment at which a model predicts the cloth: in its pose, or on its way.
     ///
     /// # Errors
     ///
     /// [`TrainError::Skin`].
-    pub fn posed_for(&self, aim: Aim) -> Result<Cow<'_, PosedBody>, TrainError> {
-        if aim == Aim::Midway {
-            let path = self.seen_path();
-            return Ok(Cow::Owned(path.posed(&self.worn.body, MIDWAY)?));
+    pub fn posed_for(&self, moment: Moment) -> Result<Cow<'_, PosedBody>, TrainError> {
+        if moment.is_on_way() {
+            let posed = (self.seen_path()).posed(&self.worn.body, moment.motion_share())?;
+            return Ok(Cow::Owned(posed));
         }
         Ok(Cow::Borrowed(&self.posed))
     }
@@ -125,23 +115,24 @@ impl StagedScene {
         BodyPath::to_posed(&self.worn.body, &self.posed)
     }
 
-    /// What a model is to tell `[vertex]`, in metres.
+    /// Where the simulator has the cloth at a moment `[vertex]`, in metres: what a model is to predict.
     ///
     /// # Errors
     ///
     /// [`TrainError::NotKept`] if the data set does not have it.
-    pub fn told(&self, aim: Aim) -> Result<Cow<'_, [Point3]>, TrainError> {
-        let (told, when) = match aim {
-            Aim::Rest => return Ok(Cow::Borrowed(&self.draped)),
-            Aim::Arrival | Aim::Falling => (&self.arrived, "its body arrived"),
-            Aim::Midway => (&self.midway, "its body was midway"),
+    pub fn cloth_at(&self, moment: Moment) -> Result<Cow<'_, [Point3]>, TrainError> {
+        let (places, when) = match moment {
+            Moment::Rest => return Ok(Cow::Borrowed(&self.draped)),
+            Moment::Start => return Ok(Cow::Borrowed(&self.worn.rest)),
+            Moment::Arrival | Moment::Falling => (&self.arrived, "its body arrived"),
+            Moment::Midway => (&self.midway, "its body was midway"),
         };
         let scene = self.name;
-        let told = told.as_deref().ok_or(TrainError::NotKept { scene, when })?;
-        if aim != Aim::Falling {
-            return Ok(Cow::Borrowed(told));
+        let places = (places.as_deref()).ok_or(TrainError::NotKept { scene, when })?;
+        if moment != Moment::Falling {
+            return Ok(Cow::Borrowed(places));
         }
-        let pairs = told.iter().zip(&self.draped);
+        let pairs = places.iter().zip(&self.draped);
         let fallen = pairs.map(|(from, to)| from + FALLEN * (to - from));
         Ok(Cow::Owned(fallen.collect()))
     }
@@ -166,14 +157,9 @@ impl Stage {
     /// # Errors
     ///
     /// [`TrainError::NotSettled`].
-    pub fn check_aim(&self, aim: Aim) -> Result<(), TrainError> {
+    pub fn check_moment(&self, moment: Moment) -> Result<(), TrainError> {
         let manifest = &self.dataset.manifest;
-        let fits = match manifest.until {
-            Until::Rest => true,
-            Until::Arrival => aim == Aim::Arrival,
-            Until::Midway => aim == Aim::Midway,
-        };
-        if fits {
+        if manifest.until.is_rest() || manifest.until == moment {
             return Ok(());
         }
         Err(TrainError::NotSettled {
@@ -398,7 +384,7 @@ struct Dressed {
     /// Whether the garment was cut for the body.
     is_cut_to_measure: bool,
     /// How far scenes were simulated.
-    until: Until,
+    until: Moment,
 }
 
 impl Dressed {
@@ -428,11 +414,11 @@ impl Dressed {
             posed,
             draped: scene.garment.clone(),
             arrived: match self.until {
-                Until::Arrival => Some(scene.garment.clone()),
+                Moment::Arrival => Some(scene.garment.clone()),
                 _ => scene.arrived.clone(),
             },
             midway: match self.until {
-                Until::Midway => Some(scene.garment.clone()),
+                Moment::Midway => Some(scene.garment.clone()),
                 _ => scene.midway.clone(),
             },
             own: match (&self.own, &scene.posed) {

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use garnet_mesh::{Point3, TriMesh, Vector3};
 use garnet_net::losses::{LossBody, LossConfig, LossTarget, Losses};
 use garnet_net::{
-    Aim, BodySampling, GarNetConfig, GarmentGraph, Scene, SceneInput, SceneNeighbors,
+    BodySampling, GarNetConfig, GarmentGraph, Moment, Scene, SceneInput, SceneNeighbors,
 };
 use garnet_skin::{Body, WarpedGarment};
 
@@ -19,8 +19,8 @@ pub(crate) struct Subject {
     pub(crate) config: GarNetConfig,
     pub(crate) sampling: BodySampling,
     pub(crate) losses: Losses,
-    /// What the examples show.
-    pub(crate) aim: Aim,
+    /// The moment at which the examples show the cloth.
+    pub(crate) moment: Moment,
     body_faces: Vec<[u32; 3]>,
 }
 
@@ -39,7 +39,7 @@ pub(crate) struct Example {
     pub(crate) body_normals: Vec<Vector3>,
     /// Of shape and pose, whether the network asks for them or not.
     pub(crate) parameters: Vec<f32>,
-    /// What a model is to tell `[vertex]`, in metres.
+    /// Where the simulator has the cloth `[vertex]`, in metres: what a model is to predict.
     pub(crate) draped: Vec<Point3>,
     /// Found when the scene is first prepared: the search takes longer than all other preparation.
     pub(crate) neighbors: OnceLock<Option<SceneNeighbors>>,
@@ -81,7 +81,7 @@ impl Subject {
         Ok(Self {
             sampling: BodySampling::for_garment(rest, template, &config)?,
             losses: Losses::new(garment, loss)?,
-            aim: config.start.aim(),
+            moment: Moment::Rest,
             body_faces: body.faces().to_vec(),
             config,
         })
@@ -91,7 +91,7 @@ impl Subject {
     pub(crate) fn example(&self, staged: &StagedScene) -> Result<Example, TrainError> {
         let worn = &staged.worn;
         let graph = worn.graph.clone();
-        let posed = staged.posed_for(self.aim)?;
+        let posed = staged.posed_for(self.moment)?;
         Ok(Example {
             scene: staged.name,
             sequence: staged.sequence.clone(),
@@ -100,11 +100,11 @@ impl Subject {
                 0 => graph.with_sewing_parameters(&[])?,
                 _ => graph,
             },
-            warped: staged.warped(self.config.start, &posed)?,
+            warped: staged.warped(self.config.start.warp(), &posed)?,
             body: posed.skin().positions().to_vec(),
             body_normals: normals_of(&posed, self.config.needs_body_normals()),
             parameters: worn.body.pose_and_shape(&posed),
-            draped: staged.told(self.aim)?.into_owned(),
+            draped: staged.cloth_at(self.moment)?.into_owned(),
             neighbors: OnceLock::new(),
         })
     }

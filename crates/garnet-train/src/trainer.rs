@@ -84,8 +84,8 @@ pub fn train(
     let folder = training_folder(&job.package, &job.recipe.name);
     check_begin(job, &folder)?;
     let stage = stage_of(job)?;
-    if let Some(aim) = job.recipe.pose_space() {
-        return pose_space::fit(job, aim, &stage, observer, stop);
+    if let Some(moment) = job.recipe.pose_space() {
+        return pose_space::fit(job, moment, &stage, observer, stop);
     }
     let device = Device::flex().autodiff();
     let data = stage.dataset.manifest.fingerprint();

@@ -58,7 +58,7 @@ pub use garnet_mesh::{
     StretchSummary, TriMesh, Unit, UnitError, UpAxis, Vector3, diagnose, edge_stretch,
     edge_stretches, is_inside_out, kinship, pattern_stretches, primitives, vertex_distances,
 };
-pub use garnet_net::{Aim, CheckpointError, CheckpointHeader, ModelFile, NetError};
+pub use garnet_net::{CheckpointError, CheckpointHeader, ModelFile, Moment, NetError};
 #[cfg(feature = "train")]
 pub use garnet_pattern as pattern;
 #[cfg(feature = "train")]

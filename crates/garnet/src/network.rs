@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use garnet_net::{
-    Aim, BodySampling, GarNetConfig, GarmentGraph, Model, ModelFile, SceneInput, Start,
-};
+use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Model, ModelFile, Moment, SceneInput};
 use garnet_skin::{Body, PosedBody, Warp, WarpedGarment};
 
 use crate::draper::PutBy;
@@ -72,12 +70,11 @@ impl Network {
         })
     }
 
-    /// What it tells: where the cloth rests; as [`Aim::Arrival`], where it is when the body comes to its last
-    /// place; or as [`Aim::Midway`], where it is when the body is halfway, of which it takes the
-    /// [place](crate::data::BodyPath::posed). From the last two
+    /// The moment at which it predicts the cloth. Before [`Moment::Arrival`] it takes the
+    /// [body on its way](crate::data::BodyPath::posed); before [`Moment::Rest`]
     /// [`Teacher::settled`](crate::data::Teacher::settled) has to go on.
-    pub fn aim(&self) -> Aim {
-        self.model.aim()
+    pub fn moment(&self) -> Moment {
+        self.model.moment()
     }
 
     /// A network of a named size with random weights: it leaves the warp as it is, but takes as long
@@ -101,12 +98,7 @@ impl Network {
 
     /// What the network starts from.
     pub fn warp(&self) -> Warp {
-        match self.model.start() {
-            Start::DualQuaternion => Warp::DualQuaternion,
-            Start::Shape | Start::PoseSpace | Start::Arrival | Start::Falling | Start::Midway => {
-                Warp::Shape
-            }
-        }
+        self.model.warp()
     }
 
     /// The garment warped to a posed body, as [`Network::moved`] takes it.

@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use garnet_data::{BodyPath, GarmentPackage, MIDWAY, Put, Settling, Teacher};
+use garnet_data::{BodyPath, GarmentPackage, Moment, Settling, Teacher};
 use garnet_mesh::Point3;
 use garnet_skin::{Body, PosedBody};
-use garnet_train::{put_of, weights_of};
+use garnet_train::weights_of;
 
 use crate::{BoundGarment, Drape, Draper, Error, Garment, Moved, Network, Unfamiliar, Warped};
 
@@ -68,11 +68,11 @@ impl PackagedGarment {
         let garment = Garment::new(package.mesh.clone()).bind(&package.body)?;
         let parameters = manifest.sewing_parameters();
         let network = Network::load(weights, &garment, &package.body, &parameters)?;
-        let put = put_of(network.aim());
-        let settling = manifest.variant(name).map(|variant| variant.settling(put));
+        let from = network.moment();
+        let settling = (manifest.variant(name)).map(|variant| variant.settling(from));
         Ok(Self {
             teacher: Teacher::new(&package)?,
-            settling: settling.unwrap_or(Settling::of(put)),
+            settling: settling.unwrap_or(Settling::of(from)),
             body: package.body,
             garment,
             network,
@@ -104,9 +104,12 @@ impl PackagedGarment {
     }
 
     fn drape_at_home(&mut self, target: &PosedBody) -> Result<PackagedDrape, Error> {
-        let on_way = match self.settling.put {
-            Put::Midway => Some(BodyPath::to_posed(&self.body, target).posed(&self.body, MIDWAY)?),
-            Put::AtRest | Put::AtArrival | Put::Falling | Put::OnRestBody => None,
+        let moment = self.settling.from;
+        let on_way = if moment.is_on_way() {
+            let path = BodyPath::to_posed(&self.body, target);
+            Some(path.posed(&self.body, moment.motion_share())?)
+        } else {
+            None
         };
         let seen = on_way.as_ref().unwrap_or(target);
         let warped = self.network.warped(&self.garment, seen)?;
@@ -115,7 +118,7 @@ impl PackagedGarment {
             (None, _) => Some((garment.positions(&self.garment), self.settling)),
             (Some(_), Some(_)) => {
                 let settling = Settling {
-                    put: Put::OnRestBody,
+                    from: Moment::Start,
                     ..self.settling
                 };
                 Some((self.garment.mesh().positions().to_vec(), settling))

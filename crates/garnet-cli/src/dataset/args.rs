@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use garnet::{
-    Unit, UnitError,
-    data::{Counts, GarmentPackage, Quality, Sizing, Until, Variations},
+    Moment, Unit, UnitError,
+    data::{Counts, GarmentPackage, Quality, Sizing, Variations},
 };
 
 use crate::failure::refused;
@@ -143,11 +143,11 @@ impl QualityName {
 }
 
 impl UntilName {
-    pub(crate) fn until(self) -> Until {
+    pub(crate) fn until(self) -> Moment {
         match self {
-            Self::Rest => Until::Rest,
-            Self::Arrival => Until::Arrival,
-            Self::Midway => Until::Midway,
+            Self::Rest => Moment::Rest,
+            Self::Arrival => Moment::Arrival,
+            Self::Midway => Moment::Midway,
         }
     }
 }

@@ -3,9 +3,9 @@
 use std::cmp::Ordering;
 
 use garnet::{
-    Draper,
-    data::{GarmentPackage, Put, Settling, Variant},
-    train::{chart::header_of, put_of},
+    Draper, Moment,
+    data::{GarmentPackage, Settling, Variant},
+    train::chart::header_of,
 };
 use serde::Serialize;
 
@@ -48,9 +48,9 @@ struct CandidateReport {
     variant: String,
     /// Whether the cloth settles by simulation where the network has put it.
     settles: bool,
-    /// Where it puts the cloth.
+    /// The moment at which it predicts the cloth.
     #[serde(skip)]
-    put: Put,
+    moment: Moment,
     /// For how many frames of a sixtieth of a second the cloth settles, if it does.
     #[serde(skip)]
     settle_frames: u32,
@@ -66,16 +66,16 @@ struct CandidateReport {
 }
 
 impl CandidateReport {
-    fn of(variant: &Variant, put: Put, settles: bool) -> Self {
+    fn of(variant: &Variant, moment: Moment, settles: bool) -> Self {
         Self {
-            put,
-            motion_frames: if settles { put.motion_frames() } else { 0 },
+            moment,
+            motion_frames: if settles { moment.motion_frames() } else { 0 },
             variant: variant.name.clone(),
             settles,
             settle_frames: match variant.settle_frames {
                 _ if !settles => 0,
                 Some(frames) => frames,
-                None => put.frames(),
+                None => moment.settle_frames(),
             },
             error_m: if settles {
                 variant.settled_error
@@ -95,10 +95,10 @@ impl CandidateReport {
     /// Whether it leaves the cloth where it could be worn: what arrives is no drape before it has settled, and what is midway is not
     /// on the body.
     fn is_drape(&self, job: &Job) -> bool {
-        match self.put {
-            Put::AtRest => true,
-            Put::AtArrival | Put::Falling => self.settles || job.settle.is_some(),
-            Put::Midway | Put::OnRestBody => self.settles,
+        match self.moment {
+            Moment::Rest => true,
+            Moment::Arrival | Moment::Falling => self.settles || job.settle.is_some(),
+            Moment::Start | Moment::Midway => self.settles,
         }
     }
 }
@@ -137,8 +137,8 @@ pub(super) fn choose(
     let both = variants.iter().flat_map(|variant| {
         // What cannot be read is told of when it is loaded.
         let header = header_of(&folder.join(&variant.weights));
-        let put = header.map_or(Put::AtRest, |header| put_of(header.aim));
-        let of = move |&settles: &bool| CandidateReport::of(variant, put, settles);
+        let moment = header.map_or(Moment::Rest, |header| header.moment);
+        let of = move |&settles: &bool| CandidateReport::of(variant, moment, settles);
         ways.iter().map(of)
     });
     let mut candidates: Vec<CandidateReport> = both.collect();
@@ -275,7 +275,7 @@ fn first_within(
     (mut way, mut pace): (Way, Pace),
     console: &Console,
 ) -> anyhow::Result<Option<(usize, Learned)>> {
-    let of_warp = Settling::of(Put::AtRest);
+    let of_warp = Settling::of(Moment::Rest);
     // What cannot settle is told of when it is draped.
     let mut settler = Settler::find(bound, job, of_warp).ok().flatten();
     for (place, candidate) in candidates.iter_mut().enumerate() {
@@ -417,7 +417,7 @@ mod tests {
         CandidateReport {
             variant: "local".to_owned(),
             settles: frames > 0,
-            put: Put::AtRest,
+            moment: Moment::Rest,
             settle_frames: frames,
             motion_frames: 0,
             error_m: None,

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use anyhow::Context;
 use garnet::{
     BoundGarment, Draper, ModelFile, Moved, Network, PosedBody, Warped,
-    data::{BodyPath, GarmentPackage, MIDWAY, Manifest, Put, Settling},
-    train::{put_of, weights_of},
+    data::{BodyPath, GarmentPackage, Manifest, Settling},
+    train::weights_of,
 };
 
 use super::{
@@ -95,16 +95,16 @@ impl Unbound {
         };
         let network = Network::bind(self.file, garment, body, &parameters);
         let network = network.with_context(|| cannot_use(&self.name))?;
-        let put = put_of(network.aim());
+        let from = network.moment();
         let variant = self.manifest.variant(&self.name);
         let frames = variant.and_then(|variant| variant.settle_frames);
-        let settles = variant.is_some_and(|variant| variant.settling(put).takes_time());
+        let settles = variant.is_some_and(|variant| variant.settling(from).takes_time());
         Ok(Learned {
             network,
             settles,
             settling: Settling {
-                put,
-                frames: frames.unwrap_or(put.frames()),
+                from,
+                frames: frames.unwrap_or(from.settle_frames()),
             },
             name: self.name,
             weights: self.weights,
@@ -147,9 +147,9 @@ impl Learned {
         self.settling
     }
 
-    /// Whether it puts cloth where it is halfway, which is not on the body.
-    pub(super) fn is_midway(&self) -> bool {
-        self.settling.put == Put::Midway
+    /// Whether it predicts the cloth while the body is on its way, which is not on the body.
+    pub(super) fn is_on_way(&self) -> bool {
+        self.settling.from.is_on_way()
     }
 
     /// Whether its drapes come nearer to the teacher when they settle, or are none before.
@@ -170,12 +170,12 @@ impl Learned {
         bound: &Bound,
         posed: &PosedBody,
     ) -> anyhow::Result<(Moved, f64)> {
-        if !self.is_midway() {
+        if !self.is_on_way() {
             return self.drape_on(bound, posed);
         }
         let path = BodyPath::to_posed(&bound.body, posed);
-        let midway = path.posed(&bound.body, MIDWAY)?;
-        let (mut moved, seconds) = self.drape_on(bound, &midway)?;
+        let on_way = path.posed(&bound.body, self.settling.from.motion_share())?;
+        let (mut moved, seconds) = self.drape_on(bound, &on_way)?;
         if moved.fallback.is_some() {
             moved.garment = Draper::new().warp(&bound.garment, posed)?;
         }

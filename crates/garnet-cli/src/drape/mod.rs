@@ -21,9 +21,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
-    Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, Point3, PosedBody, Refit, TriMesh,
-    Warp,
-    data::{Put, SceneReport, Settling},
+    Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, Moment, Point3, PosedBody, Refit,
+    TriMesh, Warp,
+    data::{SceneReport, Settling},
     edge_stretch, io,
 };
 
@@ -104,7 +104,7 @@ pub(crate) fn do_job(
             (Some(choice), _) => choice.settles(),
             (None, learned) => learned.as_ref().is_some_and(Learned::settles),
         };
-        let of_warp = Settling::of(Put::AtRest);
+        let of_warp = Settling::of(Moment::Rest);
         let mut settling = (bound.learned.as_ref()).map_or(of_warp, Learned::settling);
         if !settles {
             settling.frames = 0;
@@ -404,7 +404,7 @@ fn drape_timed(
         learned,
         settler,
     } = way;
-    let is_midway = learned.as_ref().is_some_and(Learned::is_midway);
+    let is_on_way = learned.as_ref().is_some_and(Learned::is_on_way);
     let (mut network, mut fallback) = (0.0, None);
     let (brought, mut warp) = timed(|| match (&bound.teacher, learned) {
         (Some(teaching), _) => teaching.drape(bound, target, &home, console),
@@ -421,7 +421,7 @@ fn drape_timed(
     let settled = settler.as_ref().and_then(|settler| match fallback {
         None => Some(settler.settled(bound, posed, &warped)),
         // Of a motion that is simulated in any case the network has told the first half.
-        Some(_) if is_midway => Some(settler.whole_way(bound, posed)),
+        Some(_) if is_on_way => Some(settler.whole_way(bound, posed)),
         // What fell back to the warp is far from where cloth rests.
         Some(_) => None,
     });
@@ -431,8 +431,8 @@ fn drape_timed(
         Some(Err(error)) => unsettled = Some(format!("{error:#}")),
         None => {}
     }
-    let is_left_midway = is_midway && fallback.is_none() && !is_settled;
-    if is_left_midway {
+    let is_left_on_way = is_on_way && fallback.is_none() && !is_settled;
+    if is_left_on_way {
         warped = draper.warp(&bound.garment, posed).with_context(cannot)?;
     }
     let (drape, untangle) = timed(|| draper.finish(&bound.garment, posed, &warped));
@@ -453,7 +453,7 @@ fn drape_timed(
         simulated,
         fallback: match fallback {
             Some(reason) => Some(reason.to_string()),
-            None if is_left_midway => {
+            None if is_left_on_way => {
                 Some("what is midway could not be simulated further".to_owned())
             }
             None => None,

@@ -4,8 +4,8 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::Context;
 use garnet::{
-    Point3, PosedBody, Warped,
-    data::{Put, Settling, Teacher},
+    Moment, Point3, PosedBody, Warped,
+    data::{Settling, Teacher},
 };
 
 use super::{Bound, args::Job, simulated::teacher_of, timing::timed};
@@ -62,7 +62,7 @@ impl Settler {
         posed: &PosedBody,
     ) -> anyhow::Result<(Warped, f64)> {
         let settling = Settling {
-            put: Put::OnRestBody,
+            from: Moment::Start,
             ..self.settling
         };
         self.run(bound, posed, bound.garment.mesh().positions(), settling)

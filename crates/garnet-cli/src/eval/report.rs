@@ -74,7 +74,7 @@ impl From<&Row> for MethodReport {
         Self {
             name: row.name.clone(),
             settle_frames: row.settle,
-            has_to_settle: !row.aim.is_rest(),
+            has_to_settle: !row.moment.is_rest(),
             unsettled: row.unsettled,
             weights: is_network.then_some(row.parameters),
             flop: is_network.then_some(row.flops),

@@ -10,11 +10,11 @@ use garnet_body::{
 use garnet_pattern::Wearer;
 
 use super::generate::DatasetOptions;
-use super::manifest::{Sizing, Until};
+use super::manifest::Sizing;
 use super::record::{BodyRecord, Posed, SceneRecord, StoredParameters};
 use crate::tailor::{Tailor, values};
 use crate::wearer::{self, Fitting};
-use crate::{BodyPath, DataError, GarmentPackage, SceneReport, Teacher};
+use crate::{BodyPath, DataError, GarmentPackage, Moment, SceneReport, Teacher};
 
 /// Dresses bodies of the population.
 pub(super) struct Dresser<'a> {
@@ -189,9 +189,10 @@ impl Dressed {
             Err(error) => return rejected(sound.sequence, "simulation", error.to_string()),
         };
         let report = SceneReport::from(&drape.report);
-        let limits = match options.until {
-            Until::Rest => options.limits,
-            Until::Arrival | Until::Midway => options.limits.of_arrivals(),
+        let limits = if options.until.is_rest() {
+            options.limits
+        } else {
+            options.limits.of_arrivals()
         };
         if let Some((kind, reason)) = limits.violation(&report) {
             return rejected(sound.sequence, kind, reason);
@@ -202,8 +203,8 @@ impl Dressed {
             sequence: sound.sequence.to_owned(),
             posed: Posed::Pose(sound.pose),
             garment: match options.until {
-                Until::Midway => drape.midway.clone(),
-                Until::Rest | Until::Arrival => drape.positions,
+                Moment::Midway => drape.midway.clone(),
+                _ => drape.positions,
             },
             arrived: options.until.is_rest().then_some(drape.arrived),
             midway: options.until.is_rest().then_some(drape.midway),

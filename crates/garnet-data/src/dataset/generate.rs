@@ -14,13 +14,13 @@ use garnet_mesh::Fingerprint;
 
 use super::dress::{Dresser, Outcome};
 use super::lock::Lock;
-use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing, Until};
+use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
 use super::plan::{Counts, Plan, sampler};
 use super::record::{Rejection, SceneRecord, Split};
 use super::shard::{Layout, Shard};
 use super::variations::Variations;
 use crate::teacher::quality_name;
-use crate::{DataError, GarmentPackage, Limits, Quality};
+use crate::{DataError, GarmentPackage, Limits, Moment, Quality};
 
 /// Bodies in a shard: at 5k vertices and 8 poses a shard has 5 MB.
 const BODIES_PER_SHARD: u32 = 10;
@@ -39,7 +39,7 @@ pub struct DatasetOptions {
     /// Quality of the simulation.
     pub quality: Quality,
     /// How far the simulation goes.
-    pub until: Until,
+    pub until: Moment,
     /// Who wears what.
     pub sizing: Sizing,
     /// Sewing parameters that are drawn for each body; garments that are cut to measure alone have any.

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use garnet_mesh::{Fingerprint, write_atomically};
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::plan::Counts;
 use super::variations::Variations;
-use crate::{DataError, Limits, ReadAs, package::Manifest as PackageManifest};
+use crate::{DataError, Limits, Moment, ReadAs, package::Manifest as PackageManifest};
 
 /// What this version writes and reads.
 pub const DATASET_SCHEMA: &str = "garnet.dataset/1";
@@ -36,9 +37,15 @@ pub struct DatasetManifest {
     pub mixed: bool,
     /// Quality of the simulation; none for drapes made elsewhere.
     pub quality: Option<String>,
-    /// How far the simulation went.
-    #[serde(default, skip_serializing_if = "Until::is_rest")]
-    pub until: Until,
+    /// Until when scenes are simulated: until the cloth rests; until the body comes to its last place, a
+    /// third of the work; or until it is midway, a fifth of it. Shorter ones are for networks that
+    /// predict the cloth at that moment alone.
+    #[serde(
+        default,
+        skip_serializing_if = "Moment::is_rest",
+        deserialize_with = "end_of_simulation"
+    )]
+    pub until: Moment,
     /// Whether all bodies wear the template, or each a garment cut for it.
     pub sizing: Sizing,
     /// Sewing parameters that are drawn for each body.
@@ -52,36 +59,6 @@ pub struct DatasetManifest {
     /// scenes that were simulated, and for imports of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub imported: Option<String>,
-}
-
-/// How far scenes are simulated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Until {
-    /// Until the cloth rests.
-    #[default]
-    Rest,
-    /// Until the body comes to its last place, a third of the work: the cloth has yet to settle. Such drapes are
-    /// for models of arrivals alone.
-    Arrival,
-    /// Until the body is [midway](garnet_sim::MIDWAY), a fifth of the work. Such drapes are for models of that alone.
-    Midway,
-}
-
-impl Until {
-    /// The name in files and messages.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Rest => "rest",
-            Self::Arrival => "arrival",
-            Self::Midway => "midway",
-        }
-    }
-
-    /// Whether it is the default.
-    pub fn is_rest(&self) -> bool {
-        *self == Self::Rest
-    }
 }
 
 /// Who wears what.
@@ -101,6 +78,18 @@ impl Sizing {
             Self::OneSize => "one-size",
             Self::MadeToMeasure => "made-to-measure",
         }
+    }
+}
+
+/// Refuses moments that no data set is simulated until.
+fn end_of_simulation<'de, D: Deserializer<'de>>(reader: D) -> Result<Moment, D::Error> {
+    let moment = Moment::deserialize(reader)?;
+    match moment {
+        Moment::Midway | Moment::Arrival | Moment::Rest => Ok(moment),
+        Moment::Start | Moment::Falling => Err(D::Error::custom(format!(
+            "no data set is simulated until `{}`",
+            moment.name()
+        ))),
     }
 }
 

@@ -16,7 +16,7 @@ use garnet_mesh::Fingerprint;
 
 pub use generate::{DatasetEvent, DatasetOptions, Tally, generate};
 pub use import::{ImportManifest, ImportProblem, ImportScene, import};
-pub use manifest::{DATASET_SCHEMA, DatasetManifest, Sizing, Until};
+pub use manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
 pub use plan::{Counts, Plan, sampler, sequences};
 pub use record::{BodyRecord, Posed, Rejection, SceneRecord, Split, StoredParameters};
 pub use shard::Shard;

@@ -115,7 +115,7 @@ pub struct SceneRecord {
     /// Positions of the garment when the body came to its last place, before it settled `[vertex]`, in metres;
     /// none for drapes made elsewhere or by earlier versions.
     pub arrived: Option<Vec<Point3>>,
-    /// Positions of the garment when the body was [midway](garnet_sim::MIDWAY) `[vertex]`, in metres; none as there.
+    /// Positions of the garment when the body was [midway](garnet_sim::Moment::Midway) `[vertex]`, in metres; none as there.
     pub midway: Option<Vec<Point3>>,
     /// What the simulation measured; none for drapes made elsewhere.
     pub report: Option<SceneReport>,

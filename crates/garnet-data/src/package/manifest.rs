@@ -8,7 +8,7 @@ use garnet_sim::Fabric;
 use serde::{Deserialize, Serialize};
 
 use super::MANIFEST_FILE;
-use crate::{DataError, Put, ReadAs, Settling, StoredParameters};
+use crate::{DataError, Moment, ReadAs, Settling, StoredParameters};
 
 /// What this version writes and reads.
 pub const PACKAGE_SCHEMA: &str = "garnet.garment/1";
@@ -195,7 +195,7 @@ pub struct Variant {
     /// The same after the cloth has settled where the variant has put it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settled_error: Option<f64>,
-    /// For how many frames of a sixtieth of a second that was; by default [`Put::frames`](crate::Put::frames).
+    /// For how many frames of a sixtieth of a second that was; by default [`Moment::settle_frames`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settle_frames: Option<u32>,
     /// Floating-point operations of one forward pass.
@@ -210,12 +210,13 @@ impl Variant {
         self.settled_error.is_some_and(|settled| settled < left)
     }
 
-    /// How cloth settles that this variant has put so: not at all where that is known to bring nothing.
-    pub fn settling(&self, put: Put) -> Settling {
-        let settles = self.gains_by_settling() || put != Put::AtRest;
-        let frames = self.settle_frames.unwrap_or(put.frames());
+    /// How cloth settles that this variant predicts at a moment: not at all where that is known to
+    /// bring nothing.
+    pub fn settling(&self, from: Moment) -> Settling {
+        let settles = self.gains_by_settling() || !from.is_rest();
+        let frames = self.settle_frames.unwrap_or(from.settle_frames());
         Settling {
-            put,
+            from,
             frames: if settles { frames } else { 0 },
         }
     }

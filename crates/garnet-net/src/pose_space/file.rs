@@ -5,13 +5,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use garnet_mesh::write_atomically;
+use garnet_sim::Moment;
 use safetensors::SafeTensors;
 use safetensors::tensor::TensorView;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{
-    Aim, Exchange, Features, Layer, Mirror, PoseSpace, PoseSpaceParts, Region, RegionMirror,
-    Regions, Told,
+    Exchange, Features, Layer, Mirror, PoseSpace, PoseSpaceParts, Region, RegionMirror, Regions,
+    Told,
 };
 use crate::weight_file::{self, Header, not_safetensors};
 use crate::{CheckpointError, Precision, TrainedRange, UNIT};
@@ -32,9 +34,14 @@ pub struct PoseSpaceHeader {
     pub checksum: String,
     /// The poses and shapes that it was fitted to.
     pub range: TrainedRange,
-    /// What it tells.
-    #[serde(default, skip_serializing_if = "Aim::is_rest")]
-    pub aim: Aim,
+    /// The moment at which it predicts the cloth.
+    #[serde(
+        rename = "aim",
+        default,
+        skip_serializing_if = "Moment::is_rest",
+        deserialize_with = "predicted"
+    )]
+    pub moment: Moment,
     /// See [`PoseSpace::ridge`].
     pub ridge: f64,
     /// What networks of regions are told; none if scenes tell the shares of the shapes.
@@ -44,6 +51,14 @@ pub struct PoseSpaceHeader {
     pub record: serde_json::Value,
     /// Scores by name.
     pub scores: BTreeMap<String, f64>,
+}
+
+/// Refuses the start, which nothing predicts.
+fn predicted<'de, D: Deserializer<'de>>(reader: D) -> Result<Moment, D::Error> {
+    match Moment::deserialize(reader)? {
+        Moment::Start => Err(D::Error::custom("nothing predicts the start")),
+        moment => Ok(moment),
+    }
 }
 
 /// A tensor to be stored: name, shape, numbers, precision.
@@ -102,7 +117,7 @@ impl PoseSpace {
             unit: UNIT,
             checksum: String::new(),
             range: self.range.clone(),
-            aim: self.aim,
+            moment: self.moment,
             ridge: self.ridge,
             features: self.regions().map(|regions| regions.features.clone()),
             record: self.record.clone(),
@@ -150,7 +165,7 @@ impl PoseSpace {
             source,
         })?;
         Ok(Self {
-            aim: header.aim,
+            moment: header.moment,
             record: header.record,
             scores: header.scores,
             checksum: header.checksum,
@@ -372,7 +387,7 @@ mod tests {
         space.scores.insert("test.distance_m".to_owned(), 0.01);
         space.save(&path, Precision::F16).unwrap();
         assert_eq!(PoseSpace::load(&path).unwrap(), space);
-        space.aim = Aim::Arrival;
+        space.moment = Moment::Arrival;
         let Told::ByScenes(parts) = &mut space.told else {
             unreachable!()
         };
@@ -387,7 +402,7 @@ mod tests {
         let regions = super::super::regions::tests::small();
         let (garment, range) = (space.garment, space.range.clone());
         let mut regions = PoseSpace::of_regions(regions, garment, range).unwrap();
-        regions.aim = Aim::Arrival;
+        regions.moment = Moment::Arrival;
         let other = folder.path().join("arrival.safetensors");
         regions.save(&other, Precision::F16).unwrap();
         assert_eq!(PoseSpace::load(&other).unwrap(), regions);

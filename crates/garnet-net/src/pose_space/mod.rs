@@ -28,52 +28,18 @@ pub use regions::{Image, Layer, Region, RegionMirror, Regions, silu};
 use std::collections::BTreeMap;
 
 use garnet_mesh::{Fingerprint, Point3, Vector3};
+use garnet_sim::Moment;
 use nalgebra::UnitQuaternion;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::{Cost, NetError, TrainedRange};
 
-/// The name of the variant and of its file that networks start from.
-pub const POSE_SPACE: &str = "pose-space";
-
-/// The name of the pose-space deformation that tells where cloth is when its body arrives.
-pub const ARRIVAL: &str = "arrival";
-
-/// The name of the pose-space deformation that tells where cloth is most of the way from there to where it rests.
-pub const FALLING: &str = "falling";
-
-/// The name of the pose-space deformation that tells where cloth is when its body is halfway to its pose.
-pub const MIDWAY: &str = "midway";
-
-/// What a model tells of a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Aim {
-    /// Where the cloth is once it rests.
-    #[default]
-    Rest,
-    /// Where it is when the body comes to its last place; it has to settle yet. Until then the cloth
-    /// follows the body, which is easier to tell than the folds that it falls into.
-    Arrival,
-    /// Most of the way on a line from where it is then to where it rests ([`FALLEN`]): less of the way is to be simulated yet, and the
-    /// folds are still to be found.
-    Falling,
-    /// Where it is when the body is halfway to its last place, seen from there: the second half of the motion has to
-    /// be simulated yet.
-    Midway,
-}
-
-/// The share of the way from arrival to rest that cloth of [`Aim::Falling`] has behind it.
-///
-/// 156 validation drapes of a T-shirt that start from a mixture of what two deformations tell, of arrival and of rest, are after 6 frames 5.07 mm from the
-/// teacher with 0.8 of the latter, 5.81 mm with all of it, 8.61 mm with nothing; after 10 frames 4.29 mm with 0.7, 4.39 mm with 0.5, 6.11 mm with nothing.
-pub const FALLEN: f32 = 0.8;
-
-impl Aim {
-    /// Whether it is the default.
-    pub fn is_rest(&self) -> bool {
-        *self == Self::Rest
+/// The name of the variant, and of its file, that predicts where cloth is at a moment: that of the moment,
+/// or `pose-space` for where it rests.
+pub const fn deformation_name(moment: Moment) -> &'static str {
+    match moment {
+        Moment::Rest => "pose-space",
+        _ => moment.name(),
     }
 }
 
@@ -87,8 +53,8 @@ pub struct PoseSpace {
     pub garment: Fingerprint,
     /// The poses and shapes that it was fitted to.
     pub range: TrainedRange,
-    /// What it tells.
-    pub aim: Aim,
+    /// The moment at which it predicts the cloth.
+    pub moment: Moment,
     /// Added to the diagonal of the covariances in the fit: the variance of what poses and shapes do not
     /// tell, over that of what they tell.
     pub ridge: f64,
@@ -294,7 +260,7 @@ impl PoseSpace {
         Self {
             garment,
             range,
-            aim: Aim::default(),
+            moment: Moment::Rest,
             ridge,
             record: serde_json::Value::Null,
             scores: BTreeMap::new(),

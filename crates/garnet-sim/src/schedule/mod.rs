@@ -8,7 +8,8 @@ pub use self::check::MAX_SUBSTEPS;
 /// How accurate a drape has to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quality {
-    /// For looking: the teacher's way with contacts looked for half as often, and a third of its time to settle.
+    /// For looking: the teacher's way with contacts looked for half as often, and a third of its time
+    /// to settle.
     Fast,
     /// For ground truth: still finer steps change the strain by less than poses and cut do.
     Teacher,
@@ -105,64 +106,62 @@ pub enum SelfContact {
     },
 }
 
-/// The share of the motion's time after which the body is *midway*: halfway in time and, as it starts as gently as it
-/// stops, halfway on its path.
-pub const MIDWAY: f32 = 0.5;
-
 /// Standard gravity, m/s².
 pub const STANDARD_GRAVITY: f32 = 9.80665;
 
-/// Substeps a second of the second and the last stage for each meter of 1/Δx.
+/// Substeps a second of the second and the last stage for each metre of 1/Δx.
 ///
-/// Of 48 T-shirts one still moves in the end. At 68 with 45 and 36 frames in place of 75 and 45 three do, at 41 and 68 three to six: what is
-/// stiffer in the last stage rises and slides anew. At 41 in both one moves, but the strain p99 is 2.9 in place of 2.4 % in the median.
-const LAST_RATE: f32 = 54.0;
+/// More is stiffer, and cloth that was stretched in the motion rises and slides anew; less leaves more
+/// strain. Tried: 41 to 75 (docs/experiments/004-teacher-schedule.md).
+pub(crate) const LAST_RATE: f32 = 54.0;
 
 /// Extra drag of the last stage, 1/s: cloth that swings on comes to rest; cloth out of balance still
-/// falls, at 0.08 m/s, sixteen times what counts as moving.
+/// falls, at 0.08 m/s, sixteen times what counts as moving. Less lets it swing on.
 const LAST_DRAG: f32 = 120.0;
 
 /// Extra drag of the first stage, 1/s: cloth falls at 0.25 m/s at most, and comes to its folds without
-/// swinging. Without it a drape changes more when a body changes a little (ARCHITECTURE, "Patterns, the
-/// teacher and data sets"); with it in all stages 5 of 100 loose T-shirts still creep in the end.
+/// swinging.
+///
+/// Less makes drapes of alike bodies differ more; the same in all stages leaves loose cloth creeping in
+/// the end (docs/experiments/004-teacher-schedule.md).
 const FIRST_DRAG: f32 = 30.0;
 
-/// Rate of [`Schedule::carry`], 1/s: from 100 to 1000 drapes of bodies that differ a little are
-/// nearest to each other.
+/// Rate of [`Schedule::carry`], 1/s: more binds cloth closer to where skinning would take it. Tried: 100 to
+/// 1000 are alike (docs/experiments/004-teacher-schedule.md).
 const CARRY: f32 = 300.0;
 
-/// How long the body takes to its last place, in seconds. Cloth that had half of it, at half the rate, ended 12 mm from the
-/// teacher's; that was cloth that resisted compression.
+/// How long the body takes to its last place, in seconds. Less is cheaper, and cloth lags behind and ends in
+/// other folds. Tried: 0.5 (docs/experiments/004-teacher-schedule.md).
 const MOTION_SECONDS: f32 = 1.0;
 
-/// Frames of the motion and of the three stages of settling.
-const TEACHER_FRAMES: [u32; 4] = [60, 45, 75, 45];
+/// Frames of the motion and of the three stages of settling. More bring more cloth to rest (docs/experiments/004-teacher-schedule.md).
+pub(crate) const TEACHER_FRAMES: [u32; 4] = [60, 45, 75, 45];
 
 /// The same, each twice as long, in [`Quality::Fast`].
 ///
 /// How far that ends from the teacher is measured by `cargo run --release -p garnet-data --example branching -- 5000 12`.
 const FAST_FRAMES: [u32; 4] = [30, 15, 12, 6];
 
-/// Hinges of cloth that somebody waits for are projected once in so many substeps. T-shirts that settle for 6 frames end as near to the teacher's as with
-/// half of it, 5.06 and 5.07 mm (156 validation drapes); from their arrival on for 30 frames, with pairs looked for rarely, too, 4.12 and 3.93 mm (620 test
-/// drapes), in three quarters of the time.
-const RARELY: u32 = 4;
+/// Hinges of cloth that somebody waits for are projected once in so many substeps: more is cheaper and leaves
+/// cloth softer in bending. Tried: 2 and 4 (docs/experiments/003-cloth-that-somebody-waits-for.md).
+pub(crate) const RARELY: u32 = 4;
 
-/// Patches of cloth that somebody waits for. Of two threads drapes that settle take three quarters of the time, and end as near to the
-/// teacher's (155 validation T-shirts, of cloth that still resisted compression: 5.6 mm with 1 or 2). The teacher's scenes have a thread each.
+/// Patches of cloth that somebody waits for, each with a thread of its own; the teacher's scenes have one each.
+/// Tried: 1 and 2 (docs/experiments/003-cloth-that-somebody-waits-for.md).
 const PATCHES: u32 = 2;
 
-/// Of 11 drapes of a T-shirt of 5000 vertices 9 are in balance after 21 to 53 steps.
+/// Steps of the reference solver at most: more only for cloth that is slow to balance (docs/experiments/004-teacher-schedule.md).
 const BALANCE_STEPS: u32 = 60;
 
 /// Share of the friction that acts until the cloth has come to rest the first times.
 ///
 /// Somebody who takes up a pose moves a little all the time, and cloth slides where it would stick:
 /// with all of the friction it keeps the strain of the way there.
-const SHAKEN: f32 = 0.3;
+pub(crate) const SHAKEN: f32 = 0.3;
 
-/// Distance that vertices keep from each other, over the length of the edges around: at 0.75 tight
-/// folds run through themselves in every other scene, at 1 sleeves are strained in the armpit.
+/// Distance that vertices keep from each other, over the length of the edges around: less lets tight
+/// folds run through themselves, more strains sleeves in the armpit. Tried: 0.75 to 1
+/// (docs/experiments/004-teacher-schedule.md).
 const REPULSION: f32 = 0.85;
 
 /// Edges are taken to be at least this long when rates are chosen, in metres.
@@ -171,9 +170,14 @@ const MIN_EDGE: f32 = 0.003;
 /// In the last stage edges are taken to be at most this long, in metres: those of sewn templates are 14 to 16 mm.
 ///
 /// Cloth that is tight gives way while its rate is below the speed of sound in it over its edges, however
-/// short the length that hangs. Trousers with edges of 45 mm (a leg raised) have a strain p99 of 41 % with it, 63 %
-/// without it, 24 % in balance.
+/// short the length that hangs. Less is stiffer and dearer for coarse cloth
+/// (docs/experiments/004-teacher-schedule.md).
 const MAX_LAST_EDGE: f32 = 0.017;
+
+/// Substeps a second for edges of `edge_length` metres, of the rate for each metre of 1/Δx.
+fn rate(speed: f32, edge_length: f32) -> f32 {
+    speed / edge_length.max(MIN_EDGE)
+}
 
 impl Schedule {
     /// The schedule for a garment with edges of `edge_length` metres in the mean.
@@ -188,8 +192,7 @@ impl Schedule {
     /// assert!(fine.num_substeps() > coarse.num_substeps());
     /// ```
     pub fn for_quality(quality: Quality, edge_length: f32) -> Self {
-        // Substeps a second for each meter of 1/Δx.
-        let rate = |speed: f32| speed / edge_length.max(MIN_EDGE);
+        let rate = |speed: f32| rate(speed, edge_length);
         let stage = |frames: u32, speed: f32| Stage {
             frames,
             rate: rate(speed),
@@ -245,33 +248,6 @@ impl Schedule {
                 least: 0.5,
             },
         }
-    }
-
-    /// The same up to where the body comes to its last place: the cloth has not settled.
-    #[must_use]
-    pub fn until_arrival(self) -> Self {
-        Self {
-            stages: Vec::new(),
-            balance_steps: 0,
-            ..self
-        }
-    }
-
-    /// The same up to where the body is [midway](MIDWAY).
-    #[must_use]
-    pub fn until_midway(self) -> Self {
-        Self {
-            motion_frames: self.midway_frame(),
-            motion_part: [self.motion_part[0], MIDWAY],
-            ..self.until_arrival()
-        }
-    }
-
-    /// At the end of which frame the body is midway; 0 if it is so from the start, or never.
-    pub(crate) fn midway_frame(&self) -> u32 {
-        let [from, to] = self.motion_part;
-        let share = (MIDWAY - from) / (to - from);
-        (share * self.motion_frames as f32).round() as u32
     }
 
     /// The same for a garment of one layer: no two of its vertices start near each other but by the

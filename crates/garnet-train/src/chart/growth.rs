@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::{BodyPath, Put, Quality, Rung, Settling, Split};
+use garnet_data::{BodyPath, Moment, Quality, Rung, Settling, Split};
 use garnet_mesh::Point3;
 use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Model, ModelHeader};
 use garnet_skin::{PosedBody, Warp, WarpedGarment};
@@ -12,7 +12,7 @@ use garnet_untangle::{Binding, UntangleOptions, untangle};
 use serde::{Deserialize, Serialize};
 
 use crate::network_input::predicted;
-use crate::{Percentiles, SceneName, Stage, TrainError, warp_of};
+use crate::{Percentiles, SceneName, Stage, TrainError};
 
 /// What is measured at each number of vertices.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,7 +41,7 @@ pub struct CostAt {
     pub networks: Vec<(String, f64)>,
     /// Untangling of the warp.
     pub untangle: f64,
-    /// Settling of the warp for [`Put::frames`]; none of garments that come apart on all bodies.
+    /// Settling of the warp for [`Moment::settle_frames`]; none of garments that come apart on all bodies.
     #[serde(default)]
     pub settle: Option<f64>,
     /// The simulation in the quality of a teacher; none where it would take too long or fails.
@@ -158,7 +158,7 @@ fn drape(
     untangle(garment, binding, body, &nodes, &options.untangle)?;
     let mut times = vec![warp, start.elapsed().as_secs_f64()];
     for (_, model) in networks {
-        let warp = warp_of(model.start());
+        let warp = model.warp();
         let warped = WarpedGarment::new(garment, own, body, warp)?;
         let start = Instant::now();
         predicted(model, &warped, own, body)?;
@@ -175,7 +175,7 @@ fn settled(
     repeats: usize,
 ) -> Result<Option<f64>, TrainError> {
     let stop = AtomicBool::new(false);
-    let settling = Settling::of(Put::AtRest);
+    let settling = Settling::of(Moment::Rest);
     let own = &stage.package.body;
     let mut times = Vec::new();
     for body in bodies {

@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_data::{Dataset, GarmentPackage, Split, Variant};
 use garnet_net::pose_space::PoseSpaceParts;
-use garnet_net::{Aim, PoseSpace, Precision, Start, TrainedRange};
+use garnet_net::{Moment, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
 
 use crate::examples::examples;
@@ -95,10 +95,11 @@ impl Default for PoseSpaceConfig {
 }
 
 impl PoseSpaceConfig {
-    fn told_by(&self, aim: Aim) -> ToldBy {
-        self.told_by.unwrap_or(match aim {
-            Aim::Rest => ToldBy::Scenes,
-            Aim::Arrival | Aim::Falling | Aim::Midway => ToldBy::Networks,
+    fn told_by(&self, moment: Moment) -> ToldBy {
+        self.told_by.unwrap_or(if moment.is_rest() {
+            ToldBy::Scenes
+        } else {
+            ToldBy::Networks
         })
     }
 }
@@ -106,19 +107,19 @@ impl PoseSpaceConfig {
 /// Fits a pose-space deformation and adds it to its package. Its scores are those of what it tells.
 pub(crate) fn fit(
     job: &TrainJob,
-    aim: Aim,
+    moment: Moment,
     stage: &Stage,
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
 ) -> Result<Trained, TrainError> {
-    stage.check_aim(aim)?;
-    let told_by = job.config.pose_space.told_by(aim);
+    stage.check_moment(moment)?;
+    let told_by = job.config.pose_space.told_by(moment);
     check_more(job, stage, told_by)?;
     let name = &job.recipe.name;
     let mut network = job.config.network_config()?;
     network.start = Start::Shape;
     let mut subject = Subject::new(stage, network, &job.config.loss)?;
-    subject.aim = aim;
+    subject.moment = moment;
     let train = examples(stage, &subject, Split::Train, None, observer)?;
     let (mut space, num_train) = match told_by {
         ToldBy::Scenes => {
@@ -130,7 +131,7 @@ pub(crate) fn fit(
             let mut samples = regions::samples_of(0, &train);
             for (number, path) in (1..).zip(&job.more) {
                 let more = Stage::new(GarmentPackage::read(&job.package)?, Dataset::open(path)?)?;
-                more.check_aim(aim)?;
+                more.check_moment(moment)?;
                 let more = examples(&more, &subject, Split::Train, None, observer)?;
                 samples.extend(regions::samples_of(number, &more));
             }
@@ -139,7 +140,7 @@ pub(crate) fn fit(
             (space, samples.len())
         }
     };
-    space.aim = aim;
+    space.moment = moment;
     space.record = record(job, stage, &space, num_train)?;
     let file = weights_file(name);
     let path = job.package.join(&file);
@@ -169,7 +170,8 @@ pub(crate) fn fit(
         weights: file,
         default: false,
         // Where cloth arrives is no drape.
-        distance_error: (aim.is_rest().then(|| scores(&test)).flatten()).map(|test| test.distance),
+        distance_error: (moment.is_rest().then(|| scores(&test)).flatten())
+            .map(|test| test.distance),
         settled_error: None,
         settle_frames: None,
         flop: Some(space.cost().flops as f64),

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use faer::Mat;
 use garnet_data::Split;
-use garnet_net::{GarNetConfig, PoseSpace};
+use garnet_net::pose_space::deformation_name;
+use garnet_net::{GarNetConfig, Moment, PoseSpace};
 use rayon::prelude::*;
 
 use super::mirror::GarmentMirror;
@@ -24,10 +25,11 @@ pub(crate) fn start_of(
     stage: &Stage,
     network: &GarNetConfig,
 ) -> Result<Option<PoseSpace>, TrainError> {
-    stage.check_aim(network.start.aim())?;
-    let Some(name) = network.start.deformation() else {
+    stage.check_moment(Moment::Rest)?;
+    let Some(moment) = network.start.deformation() else {
         return Ok(None);
     };
+    let name = deformation_name(moment);
     let path = package.join(format!("{name}.safetensors"));
     if !path.is_file() {
         return Err(TrainError::NoStart { path, name });

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use garnet_data::{
-    BodyRecord, Counts, DATASET_SCHEMA, DatasetManifest, GarmentPackage, Limits, PackageParts,
-    Posed, SceneRecord, Shard, Sizing, Split, StoredFabric, Until, Variations,
+    BodyRecord, Counts, DATASET_SCHEMA, DatasetManifest, GarmentPackage, Limits, Moment,
+    PackageParts, Posed, SceneRecord, Shard, Sizing, Split, StoredFabric, Variations,
 };
 use garnet_io::{ObjFile, write_obj};
 use garnet_mesh::primitives::{capsule, tube};
@@ -176,7 +176,7 @@ fn manifest(package: &GarmentPackage) -> DatasetManifest {
         poses: 6,
         mixed: false,
         quality: None,
-        until: Until::Rest,
+        until: Moment::Rest,
         sizing: Sizing::OneSize,
         vary: Variations::default(),
         limits: Limits::NONE,

@@ -2,15 +2,22 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use garnet_data::{Dataset, DatasetManifest, GarmentPackage, Put, Split, Until};
+use garnet_data::{Dataset, DatasetManifest, GarmentPackage, Moment, Split};
 use garnet_mesh::Vector3;
-use garnet_net::{ARRIVAL, Aim, FALLEN, FALLING, MIDWAY, POSE_SPACE, PoseSpace};
+use garnet_net::PoseSpace;
+use garnet_sim::FALLEN;
 use garnet_train::{
     Candidate, Finish, PoseSpaceConfig, Precision, Stage, ToldBy, TrainConfig, TrainError,
     TrainEvent, TrainJob, evaluate, train,
 };
 
 use crate::invented::{Invented, rippled, run, tiny};
+
+/// Names of deformations.
+const POSE_SPACE: &str = "pose-space";
+const ARRIVAL: &str = "arrival";
+const FALLING: &str = "falling";
+const MIDWAY: &str = "midway";
 
 /// Arrivals that scenes tell.
 fn by_scenes() -> TrainConfig {
@@ -47,7 +54,7 @@ fn networks_tell_arrivals_of_several_data_sets() {
     let mut shards = Split::ALL.map(|split| other.read(split));
     let path = other.dataset().join("dataset.json");
     let mut manifest = DatasetManifest::read(&path).unwrap();
-    manifest.until = Until::Arrival;
+    manifest.until = Moment::Arrival;
     manifest.write(&path).unwrap();
     for shard in &mut shards {
         for scene in &mut shard.scenes {
@@ -79,15 +86,9 @@ fn networks_tell_arrivals_of_several_data_sets() {
     assert!(space.parts().is_none());
     let moved = space.regions().unwrap();
     assert_eq!(moved.num_vertices(), space.num_vertices());
-    // It knows its scenes by heart.
-    let job = invented.job(
-        "mine",
-        TrainConfig {
-            network: toml::from_str("start = \"arrival\"").unwrap(),
-            ..tiny(1)
-        },
-    );
-    let error = run(&job).unwrap_err();
+    // What networks predict knows its scenes by heart.
+    run(&invented.job(POSE_SPACE, by_networks(2))).unwrap();
+    let error = run(&invented.job("mine", started(1))).unwrap_err();
     assert!(
         matches!(error, TrainError::CannotLeaveOut { .. }),
         "{error}"
@@ -100,7 +101,7 @@ fn cloth_that_has_not_settled_is_no_drape() {
     let path = invented.dataset().join("dataset.json");
     let shards = Split::ALL.map(|split| invented.read(split));
     let mut manifest = DatasetManifest::read(&path).unwrap();
-    manifest.until = Until::Arrival;
+    manifest.until = Moment::Arrival;
     manifest.write(&path).unwrap();
     for shard in &shards {
         invented.write(shard);
@@ -224,7 +225,10 @@ fn arrivals_are_learned_where_the_data_set_has_them() {
     let fitted = run(&job).unwrap();
     let valid = fitted.best.valid.distance;
     assert!(valid < 2e-4, "{valid}");
-    assert_eq!(PoseSpace::load(&fitted.weights).unwrap().aim, Aim::Arrival);
+    assert_eq!(
+        PoseSpace::load(&fitted.weights).unwrap().moment,
+        Moment::Arrival
+    );
     let manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
     let variant = manifest.variant(ARRIVAL).unwrap();
     assert_eq!(variant.distance_error, None);
@@ -270,14 +274,17 @@ fn where_cloth_is_midway_is_learned_on_the_body_midway() {
     let fitted = run(&job).unwrap();
     let valid = fitted.best.valid.distance;
     assert!(valid < 2e-4, "{valid}");
-    assert_eq!(PoseSpace::load(&fitted.weights).unwrap().aim, Aim::Midway);
+    assert_eq!(
+        PoseSpace::load(&fitted.weights).unwrap().moment,
+        Moment::Midway
+    );
     let manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
     assert_eq!(manifest.variant(MIDWAY).unwrap().distance_error, None);
 
     // The rest of the motion is simulated, however briefly the cloth settles. (The sleeve slides off.)
     for asked in [None, Some(0)] {
         let candidates = Candidate::of_weights("it", &fitted.weights, asked).unwrap();
-        let frames = asked.unwrap_or(Put::Midway.frames());
+        let frames = asked.unwrap_or(Moment::Midway.settle_frames());
         assert!(
             matches!(candidates[..], [Candidate::Model { settle, .. }] if settle == frames),
             "{candidates:?}"
@@ -286,8 +293,8 @@ fn where_cloth_is_midway_is_learned_on_the_body_midway() {
         let found = evaluate(&stage, Split::Test, &candidates, Finish::None, &mut |_| {});
         let row = &found.unwrap().rows[0];
         assert_eq!(
-            (row.aim, row.settle, row.unsettled),
-            (Aim::Midway, frames, 0)
+            (row.moment, row.settle, row.unsettled),
+            (Moment::Midway, frames, 0)
         );
         assert!(row.seconds.settle.median > 0.0);
     }
@@ -296,7 +303,7 @@ fn where_cloth_is_midway_is_learned_on_the_body_midway() {
     let path = invented.dataset().join("dataset.json");
     let mut shards = Split::ALL.map(|split| invented.read(split));
     let mut manifest = DatasetManifest::read(&path).unwrap();
-    manifest.until = Until::Midway;
+    manifest.until = Moment::Midway;
     manifest.write(&path).unwrap();
     for shard in &mut shards {
         for scene in &mut shard.scenes {
@@ -324,38 +331,12 @@ fn what_arrives_is_measured_settled_alone() {
         candidates.iter().map(settle).collect()
     };
     let [at_rest, at_arrival, falling] =
-        [Put::AtRest, Put::AtArrival, Put::Falling].map(Put::frames);
+        [Moment::Rest, Moment::Arrival, Moment::Falling].map(Moment::settle_frames);
     assert_eq!(settles(POSE_SPACE, None), [0, at_rest]);
     assert_eq!(settles(POSE_SPACE, Some(0)), [0]);
     assert_eq!(settles(ARRIVAL, None), [at_arrival]);
     assert_eq!(settles(ARRIVAL, Some(12)), [12]);
     assert_eq!(settles(FALLING, None), [falling]);
-}
-
-#[test]
-fn a_network_that_starts_where_cloth_arrives_learns_arrivals() {
-    let invented = Invented::new();
-    with_arrivals(&invented);
-    let from_arrival = TrainConfig {
-        network: toml::from_str("start = \"arrival\"").unwrap(),
-        ..tiny(2)
-    };
-    let job = invented.job("mine", from_arrival);
-    let error = run(&job).unwrap_err();
-    assert!(
-        matches!(error, TrainError::NoStart { name: ARRIVAL, .. }),
-        "{error}"
-    );
-    let fitted = run(&invented.job(ARRIVAL, by_scenes())).unwrap();
-    let trained = run(&job).unwrap();
-    let limit = 2.0 * fitted.best.valid.distance;
-    assert!(trained.best.valid.distance < limit, "{limit}");
-    let manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
-    assert_eq!(manifest.variant("mine").unwrap().distance_error, None);
-    let candidates = Candidate::of_weights("mine", &trained.weights, None).unwrap();
-    assert!(
-        matches!(candidates[..], [Candidate::Model { settle, .. }] if settle == Put::AtArrival.frames())
-    );
 }
 
 /// A tiny network that starts from the deformation.

@@ -14,12 +14,12 @@ use std::{
 use garnet_mesh::{Fingerprint, Unit};
 use serde::{Deserialize, Serialize};
 
-use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing, Until};
+use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
 use super::plan::Counts;
 use super::record::{BodyRecord, Posed, SceneRecord, Split};
 use super::shard::{Layout, Shard};
 use super::variations::Variations;
-use crate::{DataError, GarmentPackage, Limits, ReadAs};
+use crate::{DataError, GarmentPackage, Limits, Moment, ReadAs};
 use list::{List, Place};
 use meshes::Reader;
 use staged::Staged;
@@ -258,7 +258,7 @@ fn described(
         mixed: false,
         quality: None,
         vary: Variations::default(),
-        until: Until::Rest,
+        until: Moment::Rest,
         sizing: if has_parameters {
             Sizing::MadeToMeasure
         } else {
