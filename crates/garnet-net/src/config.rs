@@ -170,7 +170,7 @@ pub struct PoolingConfig {
     pub downscale: usize,
 }
 
-/// All that determines the shape of a [`GarNet`](crate::GarNet).
+/// All that determines the shape of a `GarNet`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GarNetConfig {

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+#[cfg(feature = "burn")]
 use garnet_kernel::KernelError;
 use garnet_knn::KnnError;
 use garnet_mesh::{Fingerprint, MeshError, WriteError};
@@ -104,6 +105,7 @@ pub enum NetError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// A graph or table of neighbors is unusable.
+    #[cfg(feature = "burn")]
     #[error(transparent)]
     Kernel(#[from] KernelError),
     /// Neighbors cannot be searched.
@@ -189,6 +191,16 @@ pub enum CheckpointError {
         expected: String,
         /// Checksum of the one that there is.
         found: String,
+    },
+    /// The weights are of a GarNet, and this build runs none: it lacks the feature `burn`.
+    #[error(
+        "`{variant}` is a GarNet, which takes the feature `network` of garnet (`burn` of garnet-net)"
+    )]
+    NoNetworks {
+        /// The variant, as its file is named.
+        variant: String,
+        /// The file.
+        path: PathBuf,
     },
     /// The configuration in the file is not usable.
     #[error("weights `{}` hold an unusable configuration", path.display())]

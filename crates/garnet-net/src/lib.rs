@@ -1,15 +1,19 @@
-//! The network GarNet++ in Burn: variants, losses, checkpoints and inference.
+//! Networks that predict where cloth is at a moment of its drape.
 //!
-//! A network predicts, for each vertex of a skinned garment M over a body B, the translation that
-//! brings it to where a simulation would put it: `G_P = M + f(M, B)` (*Gundogdu et al. 2020, Eq.
-//! 1*). [`GarNetConfig`] says what it is made of and makes a [`GarNet`]; a [`GarmentGraph`] and a
-//! [`BodySampling`] hold what is known before any scene, a [`Scene`] one garment over one body.
+//! *Pose-space deformations* ([`pose_space`]) move a skinned garment by principal shapes whose shares a
+//! kernel regression, or a small network for each region, predicts of pose and shape. They are plain code.
 //!
-//! Two paths run the same modules: tensors with derivatives for training ([`GarNet::forward`],
-//! [`surrogate`], [`losses`]), and a [`Predictor`] without either for draping, which takes and
-//! gives points. Both call the kernels of `garnet-kernel`, so their results are equal.
+//! With the feature `burn` there is also *GarNet*: a network predicts, for each vertex of a skinned
+//! garment M over a body B, the translation that brings it to where a simulation would put it:
+//! `G_P = M + f(M, B)` (*Gundogdu et al. 2020, Eq. 1*). [`GarNetConfig`] says what it is made of and makes
+//! a `GarNet`; a [`GarmentGraph`] and a `BodySampling` hold what is known before any scene, a `Scene` one
+//! garment over one body. Two paths run the same modules: tensors with derivatives for training
+//! (`GarNet::forward`, `surrogate`, `losses`), and a `Predictor` without either for draping, which takes
+//! and gives points. Both call the kernels of `garnet-kernel`, so their results are equal.
 //!
-//! ```
+//! A [`Model`] is either of the two, or one after the other, bound to a garment.
+#![cfg_attr(feature = "burn", doc = "\n```")]
+#![cfg_attr(not(feature = "burn"), doc = "\n```ignore")]
 //! use garnet_mesh::primitives::{icosphere, tube};
 //! use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput};
 //! use nalgebra::{Isometry3, UnitQuaternion};
@@ -35,27 +39,39 @@
 
 #![allow(clippy::doc_markdown, reason = "FeaStNet and PyTorch are names")]
 
+#[cfg(feature = "burn")]
 mod body_sampling;
 pub mod checkpoint;
 mod config;
 mod cost;
 mod error;
 mod garment_graph;
+#[cfg(feature = "burn")]
 pub mod losses;
 mod model;
+#[cfg(feature = "burn")]
 mod network;
+#[cfg(feature = "burn")]
 mod ops;
 pub mod pose_space;
+#[cfg(feature = "burn")]
 mod predictor;
 mod presets;
+#[cfg(feature = "burn")]
 mod reference_case;
+#[cfg(feature = "burn")]
 mod reference_stage;
+#[cfg(feature = "burn")]
 mod scene;
+mod scene_input;
 mod trained_range;
 mod weight_file;
 
+#[cfg(feature = "burn")]
 pub use body_sampling::BodySampling;
-pub use checkpoint::{Checkpoint, CheckpointHeader, Precision};
+#[cfg(feature = "burn")]
+pub use checkpoint::Checkpoint;
+pub use checkpoint::{CheckpointHeader, Precision};
 pub use config::{
     BodyStreamConfig, Frame, GarNetConfig, GarmentStreamConfig, PoolingConfig, Start, StnConfig,
     UNIT, Variant, VertexInput,
@@ -65,11 +81,17 @@ pub use error::{CheckpointError, NetError};
 pub use garment_graph::GarmentGraph;
 pub use garnet_sim::Moment;
 pub use model::{Model, ModelFile, ModelHeader};
+#[cfg(feature = "burn")]
 pub use network::{GarNet, surrogate};
 pub use pose_space::PoseSpace;
+#[cfg(feature = "burn")]
 pub use predictor::Predictor;
 pub use presets::PRESET_NAMES;
+#[cfg(feature = "burn")]
 pub use reference_case::write_reference_case;
+#[cfg(feature = "burn")]
 pub use reference_stage::ReferenceStage;
-pub use scene::{Scene, SceneInput, SceneNeighbors};
+#[cfg(feature = "burn")]
+pub use scene::{Scene, SceneNeighbors};
+pub use scene_input::SceneInput;
 pub use trained_range::TrainedRange;

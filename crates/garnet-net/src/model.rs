@@ -1,24 +1,27 @@
 //! Trained models of either kind, bound to a garment.
 
+#[cfg_attr(not(feature = "burn"), path = "model/no_network.rs")]
+mod network;
+
 use std::path::{Path, PathBuf};
 
-use burn::tensor::Device;
 use garnet_mesh::Point3;
 use garnet_sim::Moment;
 use garnet_skin::Warp;
 
 use crate::pose_space::{PoseSpaceHeader, SCHEMA, deformation_name};
 use crate::{
-    BodySampling, Checkpoint, CheckpointError, CheckpointHeader, Cost, GarNetConfig, GarmentGraph,
-    NetError, PoseSpace, Predictor, SceneInput, TrainedRange, weight_file,
+    CheckpointError, CheckpointHeader, Cost, GarNetConfig, GarmentGraph, NetError, PoseSpace,
+    SceneInput, TrainedRange, weight_file,
 };
+use network::Network;
 
 /// What moves a warped garment to where the teacher would put it: a pose-space deformation, a network, or
 /// a network that starts from a pose-space deformation.
 #[derive(Debug)]
 pub struct Model {
     pose_space: Option<PoseSpace>,
-    network: Option<Predictor>,
+    network: Option<Network>,
     range: Option<TrainedRange>,
 }
 
@@ -42,7 +45,7 @@ impl ModelFile {
     /// # Errors
     ///
     /// [`CheckpointError`] by name: the file is truncated, altered, foreign or of another version; a network may say so
-    /// only when it is [bound](Model::bind).
+    /// only when it is [bound](Model::bind). [`CheckpointError::NoNetworks`] for a network without the feature `burn`.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
         let path = path.as_ref();
         let bytes = weight_file::read(path)?;
@@ -51,6 +54,7 @@ impl ModelFile {
             content: if weight_file::schema(path, &bytes)? == SCHEMA {
                 Content::PoseSpace(Box::new(PoseSpace::from_bytes(path, &bytes)?))
             } else {
+                network::check(path)?;
                 Content::Network(bytes)
             },
         })
@@ -106,16 +110,6 @@ fn beside(path: &Path, moment: Moment) -> PathBuf {
     path.with_file_name(format!("{}.safetensors", deformation_name(moment)))
 }
 
-impl From<Predictor> for Model {
-    fn from(network: Predictor) -> Self {
-        Self {
-            range: network.range().cloned(),
-            pose_space: None,
-            network: Some(network),
-        }
-    }
-}
-
 impl Model {
     /// Reads a file of weights and binds it to a garment that lies on a body at rest, in metres. The
     /// pose-space deformation that a network starts from is in the same folder.
@@ -157,29 +151,7 @@ impl Model {
             }
             Content::Network(bytes) => bytes,
         };
-        let checkpoint = Checkpoint::from_bytes(path, bytes, &Device::flex())?;
-        let start = checkpoint.model.config().start.deformation();
-        let start = start.map(|moment| start_of(path, moment, &checkpoint, &garment));
-        let pose_space = start.transpose()?;
-        let network = Predictor::of_checkpoint(path, checkpoint, garment, template, rest_body)?;
-        Ok(Self {
-            pose_space,
-            ..Self::from(network)
-        })
-    }
-
-    /// A network with random weights from a seed; see [`Predictor::untrained`].
-    ///
-    /// # Errors
-    ///
-    /// As there.
-    pub fn untrained(
-        config: &GarNetConfig,
-        seed: u64,
-        garment: GarmentGraph,
-        sampling: BodySampling,
-    ) -> Result<Self, NetError> {
-        Ok(Predictor::untrained(config, seed, garment, sampling)?.into())
+        network::bound(path, bytes, garment, template, rest_body)
     }
 
     /// How the garment has to be brought to the body.
@@ -199,7 +171,7 @@ impl Model {
     /// What the network is made of, if there is one.
     pub fn config(&self) -> Option<&GarNetConfig> {
         let network = self.network.as_ref();
-        network.map(|network| network.model().config())
+        network.map(Network::config)
     }
 
     /// Whether it asks for [`SceneInput::body_normals`].
@@ -211,16 +183,14 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// As [`GarNetConfig::cost`].
+    /// [`NetError::Config`] where there are no vertices.
     pub fn cost(&self, num_vertices: usize) -> Result<Cost, NetError> {
         let mut sum = Cost {
             parameters: 0,
             flops: 0,
         };
-        let network = self.network.as_ref().map(|network| {
-            let config = network.model().config();
-            config.cost(num_vertices, network.num_body_points())
-        });
+        let network = self.network.as_ref();
+        let network = network.map(|network| network.cost(num_vertices));
         let space = self.pose_space.as_ref().map(PoseSpace::cost);
         for cost in network.transpose()?.into_iter().chain(space) {
             sum.parameters += cost.parameters;
@@ -236,7 +206,7 @@ impl Model {
 
     /// Memory kept between scenes, in bytes.
     pub fn num_bytes(&self) -> usize {
-        let network = self.network.as_ref().map_or(0, Predictor::num_bytes);
+        let network = self.network.as_ref().map_or(0, Network::num_bytes);
         let space = self.pose_space.as_ref();
         network
             + space.map_or(0, |space| {
@@ -244,16 +214,17 @@ impl Model {
             })
     }
 
-    /// Goes on with another garment of the same topology; see [`Predictor::rebind`].
+    /// Goes on with another garment of the same topology; other places at rest, other
+    /// sewing parameters.
     ///
     /// # Errors
     ///
-    /// As there.
+    /// [`NetError::OtherGarment`], or [`NetError::Count`] for another number of sewing parameters.
     pub fn rebind(&mut self, garment: GarmentGraph) -> Result<(), NetError> {
         let Some(network) = &mut self.network else {
             return Ok(());
         };
-        let garment = match network.model().config().num_sewing_parameters {
+        let garment = match network.config().num_sewing_parameters {
             0 => garment.with_sewing_parameters(&[])?,
             _ => garment,
         };
@@ -264,7 +235,8 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// As [`PoseSpace::coefficients`], [`PoseSpace::moved`] and [`Predictor::predict`].
+    /// As [`PoseSpace::coefficients`] and [`PoseSpace::moved`]; those of a network are
+    /// [`NetError::Diverged`] and those of its scene.
     pub fn predict(&mut self, input: &SceneInput<'_>) -> Result<Vec<Point3>, NetError> {
         let started = match &self.pose_space {
             None => None,
@@ -279,27 +251,6 @@ impl Model {
             None => Ok(warped.to_vec()),
         }
     }
-}
-
-/// The pose-space deformation that a network starts from.
-fn start_of(
-    path: &Path,
-    moment: Moment,
-    checkpoint: &Checkpoint,
-    garment: &GarmentGraph,
-) -> Result<PoseSpace, CheckpointError> {
-    let start = beside(path, moment);
-    let space = fitting(&start, PoseSpace::load(&start)?, garment)?;
-    let expected = checkpoint.pose_space.as_deref().unwrap_or("none");
-    if space.checksum() == expected {
-        return Ok(space);
-    }
-    Err(CheckpointError::OtherStart {
-        path: path.to_path_buf(),
-        start,
-        expected: expected.to_owned(),
-        found: space.checksum().to_owned(),
-    })
 }
 
 fn fitting(

@@ -9,8 +9,8 @@ use garnet_mesh::Point3;
 use crate::network::Inputs;
 use crate::ops::{Buffer, SliceEngine};
 use crate::{
-    BodySampling, Checkpoint, CheckpointError, GarNet, GarNetConfig, GarmentGraph, NetError, Scene,
-    SceneInput, TrainedRange,
+    BodySampling, Checkpoint, CheckpointError, Cost, GarNet, GarNetConfig, GarmentGraph, NetError,
+    Scene, SceneInput, TrainedRange,
 };
 
 /// A network bound to a garment and a body, without derivatives and without tensors.
@@ -129,6 +129,20 @@ impl Predictor {
     /// The model.
     pub fn model(&self) -> &GarNet {
         &self.model
+    }
+
+    /// What the network is made of.
+    pub fn config(&self) -> &GarNetConfig {
+        self.model.config()
+    }
+
+    /// Size and work.
+    ///
+    /// # Errors
+    ///
+    /// As [`GarNetConfig::cost`].
+    pub fn cost(&self, num_vertices: usize) -> Result<Cost, NetError> {
+        self.config().cost(num_vertices, self.num_body_points())
     }
 
     /// The poses and shapes that it was trained on, if the weight file tells.
