@@ -459,23 +459,6 @@ fn further_data_sets_are_for_what_can_take_them() {
 }
 
 #[test]
-fn weights_do_not_grow_into_fewer_or_more_layers() {
-    let fixture = prepared();
-    let train = "train net scenes --preset tiny --epochs 1 -q --variant";
-    done(&fixture, &format!("{train} naive"));
-    let from = "--from net/naive.safetensors";
-    let train = format!("train net scenes --variant mine --preset small {from}");
-    let reason = "the network cannot grow to that size: `garment.heads` differs";
-    let hint = "hint: a network grows into one of as many layers";
-    refused(
-        &fixture,
-        &train,
-        &["`net/naive.safetensors` cannot", reason, hint],
-    );
-    assert!(!fixture.path("net/training/mine").exists());
-}
-
-#[test]
 fn a_fit_without_validation_says_so() {
     let fixture = prepared();
     let scenes = String::from_utf8(fixture.read("scenes.json")).unwrap();

@@ -35,14 +35,6 @@ pub enum NetError {
         /// The largest value allowed.
         max: f64,
     },
-    /// A network cannot become one of another configuration.
-    #[error("the network cannot grow to that size: `{field}` {reason}")]
-    CannotGrow {
-        /// What is in the way.
-        field: &'static str,
-        /// What is wrong with it.
-        reason: String,
-    },
     /// No preset has this name.
     #[error("there is no network preset `{name}`; there are {known}")]
     UnknownPreset {

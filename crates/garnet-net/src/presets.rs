@@ -45,7 +45,7 @@ const PAPER: Widths = Widths {
     reach: 0.0,
 };
 
-/// As `small`, with wider layers: that grows into it.
+/// As `small`, with wider layers.
 const MEDIUM: Widths = Widths {
     stn: &[64, 96],
     stn_head: &[48],

@@ -113,14 +113,6 @@ pub enum TrainError {
         /// Their kind.
         found: &'static str,
     },
-    /// Weights to start from do not grow to the size that is asked for.
-    #[error("`{}` cannot be started from in the size that is asked for", base.display())]
-    CannotGrow {
-        /// The weights.
-        base: PathBuf,
-        /// Why not.
-        source: NetError,
-    },
     /// A variant that is asked for was not trained.
     #[error("the package has no variant `{name}`; it has {known}")]
     NoVariant {

@@ -180,28 +180,22 @@ pub(crate) fn evaluate_until(
     let measure = Measure::new(stage)?;
     let mut teacher = Tally::default();
     let mut done = 0;
-    let mut first_error = None;
     stage.for_each(split, Ok, &mut |staged: StagedScene| {
-        if first_error.is_none() && stop.load(Ordering::Relaxed) {
-            first_error = Some(TrainError::Stopped);
+        if stop.load(Ordering::Relaxed) {
+            return Err(TrainError::Stopped);
         }
-        if first_error.is_none() {
-            let measured = scene(&mut entrants, &measure, finish, &staged);
-            let own = measured.and_then(|()| measure.add(&mut teacher, &staged, &staged.draped));
-            first_error = own.err();
-        }
+        scene(&mut entrants, &measure, finish, &staged)?;
+        measure.add(&mut teacher, &staged, &staged.draped)?;
         done += 1;
         observer(EvalEvent::Scene { done, total });
+        Ok(())
     })?;
-    match first_error {
-        Some(error) => Err(error),
-        None => Ok(Evaluation {
-            split,
-            scenes: total,
-            rows: entrants.into_iter().map(Entrant::into_row).collect(),
-            teacher: teacher.scores(),
-        }),
-    }
+    Ok(Evaluation {
+        split,
+        scenes: total,
+        rows: entrants.into_iter().map(Entrant::into_row).collect(),
+        teacher: teacher.scores(),
+    })
 }
 
 /// A candidate with what it has measured so far.

@@ -21,6 +21,7 @@ pub(crate) fn examples(
         examples.push(example);
         let done = examples.len();
         observer(TrainEvent::Read { split, done, total });
+        Ok(())
     })?;
     if let Some(space) = start {
         pose_space::start(space, stage, split, &mut examples)?;

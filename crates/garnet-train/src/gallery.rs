@@ -39,16 +39,10 @@ pub fn exhibit(
         .iter()
         .map(|candidate| Contender::new(stage, candidate));
     let mut contenders: Vec<Contender<'_>> = contenders.collect::<Result<_, _>>()?;
-    let mut first_error = None;
     stage.for_each_of(split, keep, Ok, &mut |staged: StagedScene| {
-        if first_error.is_none() {
-            match shown(&mut contenders, options, &staged) {
-                Ok(scene) => take(scene),
-                Err(error) => first_error = Some(error),
-            }
-        }
-    })?;
-    first_error.map_or(Ok(()), Err)
+        take(shown(&mut contenders, options, &staged)?);
+        Ok(())
+    })
 }
 
 fn shown(

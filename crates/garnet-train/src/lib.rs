@@ -19,7 +19,6 @@
 //!     recipe: Recipe::of_name("local")?,
 //!     config: TrainConfig::parse("preset = \"small\"\nepochs = 50")?,
 //!     base: None,
-//!     grows: false,
 //!     begin: Begin::Anew,
 //! };
 //! let mut distances = Vec::new();

@@ -269,17 +269,18 @@ impl Stage {
         Ok(names)
     }
 
-    /// Gives all scenes of a split to `take`, in order; bodies are built in parallel.
+    /// Gives all scenes of a split to `take`, bodies in parallel, and what that makes of them to
+    /// `observer`, in order.
     ///
     /// # Errors
     ///
     /// The first of those of the data set, of [`TrainError::Scene`] for a scene that cannot be
-    /// prepared, and of `take`.
+    /// prepared, of `take`, and of `observer`.
     pub fn for_each<T: Send>(
         &self,
         split: Split,
         take: impl Fn(StagedScene) -> Result<T, TrainError> + Sync,
-        observer: &mut dyn FnMut(T),
+        observer: &mut dyn FnMut(T) -> Result<(), TrainError>,
     ) -> Result<(), TrainError> {
         self.for_each_of(split, |_| true, take, observer)
     }
@@ -294,7 +295,7 @@ impl Stage {
         split: Split,
         keep: impl Fn(SceneName) -> bool + Sync,
         take: impl Fn(StagedScene) -> Result<T, TrainError> + Sync,
-        observer: &mut dyn FnMut(T),
+        observer: &mut dyn FnMut(T) -> Result<(), TrainError>,
     ) -> Result<(), TrainError> {
         for shard in self.dataset.split(split) {
             let shard = shard?;
@@ -303,7 +304,7 @@ impl Stage {
                 let taken: Vec<Vec<T>> = (bodies.par_iter())
                     .map(|body| self.scenes_on(&shard, body, &keep, &take))
                     .collect::<Result<_, _>>()?;
-                taken.into_iter().flatten().for_each(&mut *observer);
+                taken.into_iter().flatten().try_for_each(&mut *observer)?;
             }
         }
         Ok(())

@@ -46,8 +46,6 @@ pub struct TrainJob {
     pub config: TrainConfig,
     /// Weights to start from, besides those that the recipe names.
     pub base: Option<PathBuf>,
-    /// Whether weights to start from [grow](GarNet::grown) to the size that the configuration names; their size stays otherwise.
-    pub grows: bool,
     /// Whether a training that is under way is gone on with.
     pub begin: Begin,
 }
@@ -102,7 +100,6 @@ pub fn train(
     };
     let network = match (&state, &base) {
         (Some(state), _) => state.model.config().clone(),
-        (None, Some(base)) if job.grows => grown_network(&job.config, base.model.config())?,
         (None, Some(base)) => base.model.config().clone(),
         (None, None) => new_network(&job.config, &stage)?,
     };
@@ -124,7 +121,10 @@ pub fn train(
     let state = if let Some(state) = state {
         state
     } else {
-        let model = first_weights(job, base, &subject.config, &device)?;
+        let model = match base {
+            Some(base) => base.model,
+            None => subject.config.init(job.config.seed, &device)?,
+        };
         let mut progress = Progress::new(&job.recipe.name, &job.config, data);
         progress.base = base_name;
         progress.pose_space = start_name;
@@ -172,20 +172,6 @@ fn new_network(config: &TrainConfig, stage: &Stage) -> Result<GarNetConfig, Trai
     if config.sewing_parameters {
         network.num_sewing_parameters = stage.num_sewing_parameters()?;
     }
-    Ok(network)
-}
-
-/// The network of a configuration that one of weights grows into, with what such weights decide.
-fn grown_network(config: &TrainConfig, from: &GarNetConfig) -> Result<GarNetConfig, TrainError> {
-    let config = TrainConfig {
-        kind: from.variant,
-        ..config.clone()
-    };
-    let mut network = config.network_config()?;
-    if !config.network.contains_key("start") {
-        network.start = from.start;
-    }
-    network.num_sewing_parameters = from.num_sewing_parameters;
     Ok(network)
 }
 
@@ -259,27 +245,6 @@ fn base_of(
         });
     }
     Ok((Some(checkpoint), Some(base)))
-}
-
-/// Weights from the seed, or those that are started from, in the size that is asked for.
-fn first_weights(
-    job: &TrainJob,
-    base: Option<Checkpoint>,
-    config: &GarNetConfig,
-    device: &Device,
-) -> Result<GarNet, TrainError> {
-    let seed = job.config.seed;
-    let Some(base) = base else {
-        return Ok(config.init(seed, device)?);
-    };
-    if !job.grows {
-        return Ok(base.model);
-    }
-    let grown = base.model.grown(config, seed, device);
-    grown.map_err(|source| TrainError::CannotGrow {
-        base: job.base.clone().unwrap_or_default(),
-        source,
-    })
 }
 
 /// A training under way.

@@ -48,9 +48,8 @@ pub(crate) struct TrainArgs {
     /// Store the weights in so many bits: f32, or f16 for half the file.
     #[arg(long, value_name = "BITS", value_parser = precision, conflicts_with = "resume")]
     precision: Option<Precision>,
-    /// Start from these weights. With `--preset`, a network of as many layers but narrower ones grows to that size,
-    /// and tells at first what it told.
-    #[arg(long, value_name = "WEIGHTS", conflicts_with = "resume")]
+    /// Start from these weights, in their size.
+    #[arg(long, value_name = "WEIGHTS", conflicts_with_all = ["resume", "preset"])]
     pub(super) from: Option<PathBuf>,
     /// Learn from the training bodies of this data set, too: for `--variant falling`, and for `arrival` or `midway`, from
     /// `garnet dataset --until` that, with another seed. May be given several times.
@@ -122,7 +121,6 @@ impl TrainArgs {
             recipe,
             config,
             base: self.from.clone(),
-            grows: self.from.is_some() && self.preset.is_some(),
             begin: if self.resume {
                 Begin::WhereSaved
             } else {

@@ -64,7 +64,7 @@ fn check_size(args: &TrainArgs, recipe: &Recipe) -> anyhow::Result<()> {
         return Ok(());
     }
     Err(refused(
-        "`--preset` is the size of a new network, or of one that grows from weights (`--from`)",
+        "`--preset` is the size of a new network",
         format!("`{}` starts from `{base}` and has its size", recipe.name),
         "leave it out, or train a network of that size first",
     ))

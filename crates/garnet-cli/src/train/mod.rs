@@ -112,11 +112,6 @@ fn advice(error: &TrainError) -> Option<String> {
         TrainError::NoVariant { .. } => {
             "train the variant that is fine-tuned first, or name weights with `--from`".to_owned()
         }
-        TrainError::CannotGrow { .. } => {
-            "a network grows into one of as many layers, none of them narrower, as `small` into `medium`; without \
-             `--preset` it keeps its size"
-                .to_owned()
-        }
         TrainError::OtherStart { .. } => {
             "train that network anew before it is fine-tuned".to_owned()
         }

@@ -3,7 +3,6 @@
 use burn::module::Module;
 use garnet_kernel::Activation;
 
-use super::growth::Widened;
 use super::shared_mlp::{SharedLinear, SharedMlp};
 use super::stn::Stn;
 use super::weights::WeightSource;
@@ -42,17 +41,6 @@ impl BodyStream {
             second: SharedMlp::new(between, &widths.second, source),
             global: SharedLinear::new(points, widths.global, source),
         }
-    }
-
-    /// Takes a smaller stream in; gives what becomes of point-wise and of global features.
-    pub(super) fn take_in(&mut self, smaller: &Self, num_inputs: usize) -> (Vec<Widened>, Widened) {
-        self.stn.take_in(&smaller.stn);
-        let inputs = Widened::kept(num_inputs);
-        let mut between = self.first.take_in(&smaller.first, &[inputs]);
-        between.push(inputs);
-        let points = self.second.take_in(&smaller.second, &between);
-        self.global.take_in(&smaller.global, &points);
-        (points, self.global.widened(&smaller.global))
     }
 
     /// Computes point-wise and global features.

@@ -5,7 +5,6 @@ use burn::module::Module;
 use burn::tensor::Tensor;
 use garnet_kernel::Activation;
 
-use super::growth::Widened;
 use super::shared_mlp::{SharedLinear, SharedMlp};
 use super::weights::WeightSource;
 use crate::ops::Engine;
@@ -27,12 +26,6 @@ impl Fusion {
             hidden: SharedMlp::new(inputs, hidden, source),
             translation: SharedLinear::silent(last, 3, source),
         }
-    }
-
-    /// Takes a smaller fusion in.
-    pub(super) fn take_in(&mut self, smaller: &Self, parts: &[Widened]) {
-        let last = self.hidden.take_in(&smaller.hidden, parts);
-        self.translation.take_in(&smaller.translation, &last);
     }
 
     /// The weights of the first layer, for tests.

@@ -3,7 +3,6 @@
 use burn::module::Module;
 use garnet_kernel::Activation;
 
-use super::growth::Widened;
 use super::mesh_conv::{Mesh, ResidualBlock};
 use super::shared_mlp::{SharedLinear, SharedMlp};
 use super::stn::Stn;
@@ -56,28 +55,6 @@ impl GarmentStream {
                 .collect(),
             global: SharedLinear::new(last, widths.global, source),
         }
-    }
-
-    /// Takes a smaller stream in; gives what becomes of the features of all stages, the global ones last.
-    pub(super) fn take_in(
-        &mut self,
-        smaller: &Self,
-        num_inputs: usize,
-        body: &[Widened],
-    ) -> Vec<Widened> {
-        self.stn.take_in(&smaller.stn);
-        let mut stages = (self.points).take_in(&smaller.points, &[Widened::kept(num_inputs)]);
-        let parts = [&stages, body].concat();
-        self.input.take_in(&smaller.input, &parts);
-        let mut features = self.input.widened(&smaller.input);
-        stages.push(features);
-        for (block, smaller) in self.blocks.iter_mut().zip(&smaller.blocks) {
-            features = block.take_in(smaller, features);
-            stages.push(features);
-        }
-        self.global.take_in(&smaller.global, &[features]);
-        stages.push(self.global.widened(&smaller.global));
-        stages
     }
 
     /// Computes the features of all stages.

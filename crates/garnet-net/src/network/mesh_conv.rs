@@ -6,7 +6,6 @@ use burn::module::{Module, Param};
 use burn::tensor::Tensor;
 use garnet_kernel::{Activation, Adjacency};
 
-use super::growth::{self, Widened};
 use super::shared_mlp::SharedLinear;
 use super::weights::WeightSource;
 use crate::ops::{Engine, Op};
@@ -75,16 +74,6 @@ impl MeshConv {
         }
     }
 
-    /// Takes a smaller convolution of as many heads in.
-    fn take_in(&mut self, smaller: &Self, inputs: Widened) {
-        let parts = [inputs, Widened::kept(3)];
-        growth::matrix(&mut self.u, &smaller.u, &parts);
-        growth::vector(&mut self.c, &smaller.c);
-        let [_, heads] = self.u.dims();
-        growth::matrix(&mut self.w, &smaller.w, &parts.repeat(heads));
-        growth::vector(&mut self.b, &smaller.b);
-    }
-
     /// Convolves, adds the residual, and activates.
     ///
     /// # Shapes
@@ -140,19 +129,6 @@ impl ResidualBlock {
                 .collect(),
             shortcut: (inputs != outputs).then(|| SharedLinear::new(inputs, outputs, source)),
         }
-    }
-
-    /// Takes a smaller block of as many convolutions in, and gives what it gives.
-    pub(super) fn take_in(&mut self, smaller: &Self, inputs: Widened) -> Widened {
-        if let (Some(layer), Some(smaller)) = (&mut self.shortcut, &smaller.shortcut) {
-            layer.take_in(smaller, &[inputs]);
-        }
-        let pairs = self.convolutions.iter_mut().zip(&smaller.convolutions);
-        pairs.fold(inputs, |inputs, (convolution, smaller)| {
-            convolution.take_in(smaller, inputs);
-            let [from, to] = [smaller, convolution].map(|one| one.b.dims()[0]);
-            Widened { from, to }
-        })
     }
 
     /// Convolves and adds the shortcut before the last activation.

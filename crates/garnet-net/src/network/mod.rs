@@ -3,7 +3,6 @@
 mod body_stream;
 mod fusion;
 mod garment_stream;
-mod growth;
 mod inputs;
 mod mesh_conv;
 mod shared_mlp;
@@ -25,7 +24,6 @@ use crate::{BodySampling, GarNetConfig, GarmentGraph, NetError, Scene};
 use body_stream::BodyStream;
 use fusion::Fusion;
 use garment_stream::GarmentStream;
-use growth::Widened;
 use mesh_conv::Mesh;
 use shared_mlp::SharedMlp;
 use weights::WeightSource;
@@ -123,29 +121,6 @@ impl GarNet {
         let matrix = |values: &[f32], columns| engine.matrix(values, columns);
         let inputs = Inputs::new(&self.config, garment, sampling, scene, matrix);
         self.run(&engine, &inputs)
-    }
-
-    /// Takes a smaller network in, whose parts are the same; see [`GarNet::grown`].
-    fn take_in(&mut self, smaller: &Self) {
-        let (mut near, mut body) = (Vec::new(), Vec::new());
-        if let (Some(stream), Some(smaller)) = (&mut self.body, &smaller.body) {
-            let (points, global) = stream.take_in(smaller, self.config.num_body_features());
-            if self.config.has_local_pooling() {
-                near = points;
-            }
-            body.push(global);
-        }
-        if let (Some(layers), Some(smaller)) = (&mut self.parameters, &smaller.parameters) {
-            let inputs = Widened::kept(self.config.num_body_parameters);
-            body.extend(layers.take_in(smaller, &[inputs]));
-        }
-        let num_inputs = 3 + self.config.num_vertex_features();
-        let mut parts = (self.garment).take_in(&smaller.garment, num_inputs, &body);
-        let global = parts.pop();
-        parts.extend(near);
-        parts.extend(body);
-        parts.extend(global);
-        self.fusion.take_in(&smaller.fusion, &parts);
     }
 
     /// The figure of the paper, on whatever runs the steps.

@@ -4,7 +4,6 @@ use burn::module::{Module, Param};
 use burn::tensor::Tensor;
 use garnet_kernel::Activation;
 
-use super::growth::{self, Widened};
 use super::weights::WeightSource;
 use crate::ops::{Engine, Op};
 
@@ -42,18 +41,6 @@ impl SharedLinear {
             weight: source.normal([inputs, outputs], deviation),
             bias: source.zeros(outputs),
         }
-    }
-
-    /// Takes a smaller layer in, whose inputs are the first of each of the parts.
-    pub(super) fn take_in(&mut self, smaller: &Self, parts: &[Widened]) {
-        growth::matrix(&mut self.weight, &smaller.weight, parts);
-        growth::vector(&mut self.bias, &smaller.bias);
-    }
-
-    /// How many channels a smaller layer gives, and how many this one.
-    pub(super) fn widened(&self, smaller: &Self) -> Widened {
-        let [from, to] = [smaller, self].map(|layer| layer.bias.dims()[0]);
-        Widened { from, to }
     }
 
     /// Applies the layer to the parts of each row.
@@ -98,16 +85,6 @@ impl SharedMlp {
     #[cfg(test)]
     pub(crate) fn first_weight(&self) -> Tensor<2> {
         self.layers[0].weight.val()
-    }
-
-    /// Takes in smaller layers, as many, and gives what their last one gives.
-    pub(super) fn take_in(&mut self, smaller: &Self, parts: &[Widened]) -> Vec<Widened> {
-        let mut parts = parts.to_vec();
-        for (layer, smaller) in self.layers.iter_mut().zip(&smaller.layers) {
-            layer.take_in(smaller, &parts);
-            parts = vec![layer.widened(smaller)];
-        }
-        parts
     }
 
     /// Lifts every point to a feature vector, through leaky ReLUs.

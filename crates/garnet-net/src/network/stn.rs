@@ -3,7 +3,6 @@
 use burn::module::Module;
 use garnet_kernel::Activation;
 
-use super::growth::Widened;
 use super::shared_mlp::{SharedLinear, SharedMlp};
 use super::weights::WeightSource;
 use crate::StnConfig;
@@ -26,13 +25,6 @@ impl Stn {
             head: SharedMlp::new(pooled, &config.head, source),
             matrix: SharedLinear::silent(config.head.last().copied().unwrap_or(pooled), 9, source),
         }
-    }
-
-    /// Takes a smaller transformer in.
-    pub(super) fn take_in(&mut self, smaller: &Self) {
-        let pooled = self.points.take_in(&smaller.points, &[Widened::kept(3)]);
-        let head = self.head.take_in(&smaller.head, &pooled);
-        self.matrix.take_in(&smaller.matrix, &head);
     }
 
     /// Transforms the points.

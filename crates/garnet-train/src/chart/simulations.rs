@@ -46,23 +46,15 @@ pub fn ask_teacher(
     let measure = Measure::new(stage)?;
     let asked = |name| questions.iter().find(|(scene, _)| *scene == name);
     let mut teachers = Teachers::new(stage);
-    let mut first_error = None;
     let keep = |name| asked(name).is_some_and(|(_, questions)| !questions.is_empty());
     stage.for_each_of(split, keep, Ok, &mut |staged: StagedScene| {
-        if first_error.is_some() {
-            return;
+        let teacher = teachers.of(&staged)?;
+        for &question in asked(staged.name).map_or(&[][..], |(_, questions)| questions) {
+            let answer = answer(teacher, &measure, &staged, question)?;
+            take(staged.name, question, answer);
         }
-        let mut scene = || {
-            let teacher = teachers.of(&staged)?;
-            for &question in asked(staged.name).map_or(&[][..], |(_, questions)| questions) {
-                let answer = answer(teacher, &measure, &staged, question)?;
-                take(staged.name, question, answer);
-            }
-            Ok(())
-        };
-        first_error = scene().err();
-    })?;
-    first_error.map_or(Ok(()), Err)
+        Ok(())
+    })
 }
 
 fn answer(

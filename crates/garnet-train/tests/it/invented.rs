@@ -134,7 +134,6 @@ impl Invented {
             recipe: Recipe::of_name(name).unwrap(),
             config,
             base: None,
-            grows: false,
             begin: Begin::Anew,
         }
     }

@@ -150,43 +150,6 @@ fn a_variant_is_fine_tuned_with_curvature_losses() {
 }
 
 #[test]
-fn a_network_that_has_grown_begins_where_it_was() {
-    let invented = Invented::new();
-    let small = run(&invented.job("local", tiny(5))).unwrap();
-    let grown_into = |blocks: &str| {
-        let garment = format!("[network.garment]\nblocks = {blocks}");
-        let config = TrainConfig {
-            network: TrainConfig::parse(&garment).unwrap().network,
-            kind: Variant::Global,
-            ..tiny(3)
-        };
-        TrainJob {
-            base: Some(small.weights.clone()),
-            grows: true,
-            ..invented.job("local-wide", config)
-        }
-    };
-    let error = run(&grown_into("[16]")).unwrap_err();
-    assert!(matches!(error, TrainError::CannotGrow { .. }), "{error}");
-    let mut start = None;
-    let mut observer = |event| {
-        if let TrainEvent::Began(began) = event {
-            start = Some(began.past[0].valid.distance);
-        }
-    };
-    let job = grown_into("[16, 40]");
-    let large = train(&job, &mut observer, &AtomicBool::new(false)).unwrap();
-    let (before, start) = (small.best.valid.distance, start.unwrap());
-    assert!((start - before).abs() < 1e-5 * before, "{before}, {start}");
-    assert!(large.best.valid.distance < before);
-    let loaded = Checkpoint::load(&large.weights, &Device::flex()).unwrap();
-    let config = loaded.model.config();
-    // The kind is that of the weights.
-    assert_eq!(config.variant, Variant::Local);
-    assert_eq!(config.garment.blocks, [16, 40]);
-}
-
-#[test]
 fn patience_ends_a_training_that_does_not_get_better() {
     let invented = Invented::new();
     let config = TrainConfig {
