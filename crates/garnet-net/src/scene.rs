@@ -5,7 +5,7 @@ use std::sync::Arc;
 use garnet_kernel::NeighborTable;
 use garnet_knn::VertexTree;
 use garnet_mesh::{MAX_COORDINATE, Point3, Vector3};
-use nalgebra::{Isometry3, Matrix3, UnitQuaternion};
+use nalgebra::{Matrix3, UnitQuaternion};
 
 use crate::{
     BodySampling, Frame, GarNetConfig, GarmentGraph, NetError, SceneInput, UNIT, VertexInput,

@@ -28,12 +28,6 @@ impl Fusion {
         }
     }
 
-    /// The weights of the first layer, for tests.
-    #[cfg(test)]
-    pub(crate) fn first_weight(&self) -> Tensor<2> {
-        self.hidden.first_weight()
-    }
-
     /// The same with random weights in the last layer, for tests.
     #[cfg(test)]
     pub(crate) fn awake(self, source: &mut WeightSource) -> Self {

@@ -81,12 +81,6 @@ impl SharedMlp {
         }
     }
 
-    /// The weights of the first layer, for tests.
-    #[cfg(test)]
-    pub(crate) fn first_weight(&self) -> Tensor<2> {
-        self.layers[0].weight.val()
-    }
-
     /// Lifts every point to a feature vector, through leaky ReLUs.
     ///
     /// # Shapes

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, UnitQuaternion};
 
 use crate::{
     BodySampling, Frame, GarNet, GarNetConfig, GarmentGraph, NetError, PRESET_NAMES, PoolingConfig,
-    Predictor, Scene, SceneInput, Variant, surrogate,
+    Predictor, Scene, SceneInput, Variant,
 };
 
 /// A garment over a body, with all that networks may ask for.

@@ -5,7 +5,6 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use garnet_data::{BodyPath, Moment, Quality, Rung, Settling, Split};
-use garnet_mesh::Point3;
 use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Model, ModelHeader};
 use garnet_skin::{PosedBody, Warp, WarpedGarment};
 use garnet_untangle::{Binding, UntangleOptions, untangle};

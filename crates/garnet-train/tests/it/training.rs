@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use burn::tensor::Device;
 use garnet_data::GarmentPackage;
-use garnet_net::{Checkpoint, Variant};
-use garnet_train::{Begin, Precision, TrainConfig, TrainError, TrainEvent, TrainJob, train};
+use garnet_net::Checkpoint;
+use garnet_train::{Begin, Precision, TrainConfig, TrainError, TrainEvent, train};
 
 use crate::invented::{Invented, run, tiny};
 
