@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use garnet::{Point3, data::GarmentPackage, io::ObjFile};
+use garnet::{Point3, io::ObjFile, package::GarmentPackage};
 
 use crate::fixtures::{Fixture, stderr, stdout};
 

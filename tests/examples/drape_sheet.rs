@@ -6,7 +6,8 @@
 use std::{env, error::Error, fs, path::Path};
 
 use garnet::{
-    data::{BodyRecord, Dataset, GarmentPackage, SceneRecord, Split},
+    data::{BodyRecord, Dataset, SceneRecord, Split},
+    package::GarmentPackage,
     shape::ParametricBody,
 };
 use garnet_skin::Method;

@@ -10,8 +10,9 @@ use std::{env, error::Error, fs, path::Path};
 
 use garnet::{
     UntangleOptions,
-    data::{Dataset, GarmentPackage, Split},
-    train::{Candidate, Exhibit, SceneName, Stage, chart::spread, exhibit, weights_of},
+    data::{Dataset, Split},
+    package::GarmentPackage,
+    train::{Candidate, Exhibit, SceneName, Stage, chart::spread, exhibit},
 };
 use garnet_mesh::{Point3, Topology, TriMesh, mean_curvatures};
 use garnet_view::{Camera, ColorMap, Heat, Layer, Paint, Picture, View, palette, render};
@@ -59,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut candidates = vec![Candidate::Skinning, Candidate::Warp];
     let mut names = vec!["skinning (DQS)".to_owned(), "warp".to_owned()];
     for name in variants {
-        let weights = weights_of(path, &package.manifest, name)?;
+        let weights = package.manifest.weights_of(path, name)?;
         for candidate in Candidate::of_weights(name, &weights, None)? {
             if let Candidate::Model { settle, .. } = candidate {
                 names.push(Candidate::settled_name(name, settle));

@@ -14,7 +14,8 @@ use std::{
 };
 
 use garnet::{
-    data::{BodyPath, Quality, Tailor, default_rest_body, quality_of, usual_fabric, wearer_of},
+    data::{Tailor, default_rest_body, usual_fabric, wearer_of},
+    package::{BodyPath, Quality, quality_of},
     pattern::GarmentKind,
     poses::{Poser, SelfContact, SeparationOptions, key_pose},
     shape::ParametricBody,

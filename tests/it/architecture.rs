@@ -8,7 +8,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Each crate and the crates of this workspace that it may use.
-const ARROWS: [(&str, &[&str]); 15] = [
+const ARROWS: [(&str, &[&str]); 16] = [
     ("garnet-mesh", &[]),
     ("garnet-knn", &["mesh"]),
     ("garnet-skin", &["mesh", "knn"]),
@@ -18,24 +18,32 @@ const ARROWS: [(&str, &[&str]); 15] = [
     ("garnet-pattern", &["mesh"]),
     ("garnet-sim", &["mesh", "knn"]),
     (
+        "garnet-drape",
+        &[
+            "mesh", "knn", "skin", "untangle", "body", "io", "sim", "net",
+        ],
+    ),
+    (
         "garnet-data",
-        &["mesh", "knn", "skin", "body", "io", "pattern", "sim"],
+        &[
+            "mesh", "knn", "skin", "body", "io", "pattern", "sim", "drape",
+        ],
     ),
     ("garnet-kernel", &[]),
     ("garnet-net", &["mesh", "knn", "skin", "sim", "kernel"]),
     (
         "garnet-train",
         &[
-            "net", "data", "untangle", "mesh", "knn", "skin", "body", "io", "pattern", "sim",
-            "kernel",
+            "drape", "net", "data", "untangle", "mesh", "knn", "skin", "body", "io", "pattern",
+            "sim", "kernel",
         ],
     ),
     ("garnet-view", &["mesh"]),
     (
         "garnet",
         &[
-            "mesh", "knn", "skin", "untangle", "body", "io", "pattern", "sim", "data", "kernel",
-            "net", "train",
+            "mesh", "knn", "skin", "untangle", "body", "io", "pattern", "sim", "drape", "data",
+            "kernel", "net", "train",
         ],
     ),
     ("garnet-cli", &["garnet", "view"]),

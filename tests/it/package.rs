@@ -4,9 +4,8 @@ use std::{path::Path, sync::atomic::AtomicBool};
 
 use garnet::{
     Draper, Garment, Moment, Network, PackagedGarment, Pose, UnitQuaternion, Vector3, Warped,
-    data::{BodyPath, GarmentPackage, Settling, Teacher},
     edge_stretch, io,
-    train::weights_of,
+    package::{BodyPath, GarmentPackage, Settling, Teacher},
 };
 
 #[test]
@@ -15,7 +14,7 @@ fn the_shirt_settles_from_where_it_arrives_and_is_free() {
     let folder = models.join("tshirt");
     let package = GarmentPackage::read(&folder).unwrap();
     let variant = package.manifest.variant("arrival").unwrap();
-    let weights = weights_of(&folder, &package.manifest, "arrival").unwrap();
+    let weights = package.manifest.weights_of(&folder, "arrival").unwrap();
     let garment = Garment::new(package.mesh.clone())
         .bind(&package.body)
         .unwrap();
@@ -60,7 +59,7 @@ fn the_shirt_goes_on_from_where_it_is_midway() {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     let folder = models.join("tshirt");
     let package = GarmentPackage::read(&folder).unwrap();
-    let weights = weights_of(&folder, &package.manifest, "midway").unwrap();
+    let weights = package.manifest.weights_of(&folder, "midway").unwrap();
     let garment = Garment::new(package.mesh.clone())
         .bind(&package.body)
         .unwrap();

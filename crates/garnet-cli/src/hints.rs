@@ -4,12 +4,13 @@ use std::{error::Error as StdError, io, path::Path};
 
 use garnet::{
     CheckpointError, Error, MeshError, NetError, SkinError,
-    data::{DataError, MANIFEST_FILE, ReadAs},
+    data::{DataError, ReadAs},
     io::{
         ArrayProblem, FileError, FileProblem, MotionError, MotionProblem, ObjError, ObjLineProblem,
         ObjParseError, WriteError,
     },
     motion::RetargetError,
+    package::PackageError,
     pattern::PatternError,
     sim::SimError,
     train::TrainError,
@@ -64,6 +65,9 @@ fn for_link(link: &(dyn StdError + 'static)) -> Option<&'static str> {
     if let Some(error) = link.downcast_ref::<DataError>() {
         return for_data(error);
     }
+    if let Some(error) = link.downcast_ref::<PackageError>() {
+        return for_package(error);
+    }
     if let Some(error) = link.downcast_ref::<SimError>() {
         return for_sim(error);
     }
@@ -83,6 +87,7 @@ fn for_garnet(error: &Error) -> Option<&'static str> {
         Error::Mesh(error) => for_mesh(error),
         Error::Skin(error) => for_skin(error),
         Error::Weights(error) => for_weights(error),
+        Error::Package(error) => for_package(error),
         Error::NotOnBody { .. } => Some(
             "the garment must lie on the rest body; `garnet info` shows both boxes; `--units` and \
              `--up` override what was detected",
@@ -100,6 +105,7 @@ fn for_train(error: &TrainError) -> Option<&'static str> {
         TrainError::Read { source, .. } | TrainError::Folder { source, .. } => for_io(source),
         TrainError::Write(error) => for_write(error),
         TrainError::Data(error) => for_data(error),
+        TrainError::Package(error) => for_package(error),
         TrainError::Checkpoint(error) => for_weights(error),
         TrainError::Net(error) => for_network(error),
         TrainError::Skin(error) => for_skin(error),
@@ -128,10 +134,7 @@ fn for_data(error: &DataError) -> Option<&'static str> {
         DataError::Rig(error) => for_file(&error.problem),
         DataError::Skin(error) => for_skin(error),
         DataError::Sim(error) => for_sim(error),
-        DataError::Fabric { .. } => Some("correct the value in the file, or make the package anew"),
-        DataError::Text { path, .. } if path.ends_with(MANIFEST_FILE) => {
-            Some("correct the line, copy the file again, or make the package anew")
-        }
+        DataError::Package(error) => for_package(error),
         DataError::Foreign { read_as, .. } => Some(for_foreign(*read_as)),
         DataError::NoDataset { .. } => {
             Some("name the folder that has one; `garnet dataset PACKAGE -o DIR` makes a data set")
@@ -150,7 +153,31 @@ fn for_data(error: &DataError) -> Option<&'static str> {
             )
         }
         DataError::Tensors { .. } => Some("copy the file again from where it came from"),
-        DataError::InsideAtStart { .. } => Some(
+        _ => None,
+    }
+}
+
+fn for_package(error: &PackageError) -> Option<&'static str> {
+    match error {
+        PackageError::Read { source, .. } | PackageError::Folder { source, .. } => for_io(source),
+        PackageError::Write(error) => for_write(error),
+        PackageError::Mesh(error) => for_mesh(error),
+        PackageError::Obj(error) => for_obj(error),
+        PackageError::Rig(error) => for_file(&error.problem),
+        PackageError::Skin(error) => for_skin(error),
+        PackageError::Sim(error) => for_sim(error),
+        PackageError::Fabric { .. } => {
+            Some("correct the value in the file, or make the package anew")
+        }
+        PackageError::Text { .. } => {
+            Some("correct the line, copy the file again, or make the package anew")
+        }
+        PackageError::Foreign { .. } => Some(
+            "copy the file again from where the package came from; a package of a changed garment \
+             is made with `garnet garment from-obj`",
+        ),
+        PackageError::Tensors { .. } => Some("copy the file again from where it came from"),
+        PackageError::InsideAtStart { .. } => Some(
             "the garment may belong to another body: let it lie on the skin of this one, not in it",
         ),
         _ => None,
@@ -164,10 +191,6 @@ fn is_shard(path: &Path) -> bool {
 
 const fn for_foreign(read_as: ReadAs) -> &'static str {
     match read_as {
-        ReadAs::Package => {
-            "copy the file again from where the package came from; a package of a changed garment is made with \
-             `garnet garment from-obj`"
-        }
         ReadAs::Dataset => {
             "make the data set anew with `garnet dataset` and another `-o`, or use the version that made it"
         }

@@ -16,7 +16,8 @@ use std::{
 };
 
 use garnet_body::poses::SoundPose;
-use garnet_data::{BodyPath, DataError, Quality, Tailor, Teacher, Worn, usual_fabric};
+use garnet_data::{DataError, Tailor, Worn, usual_fabric};
+use garnet_drape::{BodyPath, Quality, Teacher};
 use garnet_mesh::{Point3, StretchSummary, normal_angles, vertex_distances};
 use garnet_pattern::GarmentKind;
 use garnet_sim::Schedule;
@@ -87,7 +88,7 @@ fn find(
     let path = BodyPath::to_shape(body, body, &sound.pose).map_err(boxed)?;
     let drape = |schedule: Schedule| {
         let drape = teacher.drape_by(&path, schedule, stop, &mut |_| {});
-        drape.map(|drape| drape.positions).map_err(Box::new)
+        drape.map(|drape| drape.positions).map_err(boxed)
     };
     let asked = teacher.schedule(Quality::Teacher);
     let first = drape(asked.clone())?;

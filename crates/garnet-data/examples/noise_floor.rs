@@ -17,9 +17,8 @@ use std::{
 };
 
 use garnet_body::poses::SoundPose;
-use garnet_data::{
-    DataError, NOISE_TURN, Quality, StoredFabric, Tailor, moved_by_turn, noise_joint,
-};
+use garnet_data::{DataError, NOISE_TURN, Tailor, moved_by_turn, noise_joint};
+use garnet_drape::{Quality, StoredFabric};
 use garnet_pattern::GarmentKind;
 use garnet_sim::{FABRIC_NAMES, Fabric};
 use garnet_skin::Body;

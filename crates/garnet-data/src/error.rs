@@ -6,7 +6,8 @@ use std::{
 };
 
 use garnet_body::{motion::RetargetError, shape::ShapeError};
-use garnet_io::{FileError, ObjError, WriteRigError};
+use garnet_drape::PackageError;
+use garnet_io::{FileError, ObjError};
 use garnet_mesh::{MeshDifference, MeshError, WriteError};
 use garnet_pattern::PatternError;
 use garnet_sim::SimError;
@@ -17,8 +18,6 @@ use crate::dataset::ImportProblem;
 /// What a file was read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ReadAs {
-    /// A file of a garment package.
-    Package,
     /// `dataset.json`.
     Dataset,
     /// A shard of a data set.
@@ -68,21 +67,13 @@ pub enum DataError {
         /// What is wrong.
         source: safetensors::SafeTensorError,
     },
-    /// A file with JSON or TOML in it does not parse.
+    /// A file with JSON in it does not parse.
     #[error("`{}`: {reason}", path.display())]
     Text {
         /// The file.
         path: PathBuf,
         /// What was expected and found, with line and column.
         reason: String,
-    },
-    /// The fabric of a package is none.
-    #[error("`{}` is not usable", path.display())]
-    Fabric {
-        /// The manifest.
-        path: PathBuf,
-        /// The constant, its value and its range.
-        source: SimError,
     },
     /// A file belongs to something else or to another version.
     #[error("`{}` does not belong here: {what}", path.display())]
@@ -206,16 +197,6 @@ pub enum DataError {
     /// All bodies wear the template, and parameters are to be drawn for each.
     #[error("all bodies wear the template: no sewing parameters can be drawn for each")]
     VariedTemplate,
-    /// A garment lies too deep in its body to be simulated.
-    #[error("{inside} of {vertices} vertices of the garment are inside the body at rest, the deepest by {:.1} mm", 1e3 * deepest)]
-    InsideAtStart {
-        /// Vertices inside.
-        inside: usize,
-        /// All vertices.
-        vertices: usize,
-        /// The deepest, in metres.
-        deepest: f32,
-    },
     /// The work was stopped from outside.
     #[error("stopped")]
     Stopped,
@@ -228,9 +209,6 @@ pub enum DataError {
     /// A rig cannot be read.
     #[error(transparent)]
     Rig(#[from] FileError),
-    /// A rig cannot be written.
-    #[error(transparent)]
-    WriteRig(#[from] WriteRigError),
     /// Body and garment, or body and pose, do not fit together.
     #[error(transparent)]
     Skin(#[from] SkinError),
@@ -246,23 +224,25 @@ pub enum DataError {
     /// A scene cannot be simulated.
     #[error(transparent)]
     Sim(#[from] SimError),
+    /// A garment package cannot be used, or its garment not simulated.
+    #[error(transparent)]
+    Package(PackageError),
 }
 
-/// What is wrong with a TOML `text`, in one line: line and column, both from 1, and what.
-///
-/// The parser draws the line with a mark below it, which no message of one line can hold.
-pub fn toml_problem(text: &str, error: &toml::de::Error) -> String {
-    let what = error.message().lines().map(str::trim);
-    let what: Vec<&str> = what.filter(|line| !line.is_empty()).collect();
-    let what = what.join(", ");
-    let before = error.span().and_then(|span| text.get(..span.start));
-    let Some(before) = before else {
-        return what;
-    };
-    let line = before.matches('\n').count() + 1;
-    let start = before.rfind('\n').map_or(0, |end| end + 1);
-    let column = before[start..].chars().count() + 1;
-    format!("line {line}, column {column}: {what}")
+/// What both kinds of errors have is an error of data.
+impl From<PackageError> for DataError {
+    fn from(error: PackageError) -> Self {
+        match error {
+            PackageError::Stopped => Self::Stopped,
+            PackageError::Mesh(error) => Self::Mesh(error),
+            PackageError::Obj(error) => Self::Obj(error),
+            PackageError::Rig(error) => Self::Rig(error),
+            PackageError::Skin(error) => Self::Skin(error),
+            PackageError::Sim(error) => Self::Sim(error),
+            PackageError::Write(error) => Self::Write(error),
+            error => Self::Package(error),
+        }
+    }
 }
 
 fn of_process(number: Option<u32>) -> String {
@@ -302,39 +282,11 @@ impl DataError {
         }
     }
 
-    pub(crate) fn toml(path: &Path, text: &str, source: &toml::de::Error) -> Self {
-        Self::Text {
-            path: path.to_path_buf(),
-            reason: toml_problem(text, source),
-        }
-    }
-
     pub(crate) fn foreign(path: &Path, read_as: ReadAs, what: impl Into<String>) -> Self {
         Self::Foreign {
             path: path.to_path_buf(),
             read_as,
             what: what.into(),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_wrong_with_a_toml_text_is_told_in_a_line() {
-        let told = |text: &str| {
-            let error = toml::from_str::<crate::StoredFabric>(text).unwrap_err();
-            toml_problem(text, &error)
-        };
-        let unknown = told("name = \"silk\"\n  color = 3\n");
-        assert!(
-            unknown.starts_with("line 2, column 3: unknown field `color`"),
-            "{unknown}"
-        );
-        let broken = told("name = \"silk\"\ndensity = \n");
-        assert!(broken.starts_with("line 2, column "), "{broken}");
-        assert!(!broken.contains('\n') && !broken.contains('|'), "{broken}");
     }
 }

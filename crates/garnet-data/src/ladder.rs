@@ -2,11 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
+use garnet_drape::{GarmentPackage, Teacher};
 use garnet_mesh::{TriMesh, subdivided};
 use garnet_sim::{Fabric, RestShape};
 use garnet_skin::{BoundGarment, Garment};
 
-use crate::{DataError, GarmentPackage, Tailor, Teacher, wearer_of};
+use crate::{DataError, Tailor, wearer_of};
 
 /// Garments with more vertices than this are not cut anew: coarser ones are subdivided, because
 /// putting them on takes minutes.

@@ -2,11 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
+use garnet_drape::{BodyPath, Quality, Teacher};
 use garnet_mesh::vertex_distances;
 use garnet_skin::{Body, Pose};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::{BodyPath, DataError, Quality, Teacher};
+use crate::DataError;
 
 /// By how much a joint turns more in the second drape, in radians.
 pub const NOISE_TURN: f32 = 0.001;

@@ -3,16 +3,17 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
+use garnet_drape::{
+    GarmentPackage, PackageParts, StoredFabric, StoredParameters, StoredPattern, Teacher,
+    check_stop, collider, stopping,
+};
 use garnet_io::ObjFile;
 use garnet_mesh::Point3;
 use garnet_pattern::{Fit, GarmentKind, Parameters, SewnGarment, Size, Template, Wearer};
 use garnet_sim::{Cloth, Fabric, GRIP, MovingBody, Quality, RestShape, Scene, Schedule, drape};
 use garnet_skin::{Body, Garment};
 
-use crate::package::{PackageParts, StoredFabric, StoredPattern};
-use crate::parts::collider;
-use crate::teacher::{check_stop, stopping};
-use crate::{DataError, GarmentPackage, StoredParameters, Teacher};
+use crate::DataError;
 
 /// Cuts garments of one topology to the measures of bodies, and puts them on.
 #[derive(Debug, Clone)]
@@ -165,7 +166,8 @@ impl Tailor {
             .start_mesh()
             .with_positions(worn.positions.clone())?;
         let garment = Garment::new(mesh).bind(body)?;
-        Teacher::of_garment(garment, body, &rest_of(&worn.sewn), &self.fabric.fabric())
+        let (rest, fabric) = (rest_of(&worn.sewn), self.fabric.fabric());
+        Ok(Teacher::of_garment(garment, body, &rest, &fabric)?)
     }
 
     /// A package of a garment on the body that it was cut for.
@@ -181,7 +183,7 @@ impl Tailor {
         parameters: Option<StoredParameters>,
     ) -> Result<GarmentPackage, DataError> {
         let text = worn.sewn.obj(&worn.positions);
-        GarmentPackage::new(PackageParts {
+        Ok(GarmentPackage::new(PackageParts {
             name,
             template: ObjFile::parse(text.into_bytes(), "template.obj")?,
             rest: rest_of(&worn.sewn),
@@ -194,7 +196,7 @@ impl Tailor {
             }),
             body,
             parameters,
-        })
+        })?)
     }
 }
 

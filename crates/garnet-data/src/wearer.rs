@@ -1,13 +1,14 @@
 //! A body as a tailor knows it.
 
 use garnet_body::shape::{BodyParameters, Measure, Measures, tape_measures};
+use garnet_drape::GarmentPackage;
 
 use garnet_pattern::{
     Landmarks, Measures as TailorMeasures, Parameters, PatternError, Size, Wearer,
 };
 use garnet_skin::Body;
 
-use crate::{DataError, GarmentPackage, Tailor};
+use crate::{DataError, Tailor};
 
 /// Measures and landmarks of a built-in body at rest; none for bodies of another topology.
 ///

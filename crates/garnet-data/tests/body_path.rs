@@ -8,7 +8,7 @@ use garnet_body::{
     poses::{Poser, key_pose},
     shape::{BodyParameters, Measure, ParametricBody},
 };
-use garnet_data::BodyPath;
+use garnet_drape::BodyPath;
 use garnet_mesh::Point3;
 use garnet_skin::Method;
 

@@ -12,9 +12,10 @@ use std::{
 };
 
 use garnet_data::{
-    Counts, DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, Limits, Moment,
-    Quality, Sizing, Variations, generate,
+    Counts, DataError, Dataset, DatasetEvent, DatasetOptions, Limits, Moment, Sizing, Variations,
+    generate,
 };
+use garnet_drape::{GarmentPackage, Quality};
 use garnet_mesh::TriMesh;
 use garnet_skin::Body;
 

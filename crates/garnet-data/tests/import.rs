@@ -12,9 +12,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use garnet_data::{
-    DataError, Dataset, DatasetManifest, GarmentPackage, ImportManifest, Split, import,
-};
+use garnet_data::{DataError, Dataset, DatasetManifest, ImportManifest, Split, import};
+use garnet_drape::GarmentPackage;
 use garnet_io::write_obj;
 use garnet_mesh::{Point3, TriMesh, Vector3};
 use tempfile::TempDir;

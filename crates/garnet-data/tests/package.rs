@@ -6,7 +6,7 @@ mod common;
 
 use std::{fs, path::Path};
 
-use garnet_data::{DataError, GarmentPackage, MANIFEST_FILE};
+use garnet_drape::{GarmentPackage, MANIFEST_FILE, PackageError};
 use garnet_knn::Surface;
 
 fn refused(folder: &Path) -> String {
@@ -89,7 +89,7 @@ fn what_is_damaged_or_foreign_is_refused_by_name() {
     fs::write(path("template.obj"), template.replacen("v ", "v 1", 1)).unwrap();
     assert!(matches!(
         GarmentPackage::read(folder.path()),
-        Err(DataError::Foreign { .. } | DataError::Obj(_))
+        Err(PackageError::Foreign { .. } | PackageError::Obj(_))
     ));
 }
 
@@ -129,7 +129,7 @@ fn a_package_that_cannot_be_written_leaves_the_old_one() {
     other.manifest.name = "other".to_owned();
     assert!(matches!(
         other.write(folder.path()),
-        Err(DataError::Write(_))
+        Err(PackageError::Write(_))
     ));
     assert_eq!(held(), before);
 }

@@ -7,7 +7,7 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use garnet_body::poses::{Poser, key_pose};
-use garnet_data::{BodyPath, DataError, GarmentPackage, Moment, Quality, Settling, Teacher};
+use garnet_drape::{BodyPath, GarmentPackage, Moment, PackageError, Quality, Settling, Teacher};
 use garnet_mesh::{Point3, Topology, edge_stretch};
 use garnet_sim::{Drape, Event};
 use garnet_skin::{Garment, PosedBody, Warp};
@@ -180,7 +180,7 @@ fn cloth_put_where_it_is_midway_goes_on_with_the_body_into_the_folds_of_the_teac
         Settling::of(Moment::Midway),
         &AtomicBool::new(true),
     );
-    assert!(matches!(stopped, Err(DataError::Stopped)));
+    assert!(matches!(stopped, Err(PackageError::Stopped)));
     assert_ne!(resumed(0), end);
 }
 
@@ -194,8 +194,11 @@ fn settling_can_be_stopped_and_refuses_places_that_are_none() {
         let settled = teacher.settled(body, &scene.posed, from, settling, &stop);
         settled.unwrap_err()
     };
-    assert!(matches!(settled(&scene.warped, true), DataError::Stopped));
+    assert!(matches!(
+        settled(&scene.warped, true),
+        PackageError::Stopped
+    ));
     let mut nowhere = scene.warped.clone();
     nowhere[0].x = f32::NAN;
-    assert!(matches!(settled(&nowhere, false), DataError::Sim(_)));
+    assert!(matches!(settled(&nowhere, false), PackageError::Sim(_)));
 }

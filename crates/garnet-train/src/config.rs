@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use garnet_data::toml_problem;
+use garnet_drape::toml_problem;
 use garnet_net::losses::LossConfig;
 use garnet_net::{GarNetConfig, Precision, Variant};
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::{DataError, Settling};
+use garnet_drape::{PackageError, Settling};
 use garnet_mesh::Point3;
 use garnet_net::{Cost, GarNetConfig, Model, Moment};
 use garnet_skin::Warp;
@@ -154,8 +154,8 @@ impl<'a> Contender<'a> {
                     settle = Some(start.elapsed().as_secs_f64());
                 }
                 // As in `garnet drape`: cloth that flies apart stays where it was put, if that is on the body.
-                Err(DataError::Sim(_)) if !from.is_on_way() => {}
-                Err(DataError::Sim(_)) => {
+                Err(PackageError::Sim(_)) if !from.is_on_way() => {}
+                Err(PackageError::Sim(_)) => {
                     let nodes = worn.garment.warped(&staged.posed, self.warp)?;
                     positions = worn.garment.weld().scatter(&nodes);
                 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use garnet_data::{DataError, SceneRecord, Split};
+use garnet_drape::PackageError;
 use garnet_mesh::{MeshError, WriteError};
 use garnet_net::losses::Term;
 use garnet_net::{CheckpointError, NetError};
@@ -112,14 +113,6 @@ pub enum TrainError {
         base: String,
         /// Their kind.
         found: &'static str,
-    },
-    /// A variant that is asked for was not trained.
-    #[error("the package has no variant `{name}`; it has {known}")]
-    NoVariant {
-        /// The name.
-        name: String,
-        /// Those there are.
-        known: String,
     },
     /// A network starts from a pose-space deformation that the package does not have.
     #[error("the network starts from a pose-space deformation, but there is no `{}`", path.display())]
@@ -293,9 +286,12 @@ pub enum TrainError {
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// Package or data set are not usable.
+    /// A data set is not usable.
     #[error(transparent)]
     Data(Box<DataError>),
+    /// A package is not usable, or its garment not simulated.
+    #[error(transparent)]
+    Package(Box<PackageError>),
     /// A network cannot be made or run.
     #[error(transparent)]
     Net(#[from] NetError),
@@ -390,6 +386,12 @@ const fn plural(count: usize) -> &'static str {
 impl From<DataError> for TrainError {
     fn from(source: DataError) -> Self {
         Self::Data(Box::new(source))
+    }
+}
+
+impl From<PackageError> for TrainError {
+    fn from(source: PackageError) -> Self {
+        Self::Package(Box::new(source))
     }
 }
 

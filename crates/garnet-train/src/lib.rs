@@ -75,7 +75,7 @@ pub use garnet_net::losses::{LossConfig, LossValue, Term};
 pub use garnet_net::{GarNetConfig, Moment, PRESET_NAMES, Precision, Variant};
 pub use percentiles::Percentiles;
 pub use pose_space::{PoseSpaceConfig, ToldBy};
-pub use publish::{Trained, weights_of};
+pub use publish::Trained;
 pub use recipe::{Recipe, kind_name};
 pub use schedule::Schedule;
 pub use scores::{Scores, Tally};

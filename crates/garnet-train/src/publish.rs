@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use burn::tensor::Device;
-use garnet_data::{GarmentPackage, Manifest, Split, Variant};
+use garnet_data::Split;
+use garnet_drape::{GarmentPackage, Manifest, Variant};
 use garnet_net::{Checkpoint, ModelHeader, PoseSpace, Precision, TrainedRange};
 
 use crate::evaluate::evaluate_until;
@@ -34,31 +35,6 @@ pub struct Trained {
     pub test: Option<Scores>,
     /// Mean distance to the teacher on the test split once the cloth has settled, in metres, if that is known.
     pub settled_error: Option<f64>,
-}
-
-/// Where the weights of a variant are.
-///
-/// # Errors
-///
-/// [`TrainError::NoVariant`] with those that there are.
-pub fn weights_of(folder: &Path, manifest: &Manifest, name: &str) -> Result<PathBuf, TrainError> {
-    let mut variants = manifest.variants.iter();
-    if let Some(variant) = variants.find(|variant| variant.name == name) {
-        return Ok(folder.join(&variant.weights));
-    }
-    let names = manifest
-        .variants
-        .iter()
-        .map(|variant| format!("`{}`", variant.name));
-    let names: Vec<String> = names.collect();
-    Err(TrainError::NoVariant {
-        name: name.to_owned(),
-        known: if names.is_empty() {
-            "none".to_owned()
-        } else {
-            names.join(", ")
-        },
-    })
 }
 
 /// The file in a package that the weights of a variant are written to.

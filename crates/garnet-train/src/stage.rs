@@ -4,9 +4,8 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use garnet_body::shape::ParametricBody;
-use garnet_data::{
-    BodyPath, BodyRecord, Dataset, GarmentPackage, Posed, SceneRecord, Shard, Sizing, Split,
-};
+use garnet_data::{BodyRecord, Dataset, Posed, SceneRecord, Shard, Sizing, Split};
+use garnet_drape::{BodyPath, GarmentPackage};
 use garnet_mesh::{Point3, TriMesh};
 use garnet_net::GarmentGraph;
 use garnet_sim::{FALLEN, Moment};

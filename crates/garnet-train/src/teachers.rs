@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use garnet_data::{DataError, Tailor, Teacher, wearer_of};
+use garnet_data::{DataError, Tailor, wearer_of};
+use garnet_drape::Teacher;
 
 use crate::{Stage, StagedScene, TrainError, Worn};
 

@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use burn::optim::GradientsAccumulator;
 use burn::tensor::Device;
-use garnet_data::{Dataset, GarmentPackage, Split};
+use garnet_data::{Dataset, Split};
+use garnet_drape::GarmentPackage;
 use garnet_mesh::Fingerprint;
 use garnet_net::losses::LossValue;
 use garnet_net::{Checkpoint, GarNet, GarNetConfig};
@@ -226,9 +227,7 @@ fn base_of(
 ) -> Result<(Option<Checkpoint>, Option<String>), TrainError> {
     let path = match (&job.base, &job.recipe.fine_tuned) {
         (Some(path), _) => path.clone(),
-        (None, Some((name, _))) => {
-            publish::weights_of(&job.package, &stage.package.manifest, name)?
-        }
+        (None, Some((name, _))) => stage.package.manifest.weights_of(&job.package, name)?,
         (None, None) => return Ok((None, None)),
     };
     let checkpoint = Checkpoint::load(&path, device)?;

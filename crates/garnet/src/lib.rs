@@ -35,23 +35,15 @@
 //! ```
 
 pub mod io;
+pub mod package;
 
-mod draper;
-mod error;
-mod garment;
-mod network;
-#[cfg(feature = "train")]
-mod packaged;
-mod penetration;
-mod refit;
-mod unfamiliar;
-
-pub use draper::{Drape, DrapeOptions, Draper, Warped};
-pub use error::Error;
-pub use garment::{BoundGarment, Garment};
 pub use garnet_body::{motion, poses, shape};
 #[cfg(feature = "train")]
 pub use garnet_data as data;
+pub use garnet_drape::{
+    BoundGarment, Drape, DrapeOptions, Draper, Error, Garment, Moved, Network, PackagedDrape,
+    PackagedGarment, Penetration, Refit, Unfamiliar, Warped, penetration,
+};
 pub use garnet_knn::{ClosestPoint, Surface};
 pub use garnet_mesh::{
     Bounds, Kinship, KnownMesh, MAX_COORDINATE, MeshDiagnosis, MeshDifference, MeshError, Point3,
@@ -61,7 +53,6 @@ pub use garnet_mesh::{
 pub use garnet_net::{CheckpointError, CheckpointHeader, ModelFile, Moment, NetError};
 #[cfg(feature = "train")]
 pub use garnet_pattern as pattern;
-#[cfg(feature = "train")]
 pub use garnet_sim as sim;
 pub use garnet_skin::{
     Body, BodyAtHome, Joint, Method, Pose, PosedBody, Rig, Skeleton, SkinError, SkinWeights,
@@ -71,12 +62,6 @@ pub use garnet_skin::{
 pub use garnet_train as train;
 pub use garnet_untangle::{UntangleOptions, UntangleReport, free_crossing_faces};
 pub use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
-pub use network::{Moved, Network};
-#[cfg(feature = "train")]
-pub use packaged::{PackagedDrape, PackagedGarment};
-pub use penetration::{Penetration, penetration};
-pub use refit::Refit;
-pub use unfamiliar::Unfamiliar;
 
 /// Compiles the program of the README.
 #[cfg(doctest)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use garnet::{
     UntangleOptions,
-    data::{GarmentPackage, Quality},
+    package::{GarmentPackage, Quality},
     train::Candidate,
 };
 

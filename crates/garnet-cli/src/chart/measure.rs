@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use garnet::{
-    data::{Quality, quality_of},
+    package::{Quality, quality_of},
     train::{
         SceneName, Stage,
         chart::{Answer, Question, Sample, Task, Timing, ask_teacher, time_drapes},

@@ -8,8 +8,8 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    data::{Quality, quality_name},
     io::write_obj,
+    package::{Quality, quality_name},
     train::{Candidate, chart::targets},
 };
 

@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use anyhow::Context;
 use garnet::{
-    data::{Quality, quality_name},
+    package::{Quality, quality_name},
     train::{Candidate, chart},
 };
 use serde::Serialize;

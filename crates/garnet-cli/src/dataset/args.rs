@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use garnet::{
     Moment, Unit, UnitError,
-    data::{Counts, GarmentPackage, Quality, Sizing, Variations},
+    data::{Counts, Sizing, Variations},
+    package::{GarmentPackage, Quality},
 };
 
 use crate::failure::refused;

@@ -11,9 +11,9 @@ use std::{path::Path, sync::atomic::AtomicBool, time::Instant};
 use garnet::{
     Unit,
     data::{
-        DataError, Dataset, DatasetEvent, DatasetOptions, GarmentPackage, ImportManifest, Limits,
-        generate, import,
+        DataError, Dataset, DatasetEvent, DatasetOptions, ImportManifest, Limits, generate, import,
     },
+    package::GarmentPackage,
 };
 
 pub(crate) use args::{DatasetArgs, QualityName};

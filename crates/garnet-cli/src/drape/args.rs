@@ -6,8 +6,8 @@ use anyhow::ensure;
 use clap::{Args, ValueEnum};
 use garnet::{
     DrapeOptions, Unit, UnitError, UntangleOptions, UpAxis, Warp,
-    data::{GarmentPackage, Quality, StoredFabric},
     io::ObjFile,
+    package::{GarmentPackage, Quality, StoredFabric},
 };
 
 use crate::{

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use garnet::{
     Draper, Moment,
-    data::{GarmentPackage, Settling, Variant},
+    package::{GarmentPackage, Settling, Variant},
     train::chart::header_of,
 };
 use serde::Serialize;

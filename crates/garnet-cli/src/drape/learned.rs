@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use garnet::{
     BoundGarment, Draper, ModelFile, Moved, Network, PosedBody, Warped,
-    data::{BodyPath, GarmentPackage, Manifest, Settling},
-    train::weights_of,
+    package::{BodyPath, GarmentPackage, Manifest, Settling},
 };
 
 use super::{
@@ -72,7 +71,7 @@ impl Unbound {
         let Some(name) = chosen(&manifest, name) else {
             return Ok(Found::NoneInPackage);
         };
-        let weights = weights_of(folder, &manifest, &name).hint(|| {
+        let weights = manifest.weights_of(folder, &name).hint(|| {
             "`--method` takes auto, lbs, dqs, warp, sim or a variant of the package; `garnet train` \
              adds variants"
                 .to_owned()

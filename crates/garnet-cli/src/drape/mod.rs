@@ -22,9 +22,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use garnet::{
     Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, Moment, Point3, PosedBody, Refit,
-    TriMesh, Warp,
-    data::{SceneReport, Settling},
-    edge_stretch, io,
+    TriMesh, Warp, data::SceneReport, edge_stretch, io, package::Settling,
 };
 
 pub(crate) use args::DrapeArgs;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use garnet::{
     Body, Garment, Isometry3, KnownMesh, Method, Point3, Pose, PosedBody, Refit, Rig, TriMesh,
-    Unit, UpAxis, data::GarmentPackage, io::ObjFile,
+    Unit, UpAxis, io::ObjFile, package::GarmentPackage,
 };
 
 use super::{

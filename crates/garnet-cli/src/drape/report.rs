@@ -1,9 +1,8 @@
 //! The report of `drape` and `simulate`: `garnet.drape/1`, `garnet.simulate/1`. Lengths are metres, times seconds.
 
 use garnet::{
-    Surface, TriMesh, UntangleReport,
-    data::{SceneReport, StoredFabric},
-    free_crossing_faces, penetration, sim,
+    Surface, TriMesh, UntangleReport, data::SceneReport, free_crossing_faces,
+    package::StoredFabric, penetration, sim,
 };
 use serde::Serialize;
 

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use anyhow::Context;
 use garnet::{
     Moment, Point3, PosedBody, Warped,
-    data::{Settling, Teacher},
+    package::{Settling, Teacher},
 };
 
 use super::{Bound, args::Job, simulated::teacher_of, timing::timed};

@@ -10,8 +10,9 @@ use std::{
 use anyhow::Context;
 use garnet::{
     BodyAtHome, Warped,
-    data::{BodyPath, GarmentPackage, Quality, SceneReport, StoredFabric, Teacher, quality_name},
+    data::SceneReport,
     io::remove_stale_temporaries,
+    package::{BodyPath, GarmentPackage, Quality, StoredFabric, Teacher, quality_name},
     sim::{Event, Fabric, RestShape},
 };
 

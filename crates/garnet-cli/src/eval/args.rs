@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use garnet::{
     UntangleOptions,
-    data::{GarmentPackage, Split},
-    train::{Candidate, Finish, weights_of},
+    data::Split,
+    package::GarmentPackage,
+    train::{Candidate, Finish},
 };
 
 use crate::{
@@ -120,7 +121,9 @@ pub(crate) fn candidates(
         let weights = if is_file {
             path.to_path_buf()
         } else {
-            weights_of(folder, &package.manifest, &name)
+            package
+                .manifest
+                .weights_of(folder, &name)
                 .hint(|| "`garnet train` adds variants to a package".to_owned())?
         };
         candidates.extend(Candidate::of_weights(&name, &weights, settle)?);

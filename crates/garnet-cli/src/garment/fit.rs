@@ -4,7 +4,8 @@ use std::path::Path;
 
 use garnet::{
     Point3, StretchSummary,
-    data::{GarmentPackage, Tailor},
+    data::Tailor,
+    package::GarmentPackage,
     pattern::{Ease, Wearer},
     pattern_stretches,
 };

@@ -13,10 +13,8 @@ use std::{
 };
 
 use garnet::{
-    data::{
-        GarmentPackage, MANIFEST_FILE, StoredFabric, StoredParameters, Tailor, default_rest_body,
-        usual_fabric, wearer_of,
-    },
+    data::{Tailor, default_rest_body, usual_fabric, wearer_of},
+    package::{GarmentPackage, MANIFEST_FILE, StoredFabric, StoredParameters},
     shape::ParametricBody,
     sim::{FABRIC_NAMES, Fabric},
 };

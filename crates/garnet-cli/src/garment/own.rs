@@ -2,10 +2,9 @@
 
 use anyhow::Context;
 use garnet::{
-    Garment,
-    data::{GarmentPackage, PackageParts, Teacher},
-    diagnose,
+    Garment, diagnose,
     io::ObjFile,
+    package::{GarmentPackage, PackageParts, Teacher},
     sim::RestShape,
 };
 

@@ -2,7 +2,7 @@
 
 use std::{fmt, path::PathBuf, time::Duration};
 
-use garnet::{data::GarmentPackage, penetration};
+use garnet::{package::GarmentPackage, penetration};
 use serde::Serialize;
 
 use crate::drape::WarningReport;

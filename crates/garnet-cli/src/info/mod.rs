@@ -15,7 +15,7 @@ use std::{
 
 use anyhow::Context;
 use clap::Args;
-use garnet::data::GarmentPackage;
+use garnet::package::GarmentPackage;
 use serde::Serialize;
 
 use crate::{

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use garnet::data::{GarmentPackage, Variant};
+use garnet::package::{GarmentPackage, Variant};
 use serde::Serialize;
 
 use super::table::Table;

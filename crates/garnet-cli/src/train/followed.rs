@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use garnet::{
-    data::GarmentPackage,
+    package::GarmentPackage,
     train::{Recipe, TrainConfig, kind_name},
 };
 

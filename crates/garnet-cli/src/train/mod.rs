@@ -9,8 +9,8 @@ mod report;
 use std::{sync::atomic::AtomicBool, time::Instant};
 
 use garnet::{
-    data::GarmentPackage,
     io::remove_stale_temporaries,
+    package::{GarmentPackage, PackageError},
     train::{TrainError, train, training_folder},
 };
 
@@ -109,7 +109,7 @@ fn advice(error: &TrainError) -> Option<String> {
             "make a data set with bodies in `{}`: `--bodies TRAIN/VALID/TEST` of `garnet dataset`",
             split.name()
         ),
-        TrainError::NoVariant { .. } => {
+        TrainError::Package(error) if matches!(**error, PackageError::NoVariant { .. }) => {
             "train the variant that is fine-tuned first, or name weights with `--from`".to_owned()
         }
         TrainError::OtherStart { .. } => {

@@ -7,14 +7,15 @@ use garnet_body::{
     poses::{PoseSampler, Poser, SelfContact},
     shape::{BodyParameters, ParametricBody, Population, tape_measures},
 };
+use garnet_drape::{BodyPath, GarmentPackage, PackageError, StoredParameters, Teacher};
 use garnet_pattern::Wearer;
 
 use super::generate::DatasetOptions;
 use super::manifest::Sizing;
-use super::record::{BodyRecord, Posed, SceneRecord, StoredParameters};
+use super::record::{BodyRecord, Posed, SceneRecord};
 use crate::tailor::{Tailor, values};
 use crate::wearer::{self, Fitting};
-use crate::{BodyPath, DataError, GarmentPackage, Moment, SceneReport, Teacher};
+use crate::{DataError, Moment, SceneReport};
 
 /// Dresses bodies of the population.
 pub(super) struct Dresser<'a> {
@@ -182,7 +183,7 @@ impl Dressed {
             None => (&dresser.template, &dresser.package.body),
         };
         let draped = BodyPath::to_shape(from, &ready.body, &sound.pose)
-            .map_err(DataError::from)
+            .map_err(PackageError::from)
             .and_then(|path| teacher.until(&path, options.quality, options.until, stop));
         let drape = match draped {
             Ok(drape) => drape,

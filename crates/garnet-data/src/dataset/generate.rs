@@ -10,6 +10,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use garnet_drape::{GarmentPackage, Quality, quality_name};
 use garnet_mesh::Fingerprint;
 
 use super::dress::{Dresser, Outcome};
@@ -19,8 +20,7 @@ use super::plan::{Counts, Plan, sampler};
 use super::record::{Rejection, SceneRecord, Split};
 use super::shard::{Layout, Shard};
 use super::variations::Variations;
-use crate::teacher::quality_name;
-use crate::{DataError, GarmentPackage, Limits, Moment, Quality};
+use crate::{DataError, Limits, Moment};
 
 /// Bodies in a shard: at 5k vertices and 8 poses a shard has 5 MB.
 const BODIES_PER_SHARD: u32 = 10;

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use garnet_drape::Manifest as PackageManifest;
 use garnet_mesh::{Fingerprint, write_atomically};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::plan::Counts;
 use super::variations::Variations;
-use crate::{DataError, Limits, Moment, ReadAs, package::Manifest as PackageManifest};
+use crate::{DataError, Limits, Moment, ReadAs};
 
 /// What this version writes and reads.
 pub const DATASET_SCHEMA: &str = "garnet.dataset/1";

@@ -18,7 +18,7 @@ pub use generate::{DatasetEvent, DatasetOptions, Tally, generate};
 pub use import::{ImportManifest, ImportProblem, ImportScene, import};
 pub use manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
 pub use plan::{Counts, Plan, sampler, sequences};
-pub use record::{BodyRecord, Posed, Rejection, SceneRecord, Split, StoredParameters};
+pub use record::{BodyRecord, Posed, Rejection, SceneRecord, Split};
 pub use shard::Shard;
 pub use variations::Variations;
 

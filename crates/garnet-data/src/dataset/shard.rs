@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use garnet_drape::StoredParameters;
+use garnet_drape::tensors::{Array, Contents, to_bytes};
 use garnet_mesh::{Fingerprint, Point3, write_atomically};
 use garnet_skin::Pose;
 use serde::{Deserialize, Serialize};
 
-use super::record::{BodyRecord, Posed, Rejection, SceneRecord, Split, StoredParameters};
-use crate::tensors::{Array, Contents, to_bytes};
+use super::record::{BodyRecord, Posed, Rejection, SceneRecord, Split};
 use crate::{DataError, ReadAs, SceneReport};
 
 /// What this version writes and reads.

@@ -6,9 +6,8 @@
 use std::sync::atomic::AtomicBool;
 
 use garnet_body::shape::{BodyParameters, ParametricBody};
-use garnet_data::{
-    GarmentPackage, StoredParameters, Tailor, default_rest_body, usual_fabric, wearer_of,
-};
+use garnet_data::{Tailor, default_rest_body, usual_fabric, wearer_of};
+use garnet_drape::{GarmentPackage, StoredParameters};
 use garnet_pattern::GarmentKind;
 
 /// Vertices of the garment: few, so that a scene takes a tenth of a second.

@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::{BodyPath, Moment, Quality, Rung, Settling, Split};
+use garnet_data::{Moment, Rung, Split};
+use garnet_drape::{BodyPath, Quality, Settling};
 use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Model, ModelHeader};
 use garnet_skin::{PosedBody, Warp, WarpedGarment};
 use garnet_untangle::{Binding, UntangleOptions, untangle};

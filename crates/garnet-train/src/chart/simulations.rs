@@ -3,7 +3,8 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_data::{DataError, Quality, Split, Teacher, noise_floor};
+use garnet_data::{DataError, Split, noise_floor};
+use garnet_drape::{Quality, Teacher};
 
 use super::sample::{Sample, Seconds};
 use crate::measure::Measure;

@@ -21,7 +21,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use garnet_data::{Dataset, GarmentPackage, Split, Variant};
+use garnet_data::{Dataset, Split};
+use garnet_drape::{GarmentPackage, Variant};
 use garnet_net::pose_space::PoseSpaceParts;
 use garnet_net::{Moment, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};

@@ -3,7 +3,8 @@
 use std::fs;
 use std::sync::atomic::AtomicBool;
 
-use garnet_data::{DatasetManifest, GarmentPackage, Split, Variant};
+use garnet_data::{DatasetManifest, Split};
+use garnet_drape::{GarmentPackage, Variant};
 use garnet_mesh::Point3;
 use garnet_train::{Begin, TrainConfig, TrainError, TrainEvent, train};
 

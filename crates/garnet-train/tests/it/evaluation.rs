@@ -1,6 +1,7 @@
 //! Networks beside the warp.
 
-use garnet_data::{Dataset, GarmentPackage, Split};
+use garnet_data::{Dataset, Split};
+use garnet_drape::GarmentPackage;
 use garnet_train::{Candidate, Finish, Stage, evaluate};
 use garnet_untangle::UntangleOptions;
 

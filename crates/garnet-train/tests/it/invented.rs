@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use garnet_data::{
-    BodyRecord, Counts, DATASET_SCHEMA, DatasetManifest, GarmentPackage, Limits, Moment,
-    PackageParts, Posed, SceneRecord, Shard, Sizing, Split, StoredFabric, Variations,
+    BodyRecord, Counts, DATASET_SCHEMA, DatasetManifest, Limits, Moment, Posed, SceneRecord, Shard,
+    Sizing, Split, Variations,
 };
+use garnet_drape::{GarmentPackage, PackageParts, StoredFabric};
 use garnet_io::{ObjFile, write_obj};
 use garnet_mesh::primitives::{capsule, tube};
 use garnet_mesh::{Point3, Vector3};

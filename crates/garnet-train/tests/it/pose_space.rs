@@ -2,7 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use garnet_data::{Dataset, DatasetManifest, GarmentPackage, Moment, Split};
+use garnet_data::{Dataset, DatasetManifest, Moment, Split};
+use garnet_drape::GarmentPackage;
 use garnet_mesh::Vector3;
 use garnet_net::PoseSpace;
 use garnet_sim::FALLEN;

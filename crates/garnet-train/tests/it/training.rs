@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use burn::tensor::Device;
-use garnet_data::GarmentPackage;
+use garnet_drape::GarmentPackage;
 use garnet_net::Checkpoint;
 use garnet_train::{Begin, Precision, TrainConfig, TrainError, TrainEvent, train};
 

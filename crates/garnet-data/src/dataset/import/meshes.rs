@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use garnet_drape::GarmentPackage;
 use garnet_io::{ArrayProblem, FileError, NpyArray, NpyValues, NpzFile, ObjFile};
 use garnet_mesh::{Bounds, KnownMesh, MeshDifference, Point3, Unit, check_range};
 
 use super::{ImportScene, Posed, SceneRecord};
-use crate::{DataError, GarmentPackage, ReadAs};
+use crate::{DataError, ReadAs};
 
 /// How many times larger or smaller than at rest a posed body or a draped garment may be: a body that is curled up
 /// is less than that, another unit is more.

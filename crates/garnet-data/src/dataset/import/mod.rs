@@ -11,6 +11,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use garnet_drape::GarmentPackage;
 use garnet_mesh::{Fingerprint, Unit};
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +20,7 @@ use super::plan::Counts;
 use super::record::{BodyRecord, Posed, SceneRecord, Split};
 use super::shard::{Layout, Shard};
 use super::variations::Variations;
-use crate::{DataError, GarmentPackage, Limits, Moment, ReadAs};
+use crate::{DataError, Limits, Moment, ReadAs};
 use list::{List, Place};
 use meshes::Reader;
 use staged::Staged;

@@ -1,7 +1,10 @@
 //! Garment packages: a folder with a template, the body that it lies on, and trained variants.
 
 mod before;
+mod error;
 mod manifest;
+mod rest_file;
+mod stored_parameters;
 mod together;
 
 use std::path::{Path, PathBuf};
@@ -11,12 +14,13 @@ use garnet_mesh::{Fingerprint, RestEdge, StagedFile, TriMesh};
 use garnet_sim::{Cloth, RestShape};
 use garnet_skin::{Body, Rig};
 
+pub use error::{PackageError, toml_problem};
 pub use manifest::{
     Manifest, PACKAGE_SCHEMA, StoredFabric, StoredPattern, StoredRestBody, Variant,
 };
 
-use crate::rest_file;
-use crate::{DataError, ReadAs, StoredParameters};
+pub use stored_parameters::StoredParameters;
+
 use before::Before;
 use together::Together;
 
@@ -69,8 +73,8 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`DataError::Mesh`] if the template has no triangles.
-    pub fn new(parts: PackageParts) -> Result<Self, DataError> {
+    /// [`PackageError::Mesh`] if the template has no triangles.
+    pub fn new(parts: PackageParts) -> Result<Self, PackageError> {
         let mesh = parts.template.mesh()?;
         let manifest = Manifest {
             schema: PACKAGE_SCHEMA.to_owned(),
@@ -100,8 +104,8 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`DataError::Sim`] if the rest shape or the fabric of the package is none of cloth.
-    pub fn flat_edges(&self) -> Result<Option<Vec<RestEdge>>, DataError> {
+    /// [`PackageError::Sim`] if the rest shape or the fabric of the package is none of cloth.
+    pub fn flat_edges(&self) -> Result<Option<Vec<RestEdge>>, PackageError> {
         if !matches!(self.rest, RestShape::Flat { .. }) {
             return Ok(None);
         }
@@ -128,9 +132,9 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`DataError`] that names the file: one is missing, damaged, of another version, or does not
+    /// [`PackageError`] that names the file: one is missing, damaged, of another version, or does not
     /// belong to the template.
-    pub fn read(folder: &Path) -> Result<Self, DataError> {
+    pub fn read(folder: &Path) -> Result<Self, PackageError> {
         let manifest = Self::read_manifest(folder)?;
         let template = ObjFile::read(folder.join(TEMPLATE_FILE))?;
         let mesh = template.mesh()?;
@@ -158,7 +162,7 @@ impl GarmentPackage {
     pub fn read_cloth(
         folder: &Path,
         mesh: &TriMesh,
-    ) -> Result<(StoredFabric, RestShape), DataError> {
+    ) -> Result<(StoredFabric, RestShape), PackageError> {
         let manifest = Self::read_manifest(folder)?;
         let is_template = Fingerprint::of_topology(mesh).to_string() == manifest.fingerprint;
         if is_template && manifest.pattern.is_some() {
@@ -173,23 +177,23 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`DataError::Read`], [`DataError::Text`] with the line, [`DataError::Foreign`] for another version, or
-    /// [`DataError::Fabric`].
-    pub fn read_manifest(folder: &Path) -> Result<Manifest, DataError> {
+    /// [`PackageError::Read`], [`PackageError::Text`] with the line, [`PackageError::Foreign`] for another version, or
+    /// [`PackageError::Fabric`].
+    pub fn read_manifest(folder: &Path) -> Result<Manifest, PackageError> {
         let path = folder.join(MANIFEST_FILE);
         let text =
-            std::fs::read_to_string(&path).map_err(|source| DataError::read(&path, source))?;
+            std::fs::read_to_string(&path).map_err(|source| PackageError::read(&path, source))?;
         let manifest: Manifest =
-            toml::from_str(&text).map_err(|source| DataError::toml(&path, &text, &source))?;
+            toml::from_str(&text).map_err(|source| PackageError::toml(&path, &text, &source))?;
         if manifest.schema != PACKAGE_SCHEMA {
             let what = format!(
                 "its schema is `{}`, not `{PACKAGE_SCHEMA}`",
                 manifest.schema
             );
-            return Err(DataError::foreign(&path, ReadAs::Package, what));
+            return Err(PackageError::foreign(&path, what));
         }
         let checked = manifest.fabric.fabric().check();
-        checked.map_err(|source| DataError::Fabric { path, source })?;
+        checked.map_err(|source| PackageError::Fabric { path, source })?;
         Ok(manifest)
     }
 
@@ -208,8 +212,8 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`DataError::Write`] or [`DataError::WriteRig`]; [`DataError::Read`] for a file that is there and cannot be read.
-    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, DataError> {
+    /// [`PackageError::Write`] or [`PackageError::WriteRig`]; [`PackageError::Read`] for a file that is there and cannot be read.
+    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, PackageError> {
         let before = Before::of(Self::file_names().map(|name| folder.join(name)))?;
         let written = self.staged(folder)?.put();
         if written.is_err() {
@@ -219,7 +223,7 @@ impl GarmentPackage {
     }
 
     /// All files of the package under temporary names.
-    fn staged(&self, folder: &Path) -> Result<Together, DataError> {
+    fn staged(&self, folder: &Path) -> Result<Together, PackageError> {
         let path = |name: &str| folder.join(name);
         let (template, body, rest) = (path(TEMPLATE_FILE), path(BODY_FILE), path(REST_FILE));
         let source = self.template.source();
@@ -243,8 +247,8 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`DataError::Write`].
-    pub fn write_manifest(folder: &Path, manifest: &Manifest) -> Result<PathBuf, DataError> {
+    /// [`PackageError::Write`].
+    pub fn write_manifest(folder: &Path, manifest: &Manifest) -> Result<PathBuf, PackageError> {
         let (path, staged) = Self::staged_manifest(folder, manifest)?;
         staged.put()?;
         Ok(path)
@@ -254,9 +258,9 @@ impl GarmentPackage {
     fn staged_manifest(
         folder: &Path,
         manifest: &Manifest,
-    ) -> Result<(PathBuf, StagedFile), DataError> {
+    ) -> Result<(PathBuf, StagedFile), PackageError> {
         let path = folder.join(MANIFEST_FILE);
-        let text = toml::to_string(manifest).map_err(|source| DataError::Text {
+        let text = toml::to_string(manifest).map_err(|source| PackageError::Text {
             path: path.clone(),
             reason: source.to_string(),
         })?;

@@ -12,7 +12,7 @@ const MIN_WEIGHT: f32 = 0.05;
 /// # Errors
 ///
 /// Those of [`Collider::new`].
-pub(crate) fn collider(body: &Body) -> Result<Collider, SimError> {
+pub fn collider(body: &Body) -> Result<Collider, SimError> {
     let rest = body.rest();
     let collider = Collider::new(body.skin().faces(), rest.num_vertices())?;
     let collider = collider.with_surface(body.skin().clone())?;

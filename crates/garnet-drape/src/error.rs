@@ -7,6 +7,8 @@ use garnet_net::{CheckpointError, NetError};
 use garnet_skin::SkinError;
 use garnet_untangle::UntangleError;
 
+use crate::PackageError;
+
 /// What can go wrong between files and a drape.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -36,13 +38,8 @@ pub enum Error {
     #[error(transparent)]
     Net(#[from] NetError),
     /// A garment package cannot be read, or its garment not simulated.
-    #[cfg(feature = "train")]
     #[error(transparent)]
-    Data(Box<garnet_data::DataError>),
-    /// A garment package does not have what was asked for.
-    #[cfg(feature = "train")]
-    #[error(transparent)]
-    Train(Box<garnet_train::TrainError>),
+    Package(Box<PackageError>),
     /// The garment does not lie on the body.
     #[error(
         "the garment is {distance:.3} m from the rest body at its nearest vertex and does not lie \
@@ -75,16 +72,8 @@ impl From<CheckpointError> for Error {
     }
 }
 
-#[cfg(feature = "train")]
-impl From<garnet_data::DataError> for Error {
-    fn from(source: garnet_data::DataError) -> Self {
-        Self::Data(Box::new(source))
-    }
-}
-
-#[cfg(feature = "train")]
-impl From<garnet_train::TrainError> for Error {
-    fn from(source: garnet_train::TrainError) -> Self {
-        Self::Train(Box::new(source))
+impl From<PackageError> for Error {
+    fn from(source: PackageError) -> Self {
+        Self::Package(Box::new(source))
     }
 }

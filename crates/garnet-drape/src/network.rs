@@ -71,8 +71,8 @@ impl Network {
     }
 
     /// The moment at which it predicts the cloth. Before [`Moment::Arrival`] it takes the
-    /// [body on its way](crate::data::BodyPath::posed); before [`Moment::Rest`]
-    /// [`Teacher::settled`](crate::data::Teacher::settled) has to go on.
+    /// [body on its way](crate::BodyPath::posed); before [`Moment::Rest`]
+    /// [`Teacher::settled`](crate::Teacher::settled) has to go on.
     pub fn moment(&self) -> Moment {
         self.model.moment()
     }

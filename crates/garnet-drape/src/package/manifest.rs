@@ -1,14 +1,14 @@
 //! `garment.toml`: what a garment package says of itself.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use garnet_mesh::{Fingerprint, TriMesh};
 use garnet_sim::Fabric;
 use serde::{Deserialize, Serialize};
 
-use super::MANIFEST_FILE;
-use crate::{DataError, Moment, ReadAs, Settling, StoredParameters};
+use super::{MANIFEST_FILE, PackageError, StoredParameters};
+use crate::{Moment, Settling};
 
 /// What this version writes and reads.
 pub const PACKAGE_SCHEMA: &str = "garnet.garment/1";
@@ -55,18 +55,18 @@ impl Manifest {
     ///
     /// # Errors
     ///
-    /// [`DataError::Foreign`] with `path`, where the mesh was read.
-    pub fn check_template(&self, path: &Path, mesh: &TriMesh) -> Result<(), DataError> {
+    /// [`PackageError::Foreign`] with `path`, where the mesh was read.
+    pub fn check_template(&self, path: &Path, mesh: &TriMesh) -> Result<(), PackageError> {
         let found = Fingerprint::of_topology(mesh).to_string();
         if found != self.fingerprint {
             let expected = &self.fingerprint;
             let what = format!("its fingerprint is {found}, `{MANIFEST_FILE}` says {expected}");
-            return Err(DataError::foreign(path, ReadAs::Package, what));
+            return Err(PackageError::foreign(path, what));
         }
         let found = Fingerprint::of_positions(mesh.positions()).to_string();
         if found != self.positions {
             let what = format!("its vertices are not those that `{MANIFEST_FILE}` was written for");
-            return Err(DataError::foreign(path, ReadAs::Package, what));
+            return Err(PackageError::foreign(path, what));
         }
         Ok(())
     }
@@ -74,6 +74,27 @@ impl Manifest {
     /// The variant of a name.
     pub fn variant(&self, name: &str) -> Option<&Variant> {
         self.variants.iter().find(|variant| variant.name == name)
+    }
+
+    /// Where the weights of a variant are in a package.
+    ///
+    /// # Errors
+    ///
+    /// [`PackageError::NoVariant`] with those that there are.
+    pub fn weights_of(&self, folder: &Path, name: &str) -> Result<PathBuf, PackageError> {
+        if let Some(variant) = self.variant(name) {
+            return Ok(folder.join(&variant.weights));
+        }
+        let names = (self.variants.iter()).map(|variant| format!("`{}`", variant.name));
+        let names: Vec<String> = names.collect();
+        Err(PackageError::NoVariant {
+            name: name.to_owned(),
+            known: if names.is_empty() {
+                "none".to_owned()
+            } else {
+                names.join(", ")
+            },
+        })
     }
 
     /// The sewing parameters of the pattern, in the order of their names; none without a pattern.

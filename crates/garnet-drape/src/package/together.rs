@@ -7,7 +7,7 @@ use std::{
 
 use garnet_mesh::StagedFile;
 
-use crate::DataError;
+use super::PackageError;
 
 /// Files under temporary names, with their places. Dropped, they leave the folder as it is.
 #[derive(Debug)]
@@ -25,8 +25,8 @@ impl Together {
     ///
     /// # Errors
     ///
-    /// [`DataError::Folder`] or [`DataError::Write`]: some files are then in their places, and the manifest is not.
-    pub(super) fn put(self) -> Result<Vec<PathBuf>, DataError> {
+    /// [`PackageError::Folder`] or [`PackageError::Write`]: some files are then in their places, and the manifest is not.
+    pub(super) fn put(self) -> Result<Vec<PathBuf>, PackageError> {
         let (place, manifest) = self.manifest;
         // A link stays, and with it the place that the new manifest comes to.
         if let Ok(old) = fs::canonicalize(&place) {
@@ -47,11 +47,11 @@ impl Together {
 }
 
 /// Removes a file if there is one; pipes and devices stay.
-fn remove(path: &Path) -> Result<(), DataError> {
+fn remove(path: &Path) -> Result<(), PackageError> {
     if !path.is_file() {
         return Ok(());
     }
-    fs::remove_file(path).map_err(|source| DataError::folder(path, source))
+    fs::remove_file(path).map_err(|source| PackageError::folder(path, source))
 }
 
 #[cfg(test)]

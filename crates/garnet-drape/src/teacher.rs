@@ -14,7 +14,7 @@ use garnet_skin::{Body, BoundGarment, Garment, PosedBody};
 pub use garnet_sim::Quality;
 
 use crate::parts::{allowed_parts, collider};
-use crate::{BodyPath, DataError, GarmentPackage, Moment, Settling};
+use crate::{BodyPath, GarmentPackage, Moment, PackageError, Settling};
 
 /// Distances from the skin at rest from which on air carries cloth along, a little and wholly, in
 /// metres. With air between skin and the tightest cloth, too, more dresses do not come to rest.
@@ -38,7 +38,7 @@ pub const fn quality_name(quality: Quality) -> &'static str {
 /// The quality of a name; none if there is none of that name.
 ///
 /// ```
-/// use garnet_data::{Quality, quality_name, quality_of};
+/// use garnet_drape::{Quality, quality_name, quality_of};
 ///
 /// assert_eq!(quality_of(quality_name(Quality::Fast)), Some(Quality::Fast));
 /// ```
@@ -76,8 +76,8 @@ impl Teacher {
     ///
     /// # Errors
     ///
-    /// Those of [`Teacher::of_garment`], and [`DataError::Skin`].
-    pub fn new(package: &GarmentPackage) -> Result<Self, DataError> {
+    /// Those of [`Teacher::of_garment`], and [`PackageError::Skin`].
+    pub fn new(package: &GarmentPackage) -> Result<Self, PackageError> {
         let garment = Garment::new(package.mesh.clone()).bind(&package.body)?;
         let fabric = package.manifest.fabric.fabric();
         Self::of_garment(garment, &package.body, &package.rest, &fabric)
@@ -87,14 +87,14 @@ impl Teacher {
     ///
     /// # Errors
     ///
-    /// [`DataError::InsideAtStart`] if a third of the garment is inside the body; [`DataError::Sim`]
+    /// [`PackageError::InsideAtStart`] if a third of the garment is inside the body; [`PackageError::Sim`]
     /// for a mesh that no cloth can be, by its vertices, or constants that no fabric has.
     pub fn of_garment(
         garment: BoundGarment,
         body: &Body,
         rest: &RestShape,
         fabric: &Fabric,
-    ) -> Result<Self, DataError> {
+    ) -> Result<Self, PackageError> {
         let nodes = simulated_nodes(&garment);
         let mut number = vec![u32::MAX; garment.rest().len()];
         for (place, &node) in (0..).zip(&nodes) {
@@ -155,14 +155,14 @@ impl Teacher {
     ///
     /// # Errors
     ///
-    /// [`DataError::Stopped`], or [`DataError::Sim`] if the cloth flies apart.
+    /// [`PackageError::Stopped`], or [`PackageError::Sim`] if the cloth flies apart.
     pub fn drape(
         &self,
         path: &BodyPath,
         quality: Quality,
         stop: &AtomicBool,
         observer: &mut dyn FnMut(Event<'_>),
-    ) -> Result<Drape, DataError> {
+    ) -> Result<Drape, PackageError> {
         self.drape_by(path, self.schedule(quality), stop, observer)
     }
 
@@ -183,7 +183,7 @@ impl Teacher {
         quality: Quality,
         until: Moment,
         stop: &AtomicBool,
-    ) -> Result<Drape, DataError> {
+    ) -> Result<Drape, PackageError> {
         let schedule = self.schedule(quality).until(until);
         self.drape_by(path, schedule, stop, &mut |_| {})
     }
@@ -192,14 +192,14 @@ impl Teacher {
     ///
     /// # Errors
     ///
-    /// As [`Teacher::drape`], and [`DataError::Sim`] for a schedule that cannot be followed.
+    /// As [`Teacher::drape`], and [`PackageError::Sim`] for a schedule that cannot be followed.
     pub fn drape_by(
         &self,
         path: &BodyPath,
         schedule: Schedule,
         stop: &AtomicBool,
         observer: &mut dyn FnMut(Event<'_>),
-    ) -> Result<Drape, DataError> {
+    ) -> Result<Drape, PackageError> {
         let schedule = self.layered(schedule);
         let run = |scene: &Scene<'_>| drape(scene, &schedule, &mut stopping(stop, observer));
         let result = self.on_way(path, &self.start, run);
@@ -245,11 +245,11 @@ impl Teacher {
     /// ```no_run
     /// use std::{path::Path, sync::atomic::AtomicBool};
     ///
-    /// use garnet_data::{DataError, GarmentPackage, Moment, Settling, Teacher};
+    /// use garnet_drape::{PackageError, GarmentPackage, Moment, Settling, Teacher};
     /// use garnet_mesh::Point3;
     /// use garnet_skin::PosedBody;
     ///
-    /// fn settled(target: &PosedBody, from: &[Point3]) -> Result<Vec<Point3>, DataError> {
+    /// fn settled(target: &PosedBody, from: &[Point3]) -> Result<Vec<Point3>, PackageError> {
     ///     let package = GarmentPackage::read(Path::new("models/tshirt"))?;
     ///     let teacher = Teacher::new(&package)?;
     ///     let (settling, stop) = (Settling::of(Moment::Rest), AtomicBool::new(false));
@@ -259,7 +259,7 @@ impl Teacher {
     ///
     /// # Errors
     ///
-    /// [`DataError::Stopped`], or [`DataError::Sim`] if the cloth flies apart.
+    /// [`PackageError::Stopped`], or [`PackageError::Sim`] if the cloth flies apart.
     ///
     /// # Panics
     ///
@@ -271,7 +271,7 @@ impl Teacher {
         from: &[Point3],
         settling: Settling,
         stop: &AtomicBool,
-    ) -> Result<Vec<Point3>, DataError> {
+    ) -> Result<Vec<Point3>, PackageError> {
         if !settling.takes_time() {
             return Ok(from.to_vec());
         }
@@ -358,7 +358,7 @@ fn of_vertices(error: SimError, garment: &BoundGarment, nodes: &[u32]) -> SimErr
 }
 
 /// An observer that ends the simulation once `stop` is set.
-pub(crate) fn stopping<'a>(
+pub fn stopping<'a>(
     stop: &'a AtomicBool,
     observer: &'a mut dyn FnMut(Event<'_>),
 ) -> impl FnMut(Event<'_>) -> ControlFlow<()> + 'a {
@@ -391,9 +391,13 @@ fn looseness(garment: &BoundGarment, nodes: &[u32]) -> Vec<f32> {
 }
 
 /// Whether the work goes on.
-pub(crate) fn check_stop(stop: &AtomicBool) -> Result<(), DataError> {
+///
+/// # Errors
+///
+/// [`PackageError::Stopped`] once `stop` is set.
+pub fn check_stop(stop: &AtomicBool) -> Result<(), PackageError> {
     if stop.load(Ordering::Relaxed) {
-        return Err(DataError::Stopped);
+        return Err(PackageError::Stopped);
     }
     Ok(())
 }
@@ -433,7 +437,7 @@ fn carried(garment: &BoundGarment, nodes: &[u32]) -> Vec<(u32, u32)> {
     pieces.iter().filter_map(follows).collect()
 }
 
-fn check_start(start: &[Point3], body: &Body) -> Result<(), DataError> {
+fn check_start(start: &[Point3], body: &Body) -> Result<(), PackageError> {
     let skin = body.skin();
     if !skin.is_closed() {
         return Ok(());
@@ -448,7 +452,7 @@ fn check_start(start: &[Point3], body: &Body) -> Result<(), DataError> {
         .zip(&is_inside)
         .filter(|&(_, &is_inside)| is_inside);
     let depths = depths.map(|(&point, _)| skin.closest(point).distance_squared.sqrt());
-    Err(DataError::InsideAtStart {
+    Err(PackageError::InsideAtStart {
         inside,
         vertices: start.len(),
         deepest: depths.fold(0.0, f32::max),

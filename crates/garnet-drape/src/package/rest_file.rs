@@ -5,14 +5,14 @@ use std::path::Path;
 use garnet_mesh::StagedFile;
 use garnet_sim::{GRIP, RestShape};
 
+use super::PackageError;
 use crate::tensors::{Array, Contents, to_bytes};
-use crate::{DataError, ReadAs};
 
 const SCHEMA: &str = "garnet.rest/1";
 
 /// Writes tensors `corners` `[face, 3, 2]`, metres, `shrink` `[face]` and, if it is not that of waistbands,
 /// `grip` `[1]`, beside their place. A garment without pattern needs no file: none.
-pub(crate) fn stage(path: &Path, rest: &RestShape) -> Result<Option<StagedFile>, DataError> {
+pub(crate) fn stage(path: &Path, rest: &RestShape) -> Result<Option<StagedFile>, PackageError> {
     let RestShape::Flat {
         corners,
         shrink,
@@ -38,22 +38,22 @@ pub(crate) fn stage(path: &Path, rest: &RestShape) -> Result<Option<StagedFile>,
         arrays.push(("grip", &grip));
     }
     let bytes = to_bytes(&arrays, SCHEMA.to_owned());
-    let bytes = bytes.map_err(|source| DataError::tensors(path, source))?;
+    let bytes = bytes.map_err(|source| PackageError::tensors(path, source))?;
     Ok(Some(StagedFile::new(path, |writer| {
         writer.write_all(&bytes)
     })?))
 }
 
-pub(crate) fn read(path: &Path, num_faces: usize) -> Result<RestShape, DataError> {
-    let bytes = std::fs::read(path).map_err(|source| DataError::read(path, source))?;
-    let contents = Contents::of(&bytes).map_err(|source| DataError::tensors(path, source))?;
+pub(crate) fn read(path: &Path, num_faces: usize) -> Result<RestShape, PackageError> {
+    let bytes = std::fs::read(path).map_err(|source| PackageError::read(path, source))?;
+    let contents = Contents::of(&bytes).map_err(|source| PackageError::tensors(path, source))?;
     let contents = contents.filter(|contents| contents.text == SCHEMA);
-    let contents = contents
-        .ok_or_else(|| DataError::foreign(path, ReadAs::Package, format!("it is no `{SCHEMA}`")))?;
+    let contents =
+        contents.ok_or_else(|| PackageError::foreign(path, format!("it is no `{SCHEMA}`")))?;
     let array = |name: &str, shape: &[usize]| {
         let array = contents.array(name).filter(|array| array.shape == shape);
         let what = format!("it has no tensor `{name}` of shape {shape:?}");
-        array.ok_or_else(|| DataError::foreign(path, ReadAs::Package, what))
+        array.ok_or_else(|| PackageError::foreign(path, what))
     };
     let corners = array("corners", &[num_faces, 3, 2])?.values;
     let corners: Vec<[[f32; 2]; 3]> = corners.as_chunks::<2>().0.as_chunks::<3>().0.to_vec();

@@ -1,4 +1,4 @@
-//! Tensors of a safetensors file.
+//! Tensors of a safetensors file, as packages and data sets keep them.
 
 use std::collections::HashMap;
 
@@ -12,17 +12,16 @@ const TEXT_KEY: &str = "garnet";
 
 /// An array of `f32` with a shape.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Array {
-    pub(crate) shape: Vec<usize>,
-    pub(crate) values: Vec<f32>,
+pub struct Array {
+    /// Lengths of its axes.
+    pub shape: Vec<usize>,
+    /// Its numbers, row after row.
+    pub values: Vec<f32>,
 }
 
 impl Array {
     /// Rows of points `[row, vertex, 3]`.
-    pub(crate) fn of_points<'a>(
-        rows: impl Iterator<Item = &'a [Point3]>,
-        num_points: usize,
-    ) -> Self {
+    pub fn of_points<'a>(rows: impl Iterator<Item = &'a [Point3]>, num_points: usize) -> Self {
         let values: Vec<f32> = rows
             .flat_map(|row| row.iter().flat_map(|point| [point.x, point.y, point.z]))
             .collect();
@@ -34,24 +33,24 @@ impl Array {
     }
 
     /// Length of the first axis.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.shape.first().copied().unwrap_or(0)
     }
 
     /// The values of a row.
-    pub(crate) fn row(&self, row: usize) -> &[f32] {
+    pub fn row(&self, row: usize) -> &[f32] {
         let size: usize = self.shape.iter().skip(1).product();
         &self.values[row * size..(row + 1) * size]
     }
 
     /// The points of a row.
-    pub(crate) fn points(&self, row: usize) -> Vec<Point3> {
+    pub fn points(&self, row: usize) -> Vec<Point3> {
         let values = self.row(row).chunks_exact(3);
         values.map(|p| Point3::new(p[0], p[1], p[2])).collect()
     }
 
     /// The rotations of a row, stored as x, y, z, w.
-    pub(crate) fn rotations(&self, row: usize) -> Vec<UnitQuaternion<f32>> {
+    pub fn rotations(&self, row: usize) -> Vec<UnitQuaternion<f32>> {
         let values = self.row(row).chunks_exact(4);
         // Kept as stored: normalising anew would change the last bit of the body.
         values
@@ -60,7 +59,7 @@ impl Array {
     }
 
     /// The vector of a row.
-    pub(crate) fn vector(&self, row: usize) -> Vector3 {
+    pub fn vector(&self, row: usize) -> Vector3 {
         let values = self.row(row);
         Vector3::new(values[0], values[1], values[2])
     }
@@ -91,10 +90,7 @@ impl View for &Bytes<'_> {
 }
 
 /// The bytes of a file with these arrays and this text. Equal contents give equal bytes.
-pub(crate) fn to_bytes(
-    arrays: &[(&str, &Array)],
-    text: String,
-) -> Result<Vec<u8>, SafeTensorError> {
+pub fn to_bytes(arrays: &[(&str, &Array)], text: String) -> Result<Vec<u8>, SafeTensorError> {
     let bytes = |array: &Array| -> Vec<u8> {
         let values = array.values.iter();
         values.flat_map(|value| value.to_le_bytes()).collect()
@@ -114,15 +110,16 @@ pub(crate) fn to_bytes(
 }
 
 /// Arrays and text of a file.
-pub(crate) struct Contents<'a> {
+#[derive(Debug)]
+pub struct Contents<'a> {
     tensors: SafeTensors<'a>,
     /// The text.
-    pub(crate) text: String,
+    pub text: String,
 }
 
 impl<'a> Contents<'a> {
     /// Reads the head of a file; none where it holds no text of ours.
-    pub(crate) fn of(bytes: &'a [u8]) -> Result<Option<Self>, SafeTensorError> {
+    pub fn of(bytes: &'a [u8]) -> Result<Option<Self>, SafeTensorError> {
         let (_, metadata) = SafeTensors::read_metadata(bytes)?;
         let texts = metadata.metadata().as_ref();
         let text = texts.and_then(|texts| texts.get(TEXT_KEY)).cloned();
@@ -131,7 +128,7 @@ impl<'a> Contents<'a> {
     }
 
     /// An array of a name; none if there is none, or if it does not hold `f32`.
-    pub(crate) fn array(&self, name: &str) -> Option<Array> {
+    pub fn array(&self, name: &str) -> Option<Array> {
         let view = self.tensors.tensor(name).ok()?;
         (view.dtype() == Dtype::F32).then(|| Array {
             shape: view.shape().to_vec(),

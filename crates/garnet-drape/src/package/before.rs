@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use garnet_mesh::{WriteError, write_atomically};
 
-use crate::DataError;
+use super::PackageError;
 
 /// Files that are to be written, with what they held; none of those that were not there.
 #[derive(Debug)]
@@ -15,8 +15,8 @@ impl Before {
     ///
     /// # Errors
     ///
-    /// [`DataError::Write`] if one is a folder, [`DataError::Read`] if one cannot be read.
-    pub(super) fn of(paths: impl IntoIterator<Item = PathBuf>) -> Result<Self, DataError> {
+    /// [`PackageError::Write`] if one is a folder, [`PackageError::Read`] if one cannot be read.
+    pub(super) fn of(paths: impl IntoIterator<Item = PathBuf>) -> Result<Self, PackageError> {
         let mut files = Vec::new();
         for path in paths {
             match path.metadata() {
@@ -25,7 +25,7 @@ impl Before {
                 }
                 Ok(metadata) if metadata.is_file() => {
                     let bytes = std::fs::read(&path);
-                    let bytes = bytes.map_err(|source| DataError::read(&path, source))?;
+                    let bytes = bytes.map_err(|source| PackageError::read(&path, source))?;
                     files.push((path, Some(bytes)));
                 }
                 // Pipes and devices keep nothing.
@@ -75,7 +75,7 @@ mod tests {
         let error = Before::of([folder.path().to_path_buf()]).unwrap_err();
         assert!(matches!(
             error,
-            DataError::Write(WriteError::IsFolder { .. })
+            PackageError::Write(WriteError::IsFolder { .. })
         ));
     }
 }

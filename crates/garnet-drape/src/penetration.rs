@@ -17,7 +17,9 @@ pub struct Penetration {
 /// # Examples
 ///
 /// ```
-/// use garnet::{Surface, penetration, primitives::{icosphere, tube}};
+/// use garnet_drape::penetration;
+/// use garnet_knn::Surface;
+/// use garnet_mesh::primitives::{icosphere, tube};
 ///
 /// let ball = Surface::new(&icosphere(3, 0.2));
 /// let belt = tube(0.19, 0.02, 32, 2);

@@ -3,11 +3,10 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use garnet_data::{BodyPath, GarmentPackage, Moment, Settling, Teacher};
 use garnet_mesh::Point3;
 use garnet_skin::{Body, PosedBody};
-use garnet_train::weights_of;
 
+use crate::{BodyPath, GarmentPackage, Moment, Settling, Teacher};
 use crate::{BoundGarment, Drape, Draper, Error, Garment, Moved, Network, Unfamiliar, Warped};
 
 /// A garment of a package with one of its networks, ready for one body after another: what `garnet drape PACKAGE` does.
@@ -18,14 +17,16 @@ use crate::{BoundGarment, Drape, Draper, Error, Garment, Moved, Network, Unfamil
 /// # Examples
 ///
 /// ```no_run
-/// use garnet::{PackagedGarment, io};
 /// use std::path::Path;
 ///
+/// use garnet_drape::PackagedGarment;
+/// use garnet_io::{ObjFile, write_obj};
+///
 /// let mut shirt = PackagedGarment::open(Path::new("models/tshirt"), None)?;
-/// let reach = io::ObjFile::read("models/demo/reach.obj")?;
+/// let reach = ObjFile::read("models/demo/reach.obj")?;
 /// let target = shirt.body().fitted(reach.positions())?;
 /// let drape = shirt.drape(&target)?.drape;
-/// io::write_obj("draped.obj", &shirt.garment().mesh().with_positions(drape.positions)?)?;
+/// write_obj("draped.obj", &shirt.garment().mesh().with_positions(drape.positions)?)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
@@ -56,7 +57,7 @@ impl PackagedGarment {
     ///
     /// # Errors
     ///
-    /// What [`GarmentPackage::read`], [`Garment::bind`] and [`Network::load`] refuse, and [`Error::Train`] for a variant that the package
+    /// What [`GarmentPackage::read`], [`Garment::bind`] and [`Network::load`] refuse, and [`Error::Package`] for a variant that the package
     /// does not have.
     pub fn open(folder: &Path, variant: Option<&str>) -> Result<Self, Error> {
         let package = GarmentPackage::read(folder)?;
@@ -64,7 +65,7 @@ impl PackagedGarment {
         let default = manifest.default_variant();
         let name = variant.or(default.map(|variant| variant.name.as_str()));
         let name = name.unwrap_or("default");
-        let weights = weights_of(folder, manifest, name)?;
+        let weights = manifest.weights_of(folder, name)?;
         let garment = Garment::new(package.mesh.clone()).bind(&package.body)?;
         let parameters = manifest.sewing_parameters();
         let network = Network::load(weights, &garment, &package.body, &parameters)?;
