@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::fixtures::stderr;
 use crate::train::{done, prepared};
 
-const ASKED: &str = "--teacher-scenes 0 --sizes 500 --repeat 1";
+const ASKED: &str = "--teacher-scenes 0 --repeat 1";
 
 #[test]
 fn a_chart_leaves_pictures_and_numbers_and_goes_on_from_there() {
@@ -107,7 +107,7 @@ fn what_cannot_be_charted_is_refused_and_nothing_is_written() {
 #[test]
 fn samples_that_cannot_be_gone_on_with_are_kept() {
     let fixture = prepared();
-    let chart = "chart net scenes -o out --teacher-scenes 0 --sizes 0";
+    let chart = "chart net scenes -o out --teacher-scenes 0";
     done(&fixture, &format!("{chart} -q"));
     let whole = fixture.read("out/samples.json");
     let refused = |arguments: &str, expected: &str| {

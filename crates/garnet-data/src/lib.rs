@@ -6,7 +6,6 @@
 mod check;
 mod dataset;
 mod error;
-mod ladder;
 mod noise;
 mod tailor;
 mod wearer;
@@ -19,7 +18,6 @@ pub use dataset::{
 };
 pub use error::{DataError, ReadAs};
 pub use garnet_sim::Moment;
-pub use ladder::Rung;
 pub use noise::{NOISE_TURN, moved_by_turn, noise_floor, noise_joint};
 pub use tailor::{Tailor, Worn, usual_fabric};
 pub use wearer::{default_rest_body, wearer_of};

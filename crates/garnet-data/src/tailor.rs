@@ -85,16 +85,6 @@ impl Tailor {
         Ok(Some(tailor.with_size(size)))
     }
 
-    /// The same with a template of another number of vertices.
-    ///
-    /// # Errors
-    ///
-    /// [`DataError::Pattern`].
-    pub fn with_vertices(self, num_vertices: usize) -> Result<Self, DataError> {
-        let tailor = Self::new(self.parameters, num_vertices, self.fabric)?;
-        Ok(tailor.with_size(self.size))
-    }
-
     /// The same with other parameters of the same pattern.
     #[must_use]
     pub fn with_parameters(self, parameters: Parameters) -> Self {

@@ -68,24 +68,6 @@ pub(crate) struct ChartArgs {
     /// Smallest distance between cloth and skin after untangling, in millimetres.
     #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
     clearance: f32,
-    /// Vertices of the garments of the second chart; 0 leaves it out.
-    #[arg(
-        long,
-        value_name = "N",
-        value_delimiter = ',',
-        default_value = "1000,2000,5000,10000,20000,50000",
-        value_parser = vertices,
-        allow_negative_numbers = true
-    )]
-    sizes: Vec<usize>,
-    /// Simulate garments of the second chart with at most so many vertices.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "20000",
-        allow_negative_numbers = true
-    )]
-    pub(crate) most_simulated: usize,
     /// Measure all anew.
     #[arg(long)]
     pub(crate) fresh: bool,
@@ -101,24 +83,12 @@ move when one shoulder turns by 0.001 rad.
 DIR gets
   chart.svg, chart.png     time against distance, with the methods that no other beats in both
   chart.csv, chart.json    the same as numbers, with all other scores
-  growth.svg, growth.png   time against vertices of the same garment, with fitted exponents; networks
-                           have random weights there, which cost as much as any
-  growth.csv               the same as numbers
   samples.json             all samples: a run that is repeated or was stopped goes on from there";
-
-const MOST_VERTICES: usize = 200_000;
 
 fn at_least_one(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count) if count > 0 => Ok(count),
         _ => Err("expected a number, 1 or more".to_owned()),
-    }
-}
-
-fn vertices(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count) if count == 0 || (500..=MOST_VERTICES).contains(&count) => Ok(count),
-        _ => Err(format!("expected vertices, from 500 to {MOST_VERTICES}")),
     }
 }
 
@@ -149,14 +119,6 @@ impl ChartArgs {
         if self.all { total } else { self.scenes }
     }
 
-    /// Numbers of vertices of the second chart, from few to many.
-    pub(crate) fn sizes(&self) -> Vec<usize> {
-        let mut sizes: Vec<usize> = self.sizes.iter().copied().filter(|&n| n > 0).collect();
-        sizes.sort_unstable();
-        sizes.dedup();
-        sizes
-    }
-
     /// How drapes are untangled.
     pub(crate) fn untangle(&self) -> UntangleOptions {
         UntangleOptions {
@@ -172,12 +134,9 @@ mod tests {
 
     #[test]
     fn counts_are_in_range() {
-        assert_eq!((at_least_one("3"), vertices("0")), (Ok(3), Ok(0)));
+        assert_eq!(at_least_one("3"), Ok(3));
         for text in ["0", "-1", "", "x"] {
             assert!(at_least_one(text).is_err(), "{text}");
-        }
-        for text in ["1", "499", "1000000", "5k"] {
-            assert!(vertices(text).is_err(), "{text}");
         }
     }
 }

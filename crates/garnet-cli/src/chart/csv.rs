@@ -2,10 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{
-    growth::GrowthReport,
-    report::{ChartReport, MethodReport},
-};
+use super::report::{ChartReport, MethodReport};
 
 type Column = (&'static str, fn(&MethodReport) -> Option<f64>);
 
@@ -95,27 +92,6 @@ pub(super) fn methods(report: &ChartReport) -> String {
             let _ = write!(text, ",{value}");
         }
         text.push('\n');
-    }
-    text
-}
-
-/// One line a stage and number of vertices, with the law that is fitted to the stage.
-pub(super) fn growth(report: &GrowthReport) -> String {
-    let mut text = String::from("stage,vertices,ms,exponent,fitted_ms,fitted_from\n");
-    for series in &report.series {
-        for [vertices, seconds] in &series.points {
-            let fitted = series.law.map(|law| short(1e3 * law.at(*vertices)));
-            let exponent = series.law.map(|law| format!("{:.3}", law.exponent));
-            let _ = writeln!(
-                text,
-                "{},{vertices},{},{},{},{}",
-                series.name,
-                short(1e3 * seconds),
-                exponent.unwrap_or_default(),
-                fitted.unwrap_or_default(),
-                series.fitted_from
-            );
-        }
     }
     text
 }

@@ -2,7 +2,6 @@
 
 mod args;
 mod csv;
-mod growth;
 mod measure;
 mod memory;
 mod methods;
@@ -57,7 +56,6 @@ pub(crate) fn run(args: &ChartArgs, console: &Console) -> anyhow::Result<ExitSta
     measure::drapes(&job, &mut keeper)?;
     measure::simulations(&job, &mut keeper)?;
     memory::measure(&job, &mut keeper)?;
-    growth::measure(&job, &mut keeper)?;
 
     let report = ChartReport::new(args, &stage, &methods, &scenes, &keeper.record, start);
     write(&args.output, &report)?;
@@ -87,14 +85,10 @@ struct Chosen {
     drapes: Vec<SceneName>,
     simulations: Vec<SceneName>,
     noise: Vec<SceneName>,
-    growth: Vec<SceneName>,
 }
 
 /// Scenes on which the noise floor is measured, at most.
 const NOISE_SCENES: usize = 4;
-
-/// Scenes on which garments of other sizes are draped, at most.
-const GROWTH_SCENES: usize = 3;
 
 impl Chosen {
     fn new(args: &ChartArgs, stage: &Stage) -> anyhow::Result<Self> {
@@ -107,7 +101,6 @@ impl Chosen {
                 (None, Some(_)) => spread(&simulations, NOISE_SCENES),
                 _ => Vec::new(),
             },
-            growth: spread(&drapes, GROWTH_SCENES),
             drapes,
             simulations,
         })
@@ -119,12 +112,7 @@ fn write(folder: &Path, report: &ChartReport) -> anyhow::Result<()> {
     text.push('\n');
     output::write(&folder.join("chart.json"), text.as_bytes())?;
     output::write(&folder.join("chart.csv"), csv::methods(report).as_bytes())?;
-    draw(folder, "chart", &picture::chart(report))?;
-    let Some(growth) = &report.growth else {
-        return Ok(());
-    };
-    output::write(&folder.join("growth.csv"), csv::growth(growth).as_bytes())?;
-    draw(folder, "growth", &picture::growth(report, growth))
+    draw(folder, "chart", &picture::chart(report))
 }
 
 fn draw(folder: &Path, name: &str, chart: &LogLog) -> anyhow::Result<()> {

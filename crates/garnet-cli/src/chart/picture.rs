@@ -1,9 +1,8 @@
-//! Both charts as pictures.
+//! The chart as a picture.
 
 use garnet_view::{Entry, Key, Level, Line, LogLog, Mark, Rgb, Shape, Stroke, Symbol, safe};
 
 use super::{
-    growth::{GrowthReport, Series},
     methods::Kind,
     report::{ChartReport, MethodReport},
 };
@@ -140,94 +139,6 @@ fn legend(report: &ChartReport) -> Vec<Entry> {
         entries.push(entry(Key::Line(FLOOR), &text));
     }
     entries
-}
-
-/// Colors and shapes of the series of the second chart, in order.
-const LOOKS: [(Shape, Rgb); 6] = [
-    (Shape::Square, safe::BLUE),
-    (Shape::Diamond, safe::ORANGE),
-    (Shape::Circle, safe::VERMILLION),
-    (Shape::Circle, safe::PURPLE),
-    (Shape::Triangle, safe::GREEN),
-    (Shape::Diamond, safe::SKY),
-];
-
-/// Time against vertices.
-pub(super) fn growth(report: &ChartReport, growth: &GrowthReport) -> LogLog {
-    let mut chart = LogLog {
-        title: format!("{}: what a drape costs with more vertices", report.garment),
-        subtitle: format!(
-            "medians of {} test bodies; {} threads; {}; networks with random weights",
-            growth.scenes,
-            report.threads,
-            processor(&report.machine)
-        ),
-        x: "vertices of the garment".to_owned(),
-        y: "time of one drape, ms".to_owned(),
-        marks: Vec::new(),
-        lines: Vec::new(),
-        levels: Vec::new(),
-        legend: Vec::new(),
-    };
-    for (number, series) in growth.series.iter().enumerate() {
-        let (shape, color) = match series.name.as_str() {
-            "simulation" => LOOKS[4],
-            "settle" => LOOKS[5],
-            _ => LOOKS[number % LOOKS.len()],
-        };
-        let symbol = Symbol {
-            shape,
-            color,
-            is_filled: true,
-        };
-        chart
-            .marks
-            .extend(series.points.iter().map(|&[vertices, seconds]| Mark {
-                at: [vertices, 1e3 * seconds],
-                reach: None,
-                name: String::new(),
-                is_strong: false,
-                symbol,
-            }));
-        chart.lines.extend(fitted(series, color));
-        let law = series.law.map(|law| format!(" ∝ n^{:.2}", law.exponent));
-        chart.legend.push(Entry {
-            key: Key::Mark(symbol),
-            text: format!("{}{}", series.name, law.unwrap_or_default()),
-        });
-    }
-    let is_continued = |series: &Series| {
-        let first = series.points.first();
-        first.is_some_and(|point| point[0] < series.fitted_from)
-    };
-    let text = if growth.series.iter().any(is_continued) {
-        "least squares from 5 000 vertices on (dashed: continued)"
-    } else {
-        "least squares"
-    };
-    chart.legend.push(Entry {
-        key: Key::Line(FRONT),
-        text: text.to_owned(),
-    });
-    chart
-}
-
-/// The law of a series: whole where it is fitted, broken below.
-fn fitted(series: &Series, color: Rgb) -> Vec<Line> {
-    let (Some(law), Some(first), Some(last)) =
-        (series.law, series.points.first(), series.points.last())
-    else {
-        return Vec::new();
-    };
-    let at = |vertices: f64| [vertices, 1e3 * law.at(vertices)];
-    let line = |from: f64, to: f64, is_dashed| Line {
-        points: vec![at(from), at(to)],
-        stroke: Stroke { color, is_dashed },
-    };
-    vec![
-        line(first[0], series.fitted_from, true),
-        line(series.fitted_from, last[0], false),
-    ]
 }
 
 fn in_milli(point: [f64; 2]) -> [f64; 2] {

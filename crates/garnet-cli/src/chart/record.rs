@@ -9,7 +9,7 @@ use std::{
 use anyhow::Context;
 use garnet::train::{
     SceneName, Stage,
-    chart::{CostAt, NetworkCost, Sample},
+    chart::{NetworkCost, Sample},
 };
 use serde::{Deserialize, Serialize};
 
@@ -21,18 +21,15 @@ const SCHEMA: &str = "garnet.chart-samples/1";
 /// Between two writes while samples come fast.
 const BETWEEN_WRITES: Duration = Duration::from_secs(5);
 
-/// All samples, with what they were measured on.
+/// All samples, with what they were measured on; what earlier versions kept beside them is passed
+/// over.
 #[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub(super) struct Record {
     schema: String,
     pub(super) setting: Setting,
     pub(super) methods: Vec<MethodRecord>,
     /// How far drapes of the teacher move, by scene.
     pub(super) noise: Vec<NoiseRecord>,
-    /// What the networks of `growth` are made of.
-    pub(super) growth_networks: Vec<String>,
-    pub(super) growth: Vec<CostAt>,
 }
 
 /// What all samples have in common; SI units.
@@ -151,8 +148,6 @@ impl Record {
             setting,
             methods: Vec::new(),
             noise: Vec::new(),
-            growth_networks: Vec::new(),
-            growth: Vec::new(),
         }
     }
 

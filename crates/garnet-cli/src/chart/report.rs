@@ -11,7 +11,6 @@ use serde::Serialize;
 use super::{
     Chosen, SPLIT,
     args::ChartArgs,
-    growth::GrowthReport,
     measure::teacher_of,
     methods::{Kind, Method, Way},
     record::{NoiseRecord, Record},
@@ -39,7 +38,6 @@ pub(super) struct ChartReport {
     /// Over how many scenes; none if the noise floor was given.
     pub(super) noise_scenes: Option<usize>,
     pub(super) methods: Vec<MethodReport>,
-    pub(super) growth: Option<GrowthReport>,
     /// Time of this run, in which only what was missing was measured.
     seconds: f64,
 }
@@ -110,7 +108,6 @@ impl ChartReport {
             noise_floor_m: noise_floor,
             noise_scenes: args.noise_floor.is_none().then_some(distances.len()),
             methods: reports,
-            growth: GrowthReport::new(args, scenes, record),
             seconds: start.elapsed().as_secs_f64(),
         }
     }

@@ -66,18 +66,6 @@ pub(super) fn text(report: &ChartReport) -> String {
             method.name, method.failed
         );
     }
-    for series in report.growth.iter().flat_map(|growth| &growth.series) {
-        if let Some(law) = series.law {
-            let _ = write!(
-                text,
-                "\ncost of {}: vertices^{:.2} from {} vertices on, {:.1} ms at 10000",
-                series.name,
-                law.exponent,
-                series.fitted_from,
-                1e3 * law.at(1e4)
-            );
-        }
-    }
     text
 }
 
