@@ -2,16 +2,17 @@
 
 use plotters::{coord::Shift, prelude::*};
 
-use crate::{Image, Rgb, ViewError, image::Rect, letters};
+use crate::{
+    Image, Rgb, ViewError,
+    image::Rect,
+    letters::{self, PIXEL_DROP},
+};
 
 /// Units of a drawing in a pixel of the chart. Plotters draw at whole units.
 pub(crate) const FINE: u32 = 4;
 
 /// Units that make a pixel of a PNG: these have twice the size, for screens that are sharper.
 const UNITS_A_PIXEL: u32 = 2;
-
-/// By how much of its size the plotter draws a text higher in pixels than in an SVG.
-const PIXEL_DROP: f64 = 0.125;
 
 /// What can be drawn on both.
 pub(crate) trait Drawing {
@@ -33,11 +34,11 @@ pub(crate) fn svg(drawing: &impl Drawing) -> Result<String, ViewError> {
     let mut text = String::new();
     let (width, height) = drawing.size();
     let fine = (FINE * width, FINE * height);
-    let drawn = letters::ready().and_then(|()| {
-        let area = SVGBackend::with_string(&mut text, fine).into_drawing_area();
-        drawing.draw(&area, 0.0)?;
-        area.present().map_err(told)
-    });
+    letters::ready()?;
+    let area = SVGBackend::with_string(&mut text, fine).into_drawing_area();
+    let drawn = drawing.draw(&area, 0.0);
+    let drawn = drawn.and_then(|()| area.present().map_err(told));
+    drop(area);
     drawn.map_err(|reason| ViewError::Chart { reason })?;
     let size = |(width, height)| format!("width=\"{width}\" height=\"{height}\"");
     Ok(text.replacen(&size(fine), &size((width, height)), 1))
@@ -48,11 +49,11 @@ pub(crate) fn image(drawing: &impl Drawing) -> Result<Image, ViewError> {
     let (width, height) = drawing.size();
     let fine = (FINE * width, FINE * height);
     let mut units = vec![u8::MAX; 3 * fine.0 as usize * fine.1 as usize];
-    let drawn = letters::ready().and_then(|()| {
-        let area = BitMapBackend::with_buffer(&mut units, fine).into_drawing_area();
-        drawing.draw(&area, PIXEL_DROP)?;
-        area.present().map_err(told)
-    });
+    letters::ready()?;
+    let area = BitMapBackend::with_buffer(&mut units, fine).into_drawing_area();
+    let drawn = drawing.draw(&area, PIXEL_DROP);
+    let drawn = drawn.and_then(|()| area.present().map_err(told));
+    drop(area);
     drawn.map_err(|reason| ViewError::Chart { reason })?;
     Ok(shrunk(&units, fine))
 }

@@ -1,7 +1,7 @@
 //! The bar that tells which color stands for which value.
 
 use crate::{
-    Image, Rgb,
+    Image, Rgb, ViewError,
     image::Rect,
     palette,
     prepared::Legend,
@@ -32,7 +32,7 @@ pub(crate) fn width(legends: &[Legend<'_>], scale: u32) -> u32 {
 }
 
 /// Draws a label, and a bar with ticks below it.
-pub(crate) fn draw(image: &mut Image, legend: &Legend<'_>, place: Rect, scale: u32) {
+pub(crate) fn draw(image: &mut Image, legend: &Legend<'_>, place: Rect, scale: u32) -> Result<(), ViewError> {
     let line = text::height(scale);
     let left = place.x + GAP * scale;
     let bar_height = (place.height / 10 * 7).min(place.height.saturating_sub(5 * line));
@@ -40,12 +40,12 @@ pub(crate) fn draw(image: &mut Image, legend: &Legend<'_>, place: Rect, scale: u
     let top = label_y + 2 * line;
     let write = |image: &mut Image, text: &str, [x, y]: [u32; 2]| {
         let color = palette::INK;
-        text::draw(image, text, Pen { x, y, scale, color });
+        text::draw(image, text, Pen { x, y, scale, color })
     };
     let label = text::fitted(legend.label, scale, place.width.saturating_sub(GAP * scale));
-    write(image, &label, [left, label_y]);
+    write(image, &label, [left, label_y])?;
     if bar_height == 0 {
-        return;
+        return Ok(());
     }
     for row in 0..bar_height {
         let line = Rect {
@@ -66,9 +66,10 @@ pub(crate) fn draw(image: &mut Image, legend: &Legend<'_>, place: Rect, scale: u
         };
         image.fill(mark, palette::INK);
         let x = mark.x + mark.width + GAP * scale / 2;
-        let y = y.saturating_sub(crate::font::HEIGHT * scale / 2);
-        write(image, &tick_text(legend, tick), [x, y]);
+        let y = y.saturating_sub(text::HEIGHT * scale / 2);
+        write(image, &tick_text(legend, tick), [x, y])?;
     }
+    Ok(())
 }
 
 /// The color of a row of a bar, from the upper end.

@@ -86,8 +86,8 @@ pub enum ViewError {
         /// Its title.
         title: String,
     },
-    /// A chart could not be drawn.
-    #[error("the chart could not be drawn: {reason}")]
+    /// A chart, or the text of a picture, could not be drawn.
+    #[error("the picture could not be drawn: {reason}")]
     Chart {
         /// What the plotter says.
         reason: String,

@@ -70,6 +70,17 @@ impl Image {
         }
     }
 
+    /// Lays a color over a pixel by a share from 0 to 1.
+    pub(crate) fn mix(&mut self, [x, y]: [u32; 2], color: Rgb, share: f32) {
+        let Some(start) = self.start(x, y) else {
+            return;
+        };
+        for (below, above) in self.pixels[start..start + 3].iter_mut().zip(color.channels()) {
+            let [from, to] = [*below, above].map(f32::from);
+            *below = (from + share * (to - from)).round() as u8;
+        }
+    }
+
     /// The bytes of the rows `from..to`.
     pub(crate) fn rows_mut(&mut self, from: u32, to: u32) -> &mut [u8] {
         let row = 3 * self.width as usize;

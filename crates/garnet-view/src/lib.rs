@@ -33,14 +33,12 @@ mod clip;
 mod color_bar;
 mod color_map;
 mod error;
-mod font;
 mod image;
 mod layer;
 mod layout;
 mod lens;
 mod letters;
 mod lighting;
-mod loglog;
 mod normals;
 mod occlusion;
 pub mod palette;
@@ -57,12 +55,13 @@ mod text;
 mod shapes;
 
 pub use camera::{Camera, Projection};
-pub use chart::{Axis, Chart, Scale, Series};
+pub use chart::{
+    Axis, Chart, Entry, Key, Level, Line, Mark, Scale, Series, Shape, Stroke, Symbol, safe,
+};
 pub use color_map::ColorMap;
 pub use error::ViewError;
 pub use image::Image;
 pub use layer::{BackSide, Heat, Layer, Paint, Shading};
-pub use loglog::{Entry, Key, Level, Line, LogLog, Mark, Shape, Stroke, Symbol, safe};
 pub use picture::{MAX_SIZE, MAX_SUPERSAMPLING, Picture, View};
 pub use render::render;
 pub use rgb::Rgb;

@@ -7,6 +7,7 @@ use crate::{
     image::Rect,
     layout::Layout,
     lens::Lens,
+    letters,
     lighting::Studio,
     occlusion::Occlusion,
     palette,
@@ -26,6 +27,7 @@ use crate::{
 /// What [`ViewError`] names, but [`ViewError::Encode`] and [`ViewError::Write`].
 pub fn render(picture: &Picture<'_>) -> Result<Image, ViewError> {
     picture.check()?;
+    letters::ready()?;
     let layers = prepared(picture)?;
     let legends = legends(&picture.views, &layers);
     let layout = Layout::new(picture, &legends)?;
@@ -44,10 +46,10 @@ pub fn render(picture: &Picture<'_>) -> Result<Image, ViewError> {
         .find(|&scale| is_whole(scale))
         .unwrap_or(1);
     for (view, &rect) in captions.clone() {
-        draw_caption(&mut image, &view.caption, rect, caption_scale);
+        draw_caption(&mut image, &view.caption, rect, caption_scale)?;
     }
     for (legend, &rect) in legends.iter().zip(&layout.bars) {
-        color_bar::draw(&mut image, legend, rect, layout.text_scale);
+        color_bar::draw(&mut image, legend, rect, layout.text_scale)?;
     }
     Ok(image)
 }
@@ -116,9 +118,14 @@ fn draw_view(
         .for_each(|(band, rows)| drawing.draw_band(band, rows, row_bytes));
 }
 
-fn draw_caption(image: &mut Image, caption: &str, rect: Rect, scale: u32) {
+fn draw_caption(
+    image: &mut Image,
+    caption: &str,
+    rect: Rect,
+    scale: u32,
+) -> Result<(), ViewError> {
     if rect.height == 0 {
-        return;
+        return Ok(());
     }
     let line = text::fitted(caption, scale, rect.width);
     let pen = Pen {
@@ -127,7 +134,7 @@ fn draw_caption(image: &mut Image, caption: &str, rect: Rect, scale: u32) {
         scale,
         color: palette::INK,
     };
-    text::draw(image, &line, pen);
+    text::draw(image, &line, pen)
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use garnet::{
     data::{Dataset, Split},
     train::{SceneName, Stage, chart::spread},
 };
-use garnet_view::LogLog;
+use garnet_view::Chart;
 
 pub(crate) use args::ChartArgs;
 use methods::Method;
@@ -115,7 +115,7 @@ fn write(folder: &Path, report: &ChartReport) -> anyhow::Result<()> {
     draw(folder, "chart", &picture::chart(report))
 }
 
-fn draw(folder: &Path, name: &str, chart: &LogLog) -> anyhow::Result<()> {
+fn draw(folder: &Path, name: &str, chart: &Chart) -> anyhow::Result<()> {
     let svg = chart.to_svg()?;
     output::write(&folder.join(format!("{name}.svg")), svg.as_bytes())?;
     let png = chart.to_image()?.to_png_bytes()?;

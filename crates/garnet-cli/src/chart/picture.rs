@@ -1,6 +1,6 @@
 //! The chart as a picture.
 
-use garnet_view::{Entry, Key, Level, Line, LogLog, Mark, Rgb, Shape, Stroke, Symbol, safe};
+use garnet_view::{Axis, Chart, Entry, Key, Level, Line, Mark, Rgb, Shape, Stroke, Symbol, safe};
 
 use super::{
     methods::Kind,
@@ -18,7 +18,7 @@ const FLOOR: Stroke = Stroke {
 };
 
 /// Time against distance.
-pub(super) fn chart(report: &ChartReport) -> LogLog {
+pub(super) fn chart(report: &ChartReport) -> Chart {
     let point = |method: &MethodReport| method.point(report.noise_floor_m).map(in_milli);
     let shown = report.methods.iter();
     let shown: Vec<(&MethodReport, [f64; 2])> = shown
@@ -34,14 +34,14 @@ pub(super) fn chart(report: &ChartReport) -> LogLog {
         name: format!("noise floor of the teacher, {:.2} mm", 1e3 * noise),
         stroke: FLOOR,
     });
-    LogLog {
+    Chart {
         title: format!(
             "{}: time and distance of every way to drape",
             report.garment
         ),
         subtitle: subtitle(report),
-        x: "time of one drape, median, ms".to_owned(),
-        y: "E_dist, mean distance from the teacher, mm".to_owned(),
+        x: Axis::logarithmic("time of one drape, median, ms"),
+        y: Axis::logarithmic("E_dist, mean distance from the teacher, mm"),
         marks: shown.iter().map(|&(method, at)| mark(method, at)).collect(),
         lines: vec![Line {
             points: front,

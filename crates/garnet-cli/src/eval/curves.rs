@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, path::Path};
 
 use garnet::train::{Curve, Evaluation, Row};
-use garnet_view::{Axis, Chart, Scale, Series};
+use garnet_view::{Axis, Chart, Series};
 
 use crate::output;
 
@@ -64,29 +64,21 @@ fn lines(text: &mut String, name: &str, found: &Evaluation, curve: fn(&Row) -> &
 }
 
 fn chart(label: &str, found: &Evaluation, curve: fn(&Row) -> &Curve, unit: f64) -> Chart {
-    let axis = |label: &str| Axis {
-        label: label.to_owned(),
-        scale: Scale::Linear,
-    };
     let points = |curve: &Curve| {
         let pairs = curve.thresholds.iter().zip(&curve.shares);
         pairs
             .map(|(threshold, share)| [unit * threshold, 100.0 * share])
             .collect()
     };
-    Chart {
-        title: format!(
-            "share under a threshold, {} scenes of `{}`",
-            found.scenes,
-            found.split.name()
-        ),
-        x: axis(label),
-        y: axis("%"),
-        series: (found.rows.iter())
-            .map(|row| Series {
-                name: row.name.clone(),
-                points: points(curve(row)),
-            })
-            .collect(),
-    }
+    let series = found.rows.iter().map(|row| Series {
+        name: row.name.clone(),
+        points: points(curve(row)),
+    });
+    let title = format!(
+        "share under a threshold, {} scenes of `{}`",
+        found.scenes,
+        found.split.name()
+    );
+    let series: Vec<Series> = series.collect();
+    Chart::of_series(&title, [Axis::linear(label), Axis::linear("%")], &series)
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use garnet::train::EpochRecord;
-use garnet_view::{Axis, Chart, Scale, Series};
+use garnet_view::{Axis, Chart, Series};
 
 use crate::output;
 
@@ -15,21 +15,19 @@ pub(super) fn draw(path: &Path, name: &str, epochs: &[EpochRecord]) -> anyhow::R
             .filter_map(|record| Some([f64::from(record.epoch), value(record)?]))
             .collect(),
     };
-    let axis = |label: &str, scale| Axis {
-        label: label.to_owned(),
-        scale,
-    };
-    let chart = Chart {
-        title: format!("training of `{name}`"),
-        x: axis("epoch", Scale::Linear),
-        y: axis("loss; distance in 0.1 m", Scale::Logarithmic),
-        series: vec![
+    let chart = Chart::of_series(
+        &format!("training of `{name}`"),
+        [
+            Axis::linear("epoch"),
+            Axis::logarithmic("loss; distance in 0.1 m"),
+        ],
+        &[
             series("training", |record| record.loss),
             series("validation", |record| Some(record.valid_loss)),
             series("distance, validation", |record| {
                 Some(10.0 * record.valid.distance)
             }),
         ],
-    };
+    );
     output::write(path, chart.to_svg()?.as_bytes())
 }

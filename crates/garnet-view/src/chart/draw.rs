@@ -3,10 +3,15 @@
 use plotters::{coord::Shift, prelude::*};
 
 use super::labels::{Area, Named, Obstacles, Place, placed};
-use super::sheet::{Anchor, Letters, RADIUS, Sheet};
+use super::sheet::{Anchor, RADIUS, Sheet};
 use super::ticks::{Span, label};
-use super::{Key, LogLog, Mark, Stroke};
-use crate::{Rgb, ViewError, canvas::Drawing, palette};
+use super::{Chart, Key, Mark, Scale, Stroke};
+use crate::{
+    Rgb, ViewError,
+    canvas::Drawing,
+    letters::{self, Letters},
+    palette,
+};
 
 /// Width and height of a chart, in pixels.
 const SIZE: (u32, u32) = (900, 580);
@@ -53,7 +58,7 @@ const fn solid(color: Rgb) -> Stroke {
 
 /// A chart with its axes.
 pub(super) struct Prepared<'a> {
-    chart: &'a LogLog,
+    chart: &'a Chart,
     spans: [Span; 2],
     /// Where the axes are.
     frame: Area,
@@ -62,22 +67,20 @@ pub(super) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    pub(super) fn new(chart: &'a LogLog) -> Result<Self, ViewError> {
-        crate::letters::ready().map_err(|reason| ViewError::Chart { reason })?;
+    pub(super) fn new(chart: &'a Chart) -> Result<Self, ViewError> {
+        letters::ready()?;
         let none = || ViewError::NoPoints {
             title: chart.title.clone(),
         };
-        let marks = || chart.marks.iter().filter(|mark| is_shown(mark.at));
+        let scales = [chart.x.scale, chart.y.scale];
+        let marks = || (chart.marks.iter()).filter(|mark| is_shown(scales, mark.at));
         let lines = || chart.lines.iter().flat_map(|line| &line.points);
-        let lines = || lines().copied().filter(|&point| is_shown(point));
-        if marks().next().is_none() {
-            return Err(none());
-        }
+        let lines = || lines().copied().filter(|&point| is_shown(scales, point));
         let x = marks().flat_map(|mark| [mark.at[0], mark.reach.unwrap_or(mark.at[0])]);
-        let x = Span::around(x.chain(lines().map(|point| point[0])));
+        let x = Span::around(scales[0], x.chain(lines().map(|point| point[0])));
         let y = marks().map(|mark| mark.at[1]);
         let y = y.chain(chart.levels.iter().map(|level| level.y));
-        let y = Span::around(y.chain(lines().map(|point| point[1])));
+        let y = Span::around(scales[1], y.chain(lines().map(|point| point[1])));
         let legend = legend(chart);
         let top = 62.0 + LEGEND_LINE * legend.len() as f64;
         let [width, height] = [SIZE.0, SIZE.1].map(f64::from);
@@ -90,6 +93,10 @@ impl<'a> Prepared<'a> {
             },
             legend,
         })
+    }
+
+    fn shows(&self, values: [f64; 2]) -> bool {
+        is_shown([self.chart.x.scale, self.chart.y.scale], values)
     }
 
     /// Where values are in the picture.
@@ -138,8 +145,8 @@ impl<'a> Prepared<'a> {
         sheet.line(&corner, solid(palette::INK), 1.25)?;
         let middle = [at[0] + 0.5 * size[0], at[1] + 0.5 * size[1]];
         let chart = self.chart;
-        sheet.text(&chart.x, [middle[0], bottom + 31.0], Anchor::Top, LABEL)?;
-        sheet.text(&chart.y, [18.0, middle[1]], Anchor::Turned, LABEL)
+        sheet.text(&chart.x.label, [middle[0], bottom + 31.0], Anchor::Top, LABEL)?;
+        sheet.text(&chart.y.label, [18.0, middle[1]], Anchor::Turned, LABEL)
     }
 
     fn heads<DB: DrawingBackend>(&self, sheet: &Sheet<'_, DB>) -> Result<(), String>
@@ -177,7 +184,7 @@ impl<'a> Prepared<'a> {
         };
         let Area { at, size } = self.frame;
         let mut areas = Vec::new();
-        for level in self.chart.levels.iter().filter(|level| level.y > 0.0) {
+        for level in self.chart.levels.iter().filter(|level| self.chart.y.scale.shows(level.y)) {
             let y = self.place([self.spans[0].low, level.y])[1];
             let ends = [[at[0], y], [at[0] + size[0], y]];
             sheet.line(&ends, level.stroke, 1.5)?;
@@ -196,7 +203,7 @@ impl<'a> Prepared<'a> {
             });
         }
         for line in &self.chart.lines {
-            let points = line.points.iter().filter(|&&point| is_shown(point));
+            let points = line.points.iter().filter(|&&point| self.shows(point));
             let points: Vec<Place> = points.map(|&point| self.place(point)).collect();
             sheet.line(&points, line.stroke, 1.75)?;
             add(&points);
@@ -213,7 +220,7 @@ impl<'a> Prepared<'a> {
     where
         DB::ErrorType: 'static,
     {
-        let marks = self.chart.marks.iter().filter(|mark| is_shown(mark.at));
+        let marks = self.chart.marks.iter().filter(|mark| self.shows(mark.at));
         let mut marks: Vec<_> = marks.map(|mark| (mark, self.place(mark.at))).collect();
         // Strong ones lie over the others, and their names are placed first.
         marks.sort_by_key(|(mark, _)| mark.is_strong);
@@ -278,12 +285,12 @@ impl Drawing for Prepared<'_> {
     }
 }
 
-fn is_shown(values: [f64; 2]) -> bool {
-    values.iter().all(|value| value.is_finite() && *value > 0.0)
+fn is_shown(scales: [Scale; 2], values: [f64; 2]) -> bool {
+    (scales.iter().zip(values)).all(|(scale, value)| scale.shows(value))
 }
 
 /// Breaks the legend into lines.
-fn legend(chart: &LogLog) -> Vec<Vec<(usize, f64)>> {
+fn legend(chart: &Chart) -> Vec<Vec<(usize, f64)>> {
     let left = MARGINS[0] - 50.0;
     let right = f64::from(SIZE.0) - MARGINS[1];
     let mut lines: Vec<Vec<(usize, f64)>> = Vec::new();

@@ -9,9 +9,8 @@ use plotters::{
 use super::labels::Place;
 use super::{Shape, Stroke, Symbol};
 use crate::{
-    Rgb,
     canvas::{FINE, color, told},
-    letters::FAMILY,
+    letters::Letters,
 };
 
 /// Lengths of dashes and of the gaps between them.
@@ -19,14 +18,6 @@ const DASH: [f64; 2] = [6.0, 4.0];
 
 /// Radius of a mark.
 pub(super) const RADIUS: f64 = 5.5;
-
-/// Letters of a size, in pixels.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Letters {
-    pub(super) size: f64,
-    pub(super) is_bold: bool,
-    pub(super) color: Rgb,
-}
 
 /// Where the place of a text is in it.
 #[derive(Debug, Clone, Copy)]
@@ -48,24 +39,6 @@ pub(super) struct Sheet<'a, DB: DrawingBackend> {
     pub(super) drop: f64,
 }
 
-impl Letters {
-    fn font(self) -> FontDesc<'static> {
-        let style = if self.is_bold {
-            FontStyle::Bold
-        } else {
-            FontStyle::Normal
-        };
-        FontDesc::new(FontFamily::SansSerif, self.size * f64::from(FINE), style)
-    }
-
-    /// Width and height of a text.
-    pub(super) fn size_of(self, text: &str) -> Place {
-        debug_assert_eq!(FontFamily::SansSerif.as_str(), FAMILY);
-        let (width, height) = self.font().box_size(text).unwrap_or((0, 0));
-        [width, height].map(|units| f64::from(units) / f64::from(FINE))
-    }
-}
-
 impl<DB: DrawingBackend> Sheet<'_, DB>
 where
     DB::ErrorType: 'static,
@@ -83,7 +56,7 @@ where
             Anchor::Top => Pos::new(HPos::Center, VPos::Top),
             Anchor::Turned => Pos::new(HPos::Center, VPos::Center),
         };
-        let mut font = letters.font();
+        let mut font = letters.font(FINE);
         if matches!(anchor, Anchor::Turned) {
             font = font.transform(FontTransform::Rotate270);
         }

@@ -1,26 +1,29 @@
-//! Charts with logarithmic axes: marks with names, lines and levels, as SVG and as pixels.
+//! Charts: marks with names, lines and levels over two axes, as SVG and as pixels.
 
 mod draw;
 mod labels;
+mod series;
 mod sheet;
 mod ticks;
 
 use crate::{Image, Rgb, ViewError, canvas};
 use draw::Prepared;
+pub use series::Series;
 
-/// Marks and lines over two logarithmic axes.
+/// Marks and lines over two axes.
 ///
-/// What is not above zero is left out.
+/// What an axis cannot show is left out: numbers that are not finite and, if it is logarithmic,
+/// those that are not above zero.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LogLog {
+pub struct Chart {
     /// Above all.
     pub title: String,
     /// Below the title, smaller: what was measured and how.
     pub subtitle: String,
-    /// What the axis to the right shows, with the unit.
-    pub x: String,
-    /// What the axis upwards shows, with the unit.
-    pub y: String,
+    /// The axis to the right.
+    pub x: Axis,
+    /// The axis upwards.
+    pub y: Axis,
     /// Marks.
     pub marks: Vec<Mark>,
     /// Lines between places.
@@ -29,6 +32,42 @@ pub struct LogLog {
     pub levels: Vec<Level>,
     /// What marks and lines mean.
     pub legend: Vec<Entry>,
+}
+
+/// An axis of a chart.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Axis {
+    /// What it shows, with the unit.
+    pub label: String,
+    /// How values are spread over it.
+    pub scale: Scale,
+}
+
+/// How values are spread over an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Evenly.
+    Linear,
+    /// By their logarithm.
+    Logarithmic,
+}
+
+impl Axis {
+    /// An axis on which equal steps are equal differences.
+    pub fn linear(label: &str) -> Self {
+        Self {
+            label: label.to_owned(),
+            scale: Scale::Linear,
+        }
+    }
+
+    /// An axis on which equal steps are equal factors.
+    pub fn logarithmic(label: &str) -> Self {
+        Self {
+            label: label.to_owned(),
+            scale: Scale::Logarithmic,
+        }
+    }
 }
 
 /// A place that was measured.
@@ -137,23 +176,23 @@ pub mod safe {
     pub const SKY: Rgb = Rgb::new(86, 180, 233);
 }
 
-impl LogLog {
+impl Chart {
     /// The chart as SVG, 900 pixels wide.
     ///
     /// # Errors
     ///
-    /// [`ViewError::NoPoints`] if no mark can be shown.
+    /// [`ViewError::NoPoints`] if no mark and no point of a line can be shown.
     ///
     /// # Examples
     ///
     /// ```
-    /// use garnet_view::{LogLog, Mark, Shape, Symbol, safe};
+    /// use garnet_view::{Axis, Chart, Mark, Shape, Symbol, safe};
     ///
-    /// let chart = LogLog {
+    /// let chart = Chart {
     ///     title: "cost and error".to_owned(),
     ///     subtitle: String::new(),
-    ///     x: "ms".to_owned(),
-    ///     y: "mm".to_owned(),
+    ///     x: Axis::logarithmic("ms"),
+    ///     y: Axis::logarithmic("mm"),
     ///     marks: vec![Mark {
     ///         at: [12.0, 3.5],
     ///         reach: None,
@@ -177,7 +216,7 @@ impl LogLog {
     ///
     /// # Errors
     ///
-    /// [`ViewError::NoPoints`] if no mark can be shown.
+    /// [`ViewError::NoPoints`] if no mark and no point of a line can be shown.
     pub fn to_image(&self) -> Result<Image, ViewError> {
         canvas::image(&Prepared::new(self)?)
     }
@@ -187,7 +226,7 @@ impl LogLog {
 mod tests {
     use super::*;
 
-    fn chart(at: [f64; 2]) -> LogLog {
+    fn chart(at: [f64; 2]) -> Chart {
         let symbol = Symbol {
             shape: Shape::Circle,
             color: safe::BLUE,
@@ -197,11 +236,11 @@ mod tests {
             color: safe::GREEN,
             is_dashed: true,
         };
-        LogLog {
+        Chart {
             title: "a title".to_owned(),
             subtitle: "a subtitle".to_owned(),
-            x: "time, ms".to_owned(),
-            y: "distance, mm".to_owned(),
+            x: Axis::logarithmic("time, ms"),
+            y: Axis::logarithmic("distance, mm"),
             marks: vec![Mark {
                 at,
                 reach: Some(3.0 * at[0]),
@@ -254,7 +293,10 @@ mod tests {
 
     #[test]
     fn nothing_above_zero_is_no_chart() {
-        let error = chart([0.0, 3.0]).to_svg().unwrap_err();
+        let mut chart = chart([0.0, 3.0]);
+        assert!(chart.to_svg().is_ok(), "a line alone is enough");
+        chart.lines.clear();
+        let error = chart.to_svg().unwrap_err();
         assert!(matches!(error, ViewError::NoPoints { .. }));
     }
 }
