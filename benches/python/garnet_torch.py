@@ -3,7 +3,7 @@
 
     python3 benches/python/garnet_torch.py CASE --ours paper 10000 6890 [--threads N] [--runs N]
 
-runs `cargo run --release -p garnet-net --example torch_case -- paper 10000 6890 CASE`, which times
+runs `cargo run --release -p garnet-lab -- torch-case paper 10000 6890 CASE`, which times
 garnet and writes CASE.weights.safetensors and CASE.case.safetensors, then the same network with the same
 weights in PyTorch: eager, with torch.compile (left out by --no-compile), and eager with the FeaStConv of
 torch_geometric, where that is installed. For each it checks that the outputs agree and prints the median
@@ -13,7 +13,7 @@ takes. Without --ours the two files have to be there, and no ratios are printed.
 The reference values of crates/garnet-net/tests/torch.rs are made by
 
     cd crates/garnet-net/tests/data
-    cargo run -p garnet-net --example torch_case -- tiny 60 80 network
+    cargo run -p garnet-lab -- torch-case tiny 60 80 network
     python3 ../../../../benches/python/garnet_torch.py network --save network.torch.json
 
 Needs torch, safetensors and numpy; nothing else in this repository needs Python.
@@ -167,7 +167,7 @@ class GeometricNet(Net):
 
 def times_of_ours(case, preset, vertices, points, threads):
     """Times garnet and lets it write the case; milliseconds of a forward pass and of a step."""
-    command = ["cargo", "run", "--release", "-q", "-p", "garnet-net", "--example", "torch_case", "--"]
+    command = ["cargo", "run", "--release", "-q", "-p", "garnet-lab", "--", "torch-case"]
     run = subprocess.run(
         command + [preset, vertices, points, case],
         env={**os.environ, "RAYON_NUM_THREADS": str(threads)},
@@ -192,7 +192,7 @@ def median(run, runs):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("case", help="what was given to the example `torch_case`")
+    parser.add_argument("case", help="what was given to `garnet-lab torch-case`")
     parser.add_argument("--ours", nargs=3, metavar=("PRESET", "VERTICES", "POINTS"))
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--runs", type=int, default=7)

@@ -56,8 +56,8 @@ const OWNERS: [(&str, &[&str]); 12] = [
     // Tests of data sets write archives to import.
     ("zip", &["garnet-io", "garnet-data"]),
     ("kiddo", &["garnet-knn"]),
-    ("burn", &["garnet-net", "garnet-train"]),
-    ("clap", &["garnet-cli"]),
+    ("burn", &["garnet-net", "garnet-train", "garnet-lab"]),
+    ("clap", &["garnet-cli", "garnet-lab"]),
     ("anyhow", &["garnet-cli"]),
     ("indicatif", &["garnet-cli"]),
     (
@@ -75,7 +75,7 @@ const OWNERS: [(&str, &[&str]); 12] = [
 ];
 
 /// Packages that may use any crate: they are used by none.
-const OUTERMOST: [&str; 2] = ["garnet-tests", "garnet-benches"];
+const OUTERMOST: [&str; 3] = ["garnet-lab", "garnet-tests", "garnet-benches"];
 
 /// Lines of a source file, its tests included: a longer one has more than one idea.
 const MAX_LINES: usize = 800;

@@ -23,7 +23,7 @@ fn committed_files_are_those_that_the_generator_writes() {
             let is_same = (a - b).norm() < ROUNDING;
             assert!(
                 is_same,
-                "{name} is old: cargo run -p garnet-tests --bin make-demo"
+                "{name} is old: cargo run -p garnet-lab -- make-demo"
             );
         }
     }

@@ -8,7 +8,6 @@
 //! - [`tunic`]: a garment with sleeves on it, of quads with texture coordinates.
 //! - [`capsules`]: small bodies of capsules that run through each other, and an arm.
 //! - [`Judge`]: what a drape must hold, measured apart from the code that made it.
-//! - [`Sheet`]: pictures of many scenes, for the examples.
 //! - [`demo`]: the files in `models/demo`.
 
 mod bone;
@@ -17,12 +16,10 @@ pub mod demo;
 mod form;
 mod judge;
 mod mannequin;
-mod sheet;
 mod surface_nets;
 mod tunic;
 
 pub use form::Form;
 pub use judge::{Judge, Judgement, trapped};
 pub use mannequin::{mannequin, reach, stride};
-pub use sheet::{Scene, Sheet};
 pub use tunic::{Tunic, tunic, tunic_on};

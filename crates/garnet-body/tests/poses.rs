@@ -4,12 +4,13 @@
 
 mod common;
 
+use common::bent::{Hinge, bent_ring};
 use common::{ARM_RADIUS, TRUNK_RADIUS, body, skeleton};
 use garnet_body::{
     motion::{Ground, Side, lowest_points, put_on_ground},
     poses::{
-        BodyAngles, GaitCycle, Hinge, Outcome, Part, PoseSampler, Poser, SelfContact,
-        SeparationOptions, bent_ring, key_pose, key_poses, turn,
+        BodyAngles, GaitCycle, Outcome, Part, PoseSampler, Poser, SelfContact,
+        SeparationOptions, key_pose, key_poses, turn,
     },
     shape::{BodyParameters, JOINT_NAMES, ParametricBody},
 };

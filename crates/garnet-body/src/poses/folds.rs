@@ -30,7 +30,7 @@ impl SelfContact {
     /// # Errors
     ///
     /// Those of [`garnet_skin::Skeleton::transforms`].
-    pub fn turned_shoulder_area(&self, pose: &Pose) -> Result<f64, SkinError> {
+    pub(crate) fn turned_shoulder_area(&self, pose: &Pose) -> Result<f64, SkinError> {
         let body = self.body();
         let roles = Side::BOTH.map(|side| [Role::Collar(side), Role::Shoulder(side)]);
         let joints = roles.as_flattened().iter();

@@ -23,7 +23,6 @@
 //! ```
 
 mod angles;
-mod bent;
 mod contact;
 mod eased;
 mod folds;
@@ -38,7 +37,6 @@ mod separate;
 mod sequences;
 
 pub use angles::{Arm, Bend, BodyAngles, Leg, NUM_ANGLES};
-pub use bent::{BentError, BentRing, Hinge, bent_ring};
 pub use contact::{Contact, ContactKind, ContactReport, SelfContact};
 pub use eased::{Timing, Turns, turn};
 pub use folds::{SkinFolds, skin_folds};

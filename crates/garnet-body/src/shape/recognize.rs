@@ -2,7 +2,7 @@
 //!
 //! Each joint is a fixed combination `Σ w v` of vertices of the rest mesh, with weights that sum to
 //! one: it moves, turns and grows with the mesh, whatever its unit and up axis. The weights were
-//! fitted by ridge regression over bodies of the population (`examples/make_joints.rs`), which also
+//! fitted by ridge regression over bodies of the population (`garnet-lab make-joints`), which also
 //! tells how far they are off on other bodies.
 
 use std::sync::OnceLock;

@@ -3,6 +3,8 @@
 #![allow(dead_code, reason = "not every test uses every helper")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+pub(crate) mod bent;
+
 use std::error::Error;
 
 use garnet_body::motion::{Figure, Role};

@@ -109,7 +109,7 @@ impl<'a> Reference<'a> {
     /// hinges: the right moduli of stretching and bending on every mesh, not on regular ones alone.
     ///
     /// It hangs as the heavy elastica does within 2 % on equilateral faces, on squares that are cut
-    /// one way and on jittered ones (the example `physics`). Not so on squares that are cut
+    /// one way and on jittered ones (`garnet-lab physics`). Not so on squares that are cut
     /// alternately: there the vertices with four neighbors give way, and stiff cloth is a quarter
     /// too soft.
     ///

@@ -139,7 +139,7 @@ pub(crate) const TEACHER_FRAMES: [u32; 4] = [60, 45, 75, 45];
 
 /// The same, each twice as long, in [`Quality::Fast`].
 ///
-/// How far that ends from the teacher is measured by `cargo run --release -p garnet-data --example branching -- 5000 12`.
+/// How far that ends from the teacher is measured by `garnet-lab branching 5000 12`.
 const FAST_FRAMES: [u32; 4] = [30, 15, 12, 6];
 
 /// Hinges of cloth that somebody waits for are projected once in so many substeps: more is cheaper and leaves

@@ -6,9 +6,9 @@ use garnet_sim::{BENDING_FACTOR, Fabric};
 use nalgebra::Vector3;
 
 #[cfg(test)]
-use crate::row::assert_all;
-use crate::row::{Bound, Row};
-use crate::sheets::{Cut, cloth_of, equilateral, jittered, rest_of, sheet};
+use super::row::assert_all;
+use super::row::{Bound, Row};
+use super::sheets::{Cut, cloth_of, equilateral, jittered, rest_of, sheet};
 
 /// Gravito-bending number Γ = ρ g L³ / B and drop of the tip H / L, from θ'' = −Γ (1 − s) cos θ,
 /// θ(0) = 0, θ'(1) = 0.

@@ -10,9 +10,9 @@ use garnet_sim::reference::{Nothing, Obstacle, Reference, ReferenceOptions, Sphe
 use nalgebra::Vector3;
 
 #[cfg(test)]
-use crate::row::assert_all;
-use crate::row::{Bound, Row};
-use crate::sheets::{Cut, cloth_of, noise, sheet};
+use super::row::assert_all;
+use super::row::{Bound, Row};
+use super::sheets::{Cut, cloth_of, noise, sheet};
 
 const BALANCE: Bound = Bound::Relative(0.01);
 

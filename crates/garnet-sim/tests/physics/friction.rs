@@ -5,9 +5,9 @@ use garnet_sim::reference::{Cylinder, Plane, Reference, ReferenceOptions};
 use nalgebra::{Unit, Vector3};
 
 #[cfg(test)]
-use crate::row::assert_all;
-use crate::row::{Bound, Row};
-use crate::sheets::{Cut, cloth_of, sheet};
+use super::row::assert_all;
+use super::row::{Bound, Row};
+use super::sheets::{Cut, cloth_of, sheet};
 
 const THRESHOLD: Bound = Bound::Absolute(0.5);
 const CAPSTAN: Bound = Bound::Relative(0.05);

@@ -6,9 +6,9 @@ use garnet_sim::reference::{Nothing, Reference, ReferenceOptions};
 use nalgebra::Vector3;
 
 #[cfg(test)]
-use crate::row::assert_all;
-use crate::row::{Bound, Row};
-use crate::sheets::{Cut, cloth_of, equilateral, jittered, rest_of, sheet};
+use super::row::assert_all;
+use super::row::{Bound, Row};
+use super::sheets::{Cut, cloth_of, equilateral, jittered, rest_of, sheet};
 
 const STRIP: Bound = Bound::Relative(0.02);
 const CATENARY: Bound = Bound::Relative(0.01);

@@ -1,6 +1,6 @@
 //! The physics that the reference solver has to get right, against closed forms.
 //!
-//! `cargo run --release -p garnet-sim --example physics` prints what is measured here.
+//! `cargo run --release -p garnet-lab -- physics` prints what is measured here.
 
 #![allow(
     clippy::unwrap_used,

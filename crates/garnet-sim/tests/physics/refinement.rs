@@ -5,7 +5,7 @@ use garnet_mesh::{Point3, TriMesh};
 use garnet_sim::Fabric;
 use garnet_sim::reference::{Nothing, Reference, ReferenceOptions};
 
-use crate::sheets::{Cut, cloth_of, sheet};
+use super::sheets::{Cut, cloth_of, sheet};
 
 /// A square of 30 cm hung from its corners, which are nearer than they are in the flat cloth.
 fn hammock(cells: usize) -> TriMesh {
@@ -47,7 +47,7 @@ pub(crate) fn distances(cells: &[usize]) -> Vec<f64> {
 
 /// Vertices double from mesh to mesh, and the mean distance of the surfaces falls.
 ///
-/// Here 0.6k, 1.2k, 2.5k and 5k vertices; the example `physics` goes on to 10k and 20k.
+/// Here 0.6k, 1.2k, 2.5k and 5k vertices; `garnet-lab physics` goes on to 10k and 20k.
 #[test]
 fn refinement_converges() {
     let distances = distances(&[24, 34, 50, 70]);

@@ -1,20 +1,17 @@
-//! How much of a drape is a matter of chance:
-//! `cargo run --release -p garnet-data --example branching -- VERTICES POSES [GARMENT…]`.
+//! How much of a drape is a matter of chance.
 //!
-//! Distance and angle, in millimetres and degrees, of the teacher's drapes from those of the same simulation in two patches (the
-//! same constraints in another order), of a movement half as long again, and of the fast quality; and how much the
-//! teacher's cloth is strained: along its edges, and along that direction of each face in which it is longest. Medians and means over
-//! sampled poses of the built-in body.
-
-mod common;
+//! Distance and angle, in millimetres and degrees, of the teacher's drapes from those of the same
+//! simulation in two patches (the same constraints in another order), of a movement half as long
+//! again, and of the fast quality; and how much the teacher's cloth is strained: along its edges, and
+//! along that direction of each face in which it is longest. Medians and means over sampled poses of
+//! the built-in body.
 
 use std::{
-    env,
-    error::Error,
     io::{self, Write},
     sync::atomic::AtomicBool,
 };
 
+use clap::Args;
 use garnet_body::poses::SoundPose;
 use garnet_data::{DataError, Tailor, Worn, usual_fabric};
 use garnet_drape::{BodyPath, Quality, Teacher};
@@ -24,6 +21,8 @@ use garnet_sim::Schedule;
 use garnet_skin::Body;
 use nalgebra::{Matrix2, Matrix3x2};
 use rayon::prelude::*;
+
+use crate::{Outcome, sampled};
 
 /// The teacher's ways to a pose that should not matter, and a cheaper one.
 const WAYS: [&str; 3] = ["in two patches", "half as long again", "fast"];
@@ -36,21 +35,28 @@ struct Findings {
     strain: [f64; 2],
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    let [vertices, num_poses, garments @ ..] = arguments.as_slice() else {
-        return Err("usage: branching VERTICES POSES [GARMENT…]".into());
-    };
-    let (vertices, num_poses): (usize, u64) = (vertices.parse()?, num_poses.parse()?);
-    let mut kinds: Vec<GarmentKind> = garments
-        .iter()
-        .map(|name| name.parse())
-        .collect::<Result<_, _>>()?;
+/// What to drape.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Vertices of the garments.
+    vertices: usize,
+    /// Number of poses.
+    num_poses: u64,
+    /// Garments; all without any.
+    garments: Vec<GarmentKind>,
+}
+
+pub(crate) fn run(arguments: Arguments) -> Outcome {
+    let Arguments {
+        vertices,
+        num_poses,
+        garments: mut kinds,
+    } = arguments;
     if kinds.is_empty() {
         kinds = GarmentKind::ALL.to_vec();
     }
     let stop = AtomicBool::new(false);
-    let (body, wearer, poses) = common::posed_body(num_poses)?;
+    let (body, wearer, poses) = sampled::posed_body(num_poses)?;
     let mut log = io::stdout().lock();
     for kind in kinds {
         let tailor = Tailor::new(kind.parameters(), vertices, usual_fabric(kind))?;

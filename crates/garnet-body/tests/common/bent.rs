@@ -1,9 +1,9 @@
 //! What bending does to an elbow or a knee.
 
-use garnet_skin::{Body, Method, Point3, SkinError, Vector3};
+use std::error::Error;
 
-use super::{BodyAngles, Poser};
-use crate::motion::RetargetError;
+use garnet_body::poses::{BodyAngles, Poser};
+use garnet_skin::{Body, Method, Point3, Vector3};
 
 /// Vertices this close to the plane through the joint are its ring, in metres.
 const RING_WIDTH: f32 = 0.012;
@@ -16,7 +16,7 @@ const MIN_WEIGHT: f32 = 0.9;
 
 /// A joint between two bones of a limb of the left side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Hinge {
+pub(crate) enum Hinge {
     /// Upper arm and forearm.
     Elbow,
     /// Thigh and shank.
@@ -25,7 +25,7 @@ pub enum Hinge {
 
 impl Hinge {
     /// Both.
-    pub const ALL: [Self; 2] = [Self::Elbow, Self::Knee];
+    pub(crate) const ALL: [Self; 2] = [Self::Elbow, Self::Knee];
 
     fn joints(self) -> [&'static str; 3] {
         match self {
@@ -51,28 +51,13 @@ impl Hinge {
 /// the outer side every vertex within 60 mm counts too, with its distance from the nearer of the two
 /// bones. The same vertices are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct BentRing {
+pub(crate) struct BentRing {
     /// The largest growth of a radius, relative.
-    pub bulge: f32,
+    pub(crate) bulge: f32,
     /// The largest loss of a radius of the ring on the side of the fold, relative.
-    pub fold_collapse: f32,
+    pub(crate) fold_collapse: f32,
     /// The largest loss of a radius on the outer side, relative.
-    pub outer_collapse: f32,
-}
-
-/// Why a bend cannot be measured.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum BentError {
-    /// The skeleton is no human figure.
-    #[error(transparent)]
-    Figure(#[from] RetargetError),
-    /// The body cannot be posed.
-    #[error(transparent)]
-    Skin(#[from] SkinError),
-    /// The skeleton has no joint of this name.
-    #[error("the body has no joint `{0}`")]
-    NoJoint(&'static str),
+    pub(crate) outer_collapse: f32,
 }
 
 /// Frame of a bent limb: its joints, the normal of the halving plane, and the outer side.
@@ -118,12 +103,16 @@ impl Bend {
 ///
 /// # Errors
 ///
-/// [`BentError`] if the body has not those joints.
-pub fn bent_ring(body: &Body, hinge: Hinge, degrees: f64) -> Result<BentRing, BentError> {
+/// A body that has not those joints.
+pub(crate) fn bent_ring(
+    body: &Body,
+    hinge: Hinge,
+    degrees: f64,
+) -> Result<BentRing, Box<dyn Error>> {
     let skeleton = body.skeleton();
     let mut joints = [0; 3];
     for (joint, name) in joints.iter_mut().zip(hinge.joints()) {
-        *joint = skeleton.find(name).ok_or(BentError::NoJoint(name))?;
+        *joint = skeleton.find(name).ok_or_else(|| format!("the body has no joint `{name}`"))?;
     }
     let pose = Poser::new(skeleton)?.pose(&hinge.angles(degrees));
     let transforms = skeleton.transforms(&pose)?;

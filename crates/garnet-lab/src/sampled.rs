@@ -1,4 +1,4 @@
-//! What the examples drape garments on: the built-in body at rest, and poses of its library.
+//! What garments are draped on: the built-in body at rest, and poses of its library.
 
 use std::error::Error;
 

@@ -1,19 +1,16 @@
 //! Fits the joints of the built-in body to vertices of its rest mesh, stores the weights in the crate
 //! and tells how far they are off on 500 other bodies.
-//!
-//! ```text
-//! cargo run --release -p garnet-body --example make_joints -- crates/garnet-body/src/shape/joints.bin
-//! ```
 
-#![expect(clippy::print_stdout, reason = "the program tells what it made")]
+use std::{error::Error, path::PathBuf};
 
-use std::error::Error;
-
+use clap::Args;
 use garnet_body::shape::{
     BodyParameters, JOINT_NAMES, Measure, NUM_JOINTS, ParametricBody, Population,
 };
 use garnet_mesh::Point3;
 use nalgebra::{DMatrix, DVector, Vector3};
+
+use crate::Outcome;
 
 /// Bodies that the weights are fitted to, and bodies that they are judged by.
 const FITTED: u64 = 300;
@@ -33,10 +30,14 @@ struct Example {
     joints: Vec<Point3>,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let path = std::env::args()
-        .nth(1)
-        .ok_or("give the path of the joints to write")?;
+/// What to make.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The file, `crates/garnet-body/src/shape/joints.bin`.
+    path: PathBuf,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let fitted = examples(SEEDS[0], FITTED);
     let judged = examples(SEEDS[1], JUDGED);
     let mirror = mirror_vertices(&fitted[0].positions);
@@ -80,7 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     assert_eq!(JOINT_NAMES.len(), NUM_JOINTS);
-    std::fs::write(path, bytes)?;
+    std::fs::write(&arguments.path, bytes)?;
     Ok(())
 }
 

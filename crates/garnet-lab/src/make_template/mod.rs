@@ -1,24 +1,20 @@
 //! Makes the mesh that all built-in bodies share, and stores it in the crate.
 //!
-//! ```text
-//! cargo run --release -p garnet-body --example make_template -- crates/garnet-body/src/shape/template.bin
-//! ```
-//!
 //! The surface half-way between the mean man and the mean woman is sampled (surface nets), remeshed
 //! to even triangles on its left half, coarsened to a subset of the vertices, and given skinning
 //! weights by heat diffusion. The right half is the mirror image.
-//!
-//! `… -- PATH weights` keeps the mesh that is stored at the path and makes its weights anew.
 
 mod remesh;
 mod store;
 mod surface_nets;
 mod weights;
 
-use std::error::Error;
+use std::{error::Error, path::PathBuf};
 
+use clap::Args;
 use garnet_body::shape::BodySurface;
 
+use crate::Outcome;
 use remesh::Mesh;
 use store::{Stored, Weights};
 
@@ -60,20 +56,25 @@ fn edge_length(surface: &BodySurface, point: &Vec3) -> f64 {
     length
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let path = std::env::args()
-        .nth(1)
-        .ok_or("give the path of the template to write")?;
+/// What to make.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The file, `crates/garnet-body/src/shape/template.bin`.
+    path: PathBuf,
+    /// Keep the mesh that is stored there, and make its weights anew.
+    #[arg(long)]
+    weights: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let path = &arguments.path;
     let surface = BodySurface::template();
-    if std::env::args()
-        .nth(2)
-        .is_some_and(|word| word == "weights")
-    {
-        let bytes = std::fs::read(&path)?;
+    if arguments.weights {
+        let bytes = std::fs::read(path)?;
         let mut stored = Stored::new(&bytes).ok_or("no template, or a truncated one")?;
         let mesh = Mesh::new(std::mem::take(&mut stored.half));
         std::fs::write(
-            &path,
+            path,
             store::reweighted(&stored, &weights_of(&surface, &mesh)?),
         )?;
         return Ok(());
@@ -91,18 +92,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let coarse = fine.coarsened(|point| 2.3 * edge_length(&surface, point));
     let weights = weights_of(&surface, &fine)?;
-    std::fs::write(&path, store::bytes(&fine, &coarse, &weights))?;
-    #[expect(clippy::print_stderr, reason = "the program tells what it made")]
-    {
-        eprintln!(
-            "half: {} vertices ({} in the middle), {} faces; coarse {} vertices, {} faces",
-            fine.positions.len(),
-            fine.num_middle(),
-            fine.faces.len(),
-            coarse.vertices.len(),
-            coarse.faces.len(),
-        );
-    }
+    std::fs::write(path, store::bytes(&fine, &coarse, &weights))?;
+    eprintln!(
+        "half: {} vertices ({} in the middle), {} faces; coarse {} vertices, {} faces",
+        fine.positions.len(),
+        fine.num_middle(),
+        fine.faces.len(),
+        coarse.vertices.len(),
+        coarse.faces.len(),
+    );
     Ok(())
 }
 

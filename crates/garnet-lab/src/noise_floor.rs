@@ -1,21 +1,15 @@
-//! The noise floor of the teacher for each garment and fabric:
-//! `cargo run --release -p garnet-data --example noise_floor -- VERTICES POSES [GARMENT…] [FABRIC…] [NAME=VALUE…] [RADIANS] [joints]`.
+//! The noise floor of the teacher for each garment and fabric.
 //!
-//! How far a drape moves in the mean if one shoulder (of jeans: one hip) turns by 0.001 rad more, or by what is told, in
-//! millimetres: median and mean over sampled poses of the built-in body, and in how many of them it moves by more than
-//! 0.2 mm. With `joints` the poses turn one joint after the other of those that some of the garment goes along with, and the
-//! mean of each is told, too. `compression=0.001` and the like change a constant of the fabrics, `chest-ease=0.2` and the like a parameter of
-//! the patterns.
-
-mod common;
+//! How far a drape moves in the mean if one shoulder (of jeans: one hip) turns by a small angle, in
+//! millimetres: median and mean over sampled poses of the built-in body, and in how many of them it
+//! moves by more than 0.2 mm.
 
 use std::{
-    env,
-    error::Error,
     io::{self, Write},
     sync::atomic::AtomicBool,
 };
 
+use clap::Args;
 use garnet_body::poses::SoundPose;
 use garnet_data::{DataError, NOISE_TURN, Tailor, moved_by_turn, noise_joint};
 use garnet_drape::{Quality, StoredFabric};
@@ -24,11 +18,29 @@ use garnet_sim::{FABRIC_NAMES, Fabric};
 use garnet_skin::Body;
 use rayon::prelude::*;
 
+use crate::{Outcome, sampled};
+
 /// What a drape should move less than, in metres.
 const BAR: f64 = 2e-4;
 
-const USAGE: &str =
-    "usage: noise_floor VERTICES POSES [GARMENT…] [FABRIC…] [NAME=VALUE…] [RADIANS] [joints]";
+/// What to drape.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Vertices of the garments.
+    vertices: usize,
+    /// Number of poses.
+    num_poses: u64,
+    /// Garments and fabrics (all without any), constants of the fabrics (`compression=0.001`), and
+    /// parameters of the patterns (`chest-ease=0.2`).
+    #[arg(value_name = "GARMENT|FABRIC|NAME=VALUE")]
+    words: Vec<String>,
+    /// By what angle the joint turns, in radians.
+    #[arg(long, default_value_t = NOISE_TURN)]
+    turn: f32,
+    /// Turn one joint after the other of those that some of the garment goes along with.
+    #[arg(long)]
+    joints: bool,
+}
 
 /// A constant of a fabric, by the name of its field.
 fn constant<'a>(fabric: &'a mut Fabric, name: &str) -> Option<&'a mut f32> {
@@ -59,21 +71,18 @@ fn tell_joints(
     Ok(())
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    let [vertices, num_poses, words @ ..] = arguments.as_slice() else {
-        return Err(USAGE.into());
-    };
-    let (vertices, num_poses): (usize, u64) = (vertices.parse()?, num_poses.parse()?);
-    let (mut garments, mut fabrics, mut turn) = (Vec::new(), Vec::new(), NOISE_TURN);
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let &Arguments {
+        vertices,
+        num_poses,
+        turn,
+        joints: takes_turns,
+        ..
+    } = arguments;
+    let (mut garments, mut fabrics) = (Vec::new(), Vec::new());
     let mut changes: Vec<(&str, f64)> = Vec::new();
-    let mut takes_turns = false;
-    for word in words {
-        if let Ok(number) = word.parse() {
-            turn = number;
-        } else if word == "joints" {
-            takes_turns = true;
-        } else if let Some((name, value)) = word.split_once('=') {
+    for word in &arguments.words {
+        if let Some((name, value)) = word.split_once('=') {
             changes.push((name, value.parse()?));
         } else if FABRIC_NAMES.contains(&word.as_str()) {
             fabrics.push(word.as_str());
@@ -88,7 +97,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         fabrics = FABRIC_NAMES.to_vec();
     }
     let stop = AtomicBool::new(false);
-    let (body, wearer, poses) = common::posed_body(num_poses)?;
+    let (body, wearer, poses) = sampled::posed_body(num_poses)?;
     let mut log = io::stdout().lock();
     for kind in garments {
         for &name in &fabrics {

@@ -1,34 +1,49 @@
-//! Pictures of the drapes of a data set:
-//! `cargo run --release -p garnet-tests --example drape_sheet -- PACKAGE DATASET FOLDER [SPLIT]`.
+//! Pictures of the drapes of a data set.
 //!
 //! Each sheet has twelve scenes, from the front to the left and from the back.
 
-use std::{env, error::Error, fs, path::Path};
+use std::{error::Error, fs, path::PathBuf};
 
+use clap::Args;
 use garnet::{
     data::{BodyRecord, Dataset, SceneRecord, Split},
     package::GarmentPackage,
     shape::ParametricBody,
 };
 use garnet_skin::Method;
-use garnet_tests::{Scene, Sheet};
 use garnet_view::{Camera, palette};
+
+use crate::{
+    Outcome,
+    sheet::{Scene, Sheet},
+    spread,
+};
 
 const COLUMNS: usize = 6;
 const ROWS: usize = 2;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    let [package, dataset, folder, split @ ..] = arguments.as_slice() else {
-        return Err("usage: drape_sheet PACKAGE DATASET FOLDER [train|valid|test]".into());
-    };
+/// What to draw.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The garment package.
+    package: PathBuf,
+    /// The data set.
+    dataset: PathBuf,
+    /// Where pictures go.
+    folder: PathBuf,
+    /// The split; all without one.
+    #[arg(value_parser = spread::split)]
+    split: Option<Split>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let folder = &arguments.folder;
     fs::create_dir_all(folder)?;
-    let package = GarmentPackage::read(Path::new(package))?;
-    let dataset = Dataset::open(Path::new(dataset))?;
-    let wanted = split.first().map(String::as_str);
+    let package = GarmentPackage::read(&arguments.package)?;
+    let dataset = Dataset::open(&arguments.dataset)?;
     let mut scenes = Vec::new();
     for split in Split::ALL {
-        if wanted.is_some_and(|wanted| wanted != split.name()) {
+        if arguments.split.is_some_and(|wanted| wanted != split) {
             continue;
         }
         for shard in dataset.split(split) {
@@ -44,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut sheet = Sheet::new(COLUMNS, [330, 360]);
         let cameras = [Camera::new(0.5, 0.1), Camera::new(3.6, 0.1)];
         sheet.add_columns(scenes.to_vec(), &cameras);
-        sheet.write_png(&Path::new(folder).join(format!("drapes_{index}.png")))?;
+        sheet.write_png(&folder.join(format!("drapes_{index}.png")))?;
     }
     Ok(())
 }

@@ -1,22 +1,13 @@
 //! Measures the built-in bodies against their bars, over many random parameter sets.
-//!
-//! ```text
-//! cargo run --release -p garnet-body --example check_shapes -- 500 all    every measure of a sample is given
-//! cargo run --release -p garnet-body --example check_shapes -- 500 bmi    stature and body mass index alone
-//! cargo run --release -p garnet-body --example check_shapes -- 500 some   stature and a few girths
-//! cargo run --release -p garnet-body --example check_shapes -- 20 one     one girth changes, the others are kept
-//! ```
-//!
-//! A third number is the seed of the bodies, 11 without it; a fourth how often each body is built, of
-//! which the shortest time counts.
-#![expect(clippy::print_stdout, reason = "the program prints what it measures")]
 
 use std::time::Instant;
 
+use clap::{Args, ValueEnum};
 use garnet_body::shape::{BodyParameters, Measure, ParametricBody, Population};
 use garnet_mesh::{TriMesh, diagnose};
 
-const SEED: u64 = 11;
+use crate::Outcome;
+
 /// By how much a girth changes in mode `one`, relative; the other way where that is not possible.
 const STEP: f64 = 0.03;
 /// The gap between the thighs is taken this far below the crotch, in metres.
@@ -43,18 +34,45 @@ struct Worst {
     joints_outside: usize,
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let count: u64 = arguments
-        .next()
-        .and_then(|word| word.parse().ok())
-        .unwrap_or(100);
-    let mode = arguments.next().unwrap_or_else(|| "all".to_owned());
-    let seed = arguments.next().map_or(Ok(SEED), |word| word.parse());
-    let repeats = arguments.next().map_or(Ok(1), |word| word.parse());
-    let (seed, repeats): (u64, u32) = (seed?, repeats?);
+/// What to measure.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Number of bodies.
+    #[arg(default_value = "100")]
+    count: u64,
+    /// What is given of each body.
+    #[arg(value_enum, default_value = "all")]
+    given: Given,
+    /// Seed of the bodies.
+    #[arg(long, default_value = "11")]
+    seed: u64,
+    /// How often each body is built; the shortest time counts.
+    #[arg(long, default_value = "1")]
+    repeats: u32,
+}
+
+/// What is given of each body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Given {
+    /// Every measure of a sample.
+    All,
+    /// Stature and body mass index alone.
+    Bmi,
+    /// Stature and a few girths.
+    Some,
+    /// Every measure, of which one girth after the other changes.
+    One,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let &Arguments {
+        count,
+        given,
+        seed,
+        repeats,
+    } = arguments;
     let population = Population::new(seed);
-    if mode == "one" {
+    if given == Given::One {
         return one_by_one(&population, count);
     }
     let mut worst = Worst {
@@ -64,7 +82,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // What is read and computed once is no part of the time of a body.
     ParametricBody::build(&BodyParameters::new(0.5))?;
     for index in 0..count {
-        let parameters = chosen(&population.sample(index), &mode, index, count);
+        let parameters = chosen(&population.sample(index), given, index, count);
         let mut seconds = f64::MAX;
         let mut built = None;
         for _ in 0..repeats {
@@ -90,7 +108,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// Changes each girth of some bodies while all other measures are kept as they were, and tells how
 /// far these move.
-fn one_by_one(population: &Population, count: u64) -> Result<(), Box<dyn std::error::Error>> {
+fn one_by_one(population: &Population, count: u64) -> Outcome {
     let mut moved = Vec::new();
     let mut refused = 0;
     for index in 0..count {
@@ -135,17 +153,17 @@ fn one_by_one(population: &Population, count: u64) -> Result<(), Box<dyn std::er
 }
 
 /// What is kept of a random body's parameters.
-fn chosen(full: &BodyParameters, mode: &str, index: u64, count: u64) -> BodyParameters {
+fn chosen(full: &BodyParameters, given: Given, index: u64, count: u64) -> BodyParameters {
     let stature = full.measure(Measure::Stature).unwrap_or(1.7);
-    match mode {
-        "bmi" => {
+    match given {
+        Given::Bmi => {
             let sex = (7.0 * index as f64 / count as f64).fract();
             let bmi = 17.0 + 19.0 * (0.618 * index as f64).fract();
             BodyParameters::new(sex)
                 .with(Measure::Stature, stature)
                 .with_bmi(bmi)
         }
-        "some" => {
+        Given::Some => {
             let girths = full
                 .given()
                 .filter(|(measure, _)| measure.is_girth())
@@ -156,7 +174,7 @@ fn chosen(full: &BodyParameters, mode: &str, index: u64, count: u64) -> BodyPara
                 |parameters, (_, (measure, value))| parameters.with(measure, value),
             )
         }
-        _ => full.clone(),
+        Given::All | Given::One => full.clone(),
     }
 }
 

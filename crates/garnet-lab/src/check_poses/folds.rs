@@ -9,6 +9,8 @@ use garnet_body::poses::{
 use garnet_body::shape::{BodyParameters, Measure, ParametricBody, Population};
 use garnet_skin::{Body, Method, Pose, SkinError};
 
+use crate::Outcome;
+
 /// Sex, stature in metres and body mass index of the bodies that take the key poses.
 const BODIES: [(f64, f64, f64); 4] = [
     (0.0, 1.76, 24.0),
@@ -168,7 +170,7 @@ pub(crate) fn folds(
     num_poses: u64,
     poses_per_body: u64,
     seed: u64,
-) -> Result<(), Box<dyn std::error::Error>> {
+) -> Outcome {
     let mut tally = Tally::default();
     for (sex, stature, bmi) in BODIES {
         let parameters = BodyParameters::new(sex)

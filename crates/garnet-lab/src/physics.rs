@@ -1,34 +1,60 @@
 //! Prints what the physics tests measure, beside what theory says.
-//!
-//! ```text
-//! cargo run --release -p garnet-sim --example physics
-//! ```
 
-#![expect(clippy::print_stdout, reason = "the table is what the example is for")]
-#![allow(
+#[allow(
     clippy::unwrap_used,
     dead_code,
     reason = "the scenes are those of the tests, which use what the table does not"
 )]
-
-#[path = "../tests/physics/cantilever.rs"]
+#[path = "../../garnet-sim/tests/physics/cantilever.rs"]
 mod cantilever;
-#[path = "../tests/physics/drapes.rs"]
+#[allow(
+    clippy::unwrap_used,
+    dead_code,
+    reason = "the scenes are those of the tests, which use what the table does not"
+)]
+#[path = "../../garnet-sim/tests/physics/drapes.rs"]
 mod drapes;
-#[path = "../tests/physics/friction.rs"]
+#[allow(
+    clippy::unwrap_used,
+    dead_code,
+    reason = "the scenes are those of the tests, which use what the table does not"
+)]
+#[path = "../../garnet-sim/tests/physics/friction.rs"]
 mod friction;
-#[path = "../tests/physics/hanging.rs"]
+#[allow(
+    clippy::unwrap_used,
+    dead_code,
+    reason = "the scenes are those of the tests, which use what the table does not"
+)]
+#[path = "../../garnet-sim/tests/physics/hanging.rs"]
 mod hanging;
-#[path = "../tests/physics/refinement.rs"]
+#[allow(
+    clippy::unwrap_used,
+    dead_code,
+    reason = "the scenes are those of the tests, which use what the table does not"
+)]
+#[path = "../../garnet-sim/tests/physics/refinement.rs"]
 mod refinement;
-#[path = "../tests/physics/row.rs"]
+#[allow(
+    clippy::unwrap_used,
+    dead_code,
+    reason = "the scenes are those of the tests, which use what the table does not"
+)]
+#[path = "../../garnet-sim/tests/physics/row.rs"]
 mod row;
-#[path = "../tests/physics/sheets.rs"]
+#[allow(
+    clippy::unwrap_used,
+    dead_code,
+    reason = "the scenes are those of the tests, which use what the table does not"
+)]
+#[path = "../../garnet-sim/tests/physics/sheets.rs"]
 mod sheets;
 
 use row::{Bound, Row};
 
-fn main() {
+use crate::Outcome;
+
+pub(crate) fn run() -> Outcome {
     println!(
         "{:<66}{:>12}{:>12}{:>12}",
         "", "expected", "measured", "off by"
@@ -67,6 +93,7 @@ fn main() {
             1e3 * distance
         );
     }
+    Ok(())
 }
 
 fn print_row(row: &Row) {

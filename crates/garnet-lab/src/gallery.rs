@@ -1,13 +1,17 @@
-//! What networks make of a data set, beside the teacher:
-//! `cargo run --release -p garnet-tests --example gallery -- PACKAGE DATASET FOLDER [VARIANT...] [--split NAME]`.
+//! What networks make of a data set, beside the teacher.
 //!
 //! `gallery.png` has scenes of the split (test, unless told otherwise) in rows: skinning, warp,
 //! variants and teacher, and where the last variant is off; `curvature.png` has the mean curvature of
 //! variants and teacher (figure 7 of the paper); `errors.png` has the mean distance of each vertex over
 //! the split on the template, one column a variant, from the front and from the back.
 
-use std::{env, error::Error, fs, path::Path};
+use std::{
+    error::Error,
+    fs,
+    path::{Path, PathBuf},
+};
 
+use clap::Args;
 use garnet::{
     UntangleOptions,
     data::{Dataset, Split},
@@ -16,6 +20,8 @@ use garnet::{
 };
 use garnet_mesh::{Point3, Topology, TriMesh, mean_curvatures};
 use garnet_view::{Camera, ColorMap, Heat, Layer, Paint, Picture, View, palette, render};
+
+use crate::{Outcome, spread as splits};
 
 /// Rows of the gallery.
 const SCENES: usize = 6;
@@ -42,24 +48,35 @@ enum Scale {
     Curvature,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let mut words: Vec<String> = env::args().skip(1).collect();
-    let mut split = Split::Test;
-    if let Some(place) = words.iter().position(|word| word == "--split") {
-        let name = words.get(place + 1).ok_or("--split needs a name")?;
-        let found = Split::ALL.into_iter().find(|split| split.name() == name);
-        split = found.ok_or("a split is train, valid or test")?;
-        words.drain(place..place + 2);
-    }
-    let [package, dataset, folder, variants @ ..] = words.as_slice() else {
-        return Err("usage: gallery PACKAGE DATASET FOLDER [VARIANT...] [--split NAME]".into());
-    };
-    let (path, folder) = (Path::new(package), Path::new(folder));
+/// What to draw.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The garment package.
+    package: PathBuf,
+    /// The data set.
+    dataset: PathBuf,
+    /// Where pictures go.
+    folder: PathBuf,
+    /// Variants of the package.
+    variants: Vec<String>,
+    /// The split: train, valid or test.
+    #[arg(long, default_value = "test", value_parser = splits::split)]
+    split: Split,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let Arguments {
+        package: path,
+        folder,
+        split,
+        ..
+    } = arguments;
+    let split = *split;
     fs::create_dir_all(folder)?;
     let package = GarmentPackage::read(path)?;
     let mut candidates = vec![Candidate::Skinning, Candidate::Warp];
     let mut names = vec!["skinning (DQS)".to_owned(), "warp".to_owned()];
-    for name in variants {
+    for name in &arguments.variants {
         let weights = package.manifest.weights_of(path, name)?;
         for candidate in Candidate::of_weights(name, &weights, None)? {
             if let Candidate::Model { settle, .. } = candidate {
@@ -68,7 +85,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             candidates.push(candidate);
         }
     }
-    let stage = Stage::new(package, Dataset::open(Path::new(dataset))?)?;
+    let stage = Stage::new(package, Dataset::open(&arguments.dataset)?)?;
     let all = stage.scene_names(split)?;
     let chosen = spread(&all, SCENES);
 

@@ -1,55 +1,60 @@
-//! The garments of the built-in patterns, in the flat and around a body, as OBJ and PNG:
-//! `cargo run --release -p garnet-tests --example pattern_sheet -- FOLDER SEX,STATURE,BMI [VERTICES] [SIZE] [NAME=VALUE]…`.
-//!
-//! Without a SIZE the garments are made to measure. Stature and values of parameters are in metres
-//! or shares.
+//! The garments of the built-in patterns, in the flat and around a body, as OBJ and PNG.
 
 use std::{
-    env,
     error::Error,
     fs,
     io::{self, Write},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
+use clap::Args;
 use garnet::io::write_obj;
 use garnet::{
     data::wearer_of,
-    shape::{BodyParameters, Measure, ParametricBody},
+    shape::ParametricBody,
 };
 use garnet_knn::Surface;
 use garnet_mesh::TriMesh;
 use garnet_pattern::{GarmentKind, SewnGarment, Size, Template};
-use garnet_tests::{Scene, Sheet};
 use garnet_view::{Camera, palette};
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    let [folder, shape, rest @ ..] = arguments.as_slice() else {
-        return Err(
-            "usage: pattern_sheet FOLDER SEX,STATURE,BMI [VERTICES] [SIZE] [NAME=VALUE]…".into(),
-        );
-    };
-    let numbers: Vec<f64> = shape.split(',').map(str::parse).collect::<Result<_, _>>()?;
-    let [sex, stature, bmi] = *numbers.as_slice() else {
-        return Err("SEX,STATURE,BMI are three numbers".into());
-    };
-    let parameters = BodyParameters::new(sex)
-        .with(Measure::Stature, stature)
-        .with_bmi(bmi);
-    let body = ParametricBody::build(&parameters)?;
-    let wearer = wearer_of(body.body()).ok_or("the built-in body has measures")??;
-    let vertices = rest.iter().find_map(|word| word.parse().ok());
-    let size: Option<Size> = rest.iter().find_map(|word| word.parse().ok());
-    let cut = size.map_or(wearer.measures, Size::measures);
+use crate::{
+    Outcome,
+    pose_sheet::{Figure, figure},
+    sheet::{Scene, Sheet},
+};
 
+/// What to cut.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Where meshes and pictures go.
+    folder: PathBuf,
+    /// Sex from 0 to 1, stature in metres and body mass index of the wearer.
+    #[arg(value_name = "SEX,STATURE,BMI", value_parser = figure)]
+    body: Figure,
+    /// Vertices of the garments.
+    #[arg(long, default_value = "5000")]
+    vertices: usize,
+    /// Size of the garments; without one they are made to measure.
+    #[arg(long)]
+    size: Option<Size>,
+    /// Parameters of the patterns, in metres or shares.
+    #[arg(value_name = "NAME=VALUE")]
+    parameters: Vec<String>,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let body = ParametricBody::build(&arguments.body.parameters())?;
+    let wearer = wearer_of(body.body()).ok_or("the built-in body has measures")??;
+    let cut = arguments.size.map_or(wearer.measures, Size::measures);
+
+    let folder = &arguments.folder;
     fs::create_dir_all(folder)?;
-    let folder = Path::new(folder);
     write_obj(folder.join("body.obj"), body.body().rest())?;
     for kind in GarmentKind::ALL {
-        let template = Template::new(kind, vertices.unwrap_or(5000))?;
+        let template = Template::new(kind, arguments.vertices)?;
         let mut parameters = kind.parameters();
-        for word in rest {
+        for word in &arguments.parameters {
             if let Some((name, value)) = word.split_once('=')
                 && parameters.get(name).is_ok()
             {

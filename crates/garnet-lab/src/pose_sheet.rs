@@ -1,16 +1,12 @@
-//! Pictures of the key poses, the gait cycle or drawn poses on a rigged body:
-//! `cargo run --release -p garnet-tests --example pose_sheet -- BODY FOLDER [KIND]…`.
-//!
-//! BODY is a rig or `SEX,STATURE,BMI` of the built-in body; KIND is `keys`, `gait`, `samples`, `sound`, the
-//! beginning of names of key poses or a motion file.
+//! Pictures of the key poses, the gait cycle or drawn poses on a rigged body.
 
 use std::{
-    env,
     error::Error,
     io::{self, Write},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
+use clap::Args;
 use garnet::{
     io::{Take, read_rig},
     motion::{Ground, ReadOptions, RetargetOptions, put_on_ground},
@@ -18,25 +14,57 @@ use garnet::{
     shape::{BodyParameters, Measure, ParametricBody},
 };
 use garnet_skin::{Body, Method, Pose};
-use garnet_tests::{Scene, Sheet};
 use garnet_view::{Camera, palette};
+
+use crate::{
+    Outcome,
+    sheet::{Scene, Sheet},
+};
 
 const COLUMNS: usize = 6;
 const ROWS: usize = 2;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    let [rig, folder, kinds @ ..] = arguments.as_slice() else {
-        return Err(
-            "usage: pose_sheet RIG|SEX,STATURE,BMI FOLDER [keys|gait|samples|PREFIX|MOTION]…"
-                .into(),
-        );
-    };
-    let body = body(rig)?;
+/// What to draw.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// A rig, or sex from 0 to 1, stature in metres and body mass index of the built-in body.
+    #[arg(value_name = "RIG|SEX,STATURE,BMI")]
+    body: String,
+    /// Where pictures go.
+    folder: PathBuf,
+    /// `keys`, `gait`, `samples`, `sound` (key poses, parts of the body apart), the beginning of names
+    /// of key poses, or a motion file.
+    #[arg(default_values = ["keys", "gait"])]
+    kinds: Vec<String>,
+}
+
+/// What a built-in body is made by.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Figure([f64; 3]);
+
+/// Reads `SEX,STATURE,BMI`.
+pub(crate) fn figure(text: &str) -> Result<Figure, String> {
+    let numbers: Vec<f64> = (text.split(','))
+        .filter_map(|part| part.parse().ok())
+        .collect();
+    let numbers = numbers.try_into().map(Figure);
+    numbers.map_err(|_| "expected SEX,STATURE,BMI, three numbers".to_owned())
+}
+
+impl Figure {
+    pub(crate) fn parameters(self) -> BodyParameters {
+        let [sex, stature, bmi] = self.0;
+        BodyParameters::new(sex)
+            .with(Measure::Stature, stature)
+            .with_bmi(bmi)
+    }
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let body = body(&arguments.body)?;
     let poser = Poser::new(body.skeleton())?;
     let contact = SelfContact::new(&body)?;
-    let all = ["keys".to_owned(), "gait".to_owned()];
-    for kind in if kinds.is_empty() { &all } else { kinds } {
+    for kind in &arguments.kinds {
         let poses = poses_of(kind, &poser, &contact)?;
         let (names, mut poses): (Vec<String>, Vec<Pose>) = poses.into_iter().unzip();
         put_on_ground(&body, &mut poses, Ground::EachPose)?;
@@ -57,7 +85,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .chunks(COLUMNS * ROWS)
             .zip(poses.chunks(COLUMNS * ROWS));
         for (index, (names, poses)) in sheets.enumerate() {
-            let path = Path::new(folder).join(format!("{}_{index}.png", file_stem(kind)));
+            let path = arguments.folder.join(format!("{}_{index}.png", file_stem(kind)));
             sheet(&body, names, poses, &path)?;
         }
     }
@@ -66,17 +94,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// The body of a rig file, or the built-in one of `SEX,STATURE,BMI` (stature in metres).
 fn body(text: &str) -> Result<Body, Box<dyn Error>> {
-    let numbers: Vec<f64> = text
-        .split(',')
-        .filter_map(|part| part.parse().ok())
-        .collect();
-    let [sex, stature, bmi] = *numbers.as_slice() else {
+    let Ok(figure) = figure(text) else {
         return Ok(read_rig(text)?.into_body()?);
     };
-    let parameters = BodyParameters::new(sex)
-        .with(Measure::Stature, stature)
-        .with_bmi(bmi);
-    Ok(ParametricBody::build(&parameters)?.into_body())
+    Ok(ParametricBody::build(&figure.parameters())?.into_body())
 }
 
 fn file_stem(path: &str) -> String {

@@ -1,42 +1,46 @@
-//! How much bodies and poses of a data set differ:
-//! `cargo run --release -p garnet-data --example spread -- DATASET [train|valid|test]`.
+//! How much bodies and poses of a data set differ.
 //!
-//! Bodies: how many, how many of each sex, and least, median and greatest stature, girth of the chest and body mass index. Poses: how many scenes from how
-//! many sequences, and by what angle joints are turned from rest, in degrees: median, 95 % and the most over scenes and, where there are two such joints, sides.
+//! Bodies: how many, how many of each sex, and least, median and greatest stature, girth of the chest
+//! and body mass index. Poses: how many scenes from how many sequences, and by what angle joints are
+//! turned from rest, in degrees: median, 95 % and the most over scenes and, where there are two such
+//! joints, sides.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    env,
-    error::Error,
     io::{self, Write},
-    path::Path,
+    path::PathBuf,
 };
 
+use clap::Args;
 use garnet_body::shape::{JOINT_NAMES, Measure};
 use garnet_data::{Dataset, Posed, Split};
 
-const USAGE: &str = "usage: spread DATASET [train|valid|test]";
+use crate::Outcome;
 
 /// The joints that are told of, as their names end.
 const JOINTS: [&str; 5] = ["shoulder", "elbow", "hip", "knee", "spine2"];
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    let (folder, split) = match arguments.as_slice() {
-        [folder] => (folder, "test"),
-        [folder, split] => (folder, split.as_str()),
-        _ => return Err(USAGE.into()),
-    };
-    let split = match split {
-        "train" => Split::Train,
-        "valid" => Split::Valid,
-        "test" => Split::Test,
-        _ => return Err(USAGE.into()),
-    };
+/// What to measure.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The data set.
+    dataset: PathBuf,
+    /// The split: train, valid or test.
+    #[arg(default_value = "test", value_parser = split)]
+    split: Split,
+}
+
+/// A split by its name.
+pub(crate) fn split(name: &str) -> Result<Split, String> {
+    let found = Split::ALL.into_iter().find(|split| split.name() == name);
+    found.ok_or_else(|| "expected train, valid or test".to_owned())
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut numbers: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     let (mut women, mut bodies, mut scenes) = (0, 0, 0);
     let mut sequences = BTreeSet::new();
-    for shard in Dataset::open(Path::new(folder))?.split(split) {
+    for shard in Dataset::open(&arguments.dataset)?.split(arguments.split) {
         let shard = shard?;
         for stored in shard
             .bodies

@@ -7,18 +7,18 @@ use garnet_view::{Camera, Layer, Paint, Picture, Rgb, View, ViewError, render};
 
 /// Meshes that are drawn together.
 #[derive(Debug, Clone)]
-pub struct Scene {
+pub(crate) struct Scene {
     /// What it is called below its first view.
-    pub caption: String,
+    pub(crate) caption: String,
     /// Each mesh and its color.
-    pub meshes: Vec<(TriMesh, Rgb)>,
+    pub(crate) meshes: Vec<(TriMesh, Rgb)>,
     /// The number of the mesh that must fit into the frame.
-    pub framed: usize,
+    pub(crate) framed: usize,
 }
 
 /// Views of one size in rows and columns.
 #[derive(Debug, Clone)]
-pub struct Sheet {
+pub(crate) struct Sheet {
     columns: usize,
     cell: [u32; 2],
     meshes: Vec<(TriMesh, Rgb)>,
@@ -27,7 +27,7 @@ pub struct Sheet {
 
 impl Sheet {
     /// An empty sheet; `cell` is width and height of a view in pixels.
-    pub const fn new(columns: usize, cell: [u32; 2]) -> Self {
+    pub(crate) const fn new(columns: usize, cell: [u32; 2]) -> Self {
         Self {
             columns,
             cell,
@@ -37,7 +37,7 @@ impl Sheet {
     }
 
     /// Adds a scene, its views beside each other.
-    pub fn add_row(&mut self, scene: Scene, cameras: &[Camera]) {
+    pub(crate) fn add_row(&mut self, scene: Scene, cameras: &[Camera]) {
         let mut view = self.view_of(scene);
         for &camera in cameras {
             self.views.push(View {
@@ -49,7 +49,7 @@ impl Sheet {
     }
 
     /// Adds scenes, one in each column, the views of each below each other.
-    pub fn add_columns(&mut self, scenes: Vec<Scene>, cameras: &[Camera]) {
+    pub(crate) fn add_columns(&mut self, scenes: Vec<Scene>, cameras: &[Camera]) {
         let mut views: Vec<View> = Vec::new();
         for scene in scenes {
             views.push(self.view_of(scene));
@@ -94,7 +94,7 @@ impl Sheet {
     /// # Errors
     ///
     /// An empty sheet, views too small to draw into, and what the system refuses.
-    pub fn write_png(self, path: &Path) -> Result<(), ViewError> {
+    pub(crate) fn write_png(self, path: &Path) -> Result<(), ViewError> {
         let rows = self.views.len().div_ceil(self.columns);
         let [width, height] = self.cell;
         let layers = self.meshes.iter().map(|(mesh, color)| Layer {

@@ -1,12 +1,8 @@
 //! The pictures of bodies in the README: each body from the front, the side and the back.
-//!
-//! ```text
-//! cargo run --release -p garnet-tests --example body_sheet -- bodies models/demo/bodies.png
-//! cargo run --release -p garnet-tests --example body_sheet -- poses models/demo/poses.png
-//! ```
 
-use std::{env, error::Error, path::Path};
+use std::{error::Error, path::PathBuf};
 
+use clap::{Args, ValueEnum};
 use garnet::{
     motion::{Ground, put_on_ground},
     poses::{Poser, SelfContact, SeparationOptions, key_pose},
@@ -14,8 +10,12 @@ use garnet::{
 };
 use garnet_mesh::TriMesh;
 use garnet_skin::{Body, Method};
-use garnet_tests::{Scene, Sheet};
 use garnet_view::{Camera, palette};
+
+use crate::{
+    Outcome,
+    sheet::{Scene, Sheet},
+};
 
 /// Sex, stature in metres and body mass index of the bodies at rest.
 const BODIES: [(f64, f64, f64); 12] = [
@@ -71,11 +71,25 @@ const POSES: [&str; 24] = [
 const COLUMNS: usize = 12;
 const CELL: [u32; 2] = [140, 230];
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let words: Vec<String> = env::args().skip(1).collect();
-    let [kind, path] = words.as_slice() else {
-        return Err("usage: body_sheet bodies|poses FILE.png".into());
-    };
+/// What to draw.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Bodies at rest, or bodies in poses of the library.
+    #[arg(value_enum)]
+    what: What,
+    /// The picture.
+    #[arg(value_name = "FILE.png")]
+    path: PathBuf,
+}
+
+/// What bodies do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum What {
+    Bodies,
+    Poses,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut scenes = Vec::new();
     let mut add = |mesh: TriMesh, caption: String| {
         scenes.push(Scene {
@@ -84,7 +98,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             framed: 0,
         });
     };
-    if kind == "bodies" {
+    if arguments.what == What::Bodies {
         for (sex, stature, bmi) in BODIES {
             let mesh = body(sex, stature, bmi)?.rest().clone();
             add(mesh, format!("{:.0} cm, {bmi:.0}", 100.0 * stature));
@@ -102,7 +116,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut sheet = Sheet::new(COLUMNS, CELL);
     let cameras = [Camera::new(0.0, 0.06), Camera::left(), Camera::back()];
     sheet.add_columns(scenes, &cameras);
-    sheet.write_png(Path::new(path))?;
+    sheet.write_png(&arguments.path)?;
     Ok(())
 }
 

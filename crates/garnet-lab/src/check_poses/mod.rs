@@ -1,24 +1,21 @@
-//! Measures what posing does to the built-in bodies, over sampled bodies and poses:
-//! `cargo run --release -p garnet-body --example check_poses -- [POSES]`.
-//!
-//! `… -- bends [BODIES]` measures elbows and knees bent to 140 degrees instead, `… -- folds [POSES]`
-//! where skin is turned over or crosses itself.
+//! Measures what posing does to the built-in bodies, over sampled bodies and poses.
 //!
 //! Tells how much the volume changes, how many poses were corrected or thrown away for
 //! self-contact, how deep the contacts left are, and the time of a posed body.
 
-#![expect(
-    clippy::print_stdout,
-    reason = "an example that prints what it measures"
-)]
-
+#[path = "../../../garnet-body/tests/common/bent.rs"]
+mod bent;
 mod folds;
 
 use std::time::Instant;
 
-use garnet_body::poses::{BentRing, Hinge, Outcome, PoseSampler, Poser, SelfContact, bent_ring};
+use bent::{BentRing, Hinge, bent_ring};
+use clap::{Args, ValueEnum};
+use garnet_body::poses::{self, PoseSampler, Poser, SelfContact};
 use garnet_body::shape::{ParametricBody, Population};
 use garnet_skin::{Body, Method, Point3};
+
+use crate::Outcome;
 
 /// Poses of one body.
 const POSES_PER_BODY: u64 = 25;
@@ -30,18 +27,36 @@ const SEED: u64 = 11;
 const LARGEST_FLEXION: u32 = 140;
 const FLEXION_STEP: usize = 20;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    if std::env::args().nth(1).is_some_and(|word| word == "bends") {
-        let count = std::env::args().nth(2).map_or(Ok(20), |text| text.parse());
-        return bends(count?);
+/// What to measure.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Volumes and contacts of sampled poses, elbows and knees bent to 140 degrees, or where skin is
+    /// turned over or crosses itself.
+    #[arg(value_enum, default_value = "volumes")]
+    what: What,
+    /// Number of poses (of bodies for `bends`) [default: 500, 20 and 200].
+    count: Option<u64>,
+}
+
+/// What posing may do to a body.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum What {
+    Volumes,
+    Bends,
+    Folds,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let count = arguments.count;
+    match arguments.what {
+        What::Volumes => volumes(count.unwrap_or(500)),
+        What::Bends => bends(count.unwrap_or(20)),
+        What::Folds => folds::folds(count.unwrap_or(200), POSES_PER_BODY, SEED),
     }
-    if std::env::args().nth(1).is_some_and(|word| word == "folds") {
-        let count = std::env::args().nth(2).map_or(Ok(200), |text| text.parse());
-        return folds::folds(count?, POSES_PER_BODY, SEED);
-    }
-    let num_poses = std::env::args()
-        .nth(1)
-        .map_or(Ok(500), |text| text.parse::<u64>())?;
+}
+
+/// How volumes change, and how poses touch themselves.
+fn volumes(num_poses: u64) -> Outcome {
     let (population, sampler) = (Population::new(SEED), PoseSampler::new(SEED));
     let mut changes = Vec::new();
     let mut depths = Vec::new();
@@ -64,7 +79,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let change = volume(&posed, body.rest().faces()) / rest - 1.0;
             changes.push((change.abs(), format!("body {number}, `{}`", sound.sequence)));
             depths.push(1e3 * f64::from(sound.depths[1]));
-            num_corrected += usize::from(matches!(sound.outcome, Outcome::Corrected { .. }));
+            num_corrected += usize::from(matches!(sound.outcome, poses::Outcome::Corrected { .. }));
             num_rejected += sound.num_rejected as usize;
         }
     }
@@ -89,7 +104,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// The worst rings of bent elbows and knees over some bodies.
-fn bends(count: u64) -> Result<(), Box<dyn std::error::Error>> {
+fn bends(count: u64) -> Outcome {
     let population = Population::new(SEED);
     let bodies: Vec<Body> = (0..count)
         .filter_map(|number| ParametricBody::build(&population.sample(number)).ok())

@@ -1,18 +1,17 @@
-//! Drapes of the teacher on poses of the built-in body, in numbers and pictures:
-//! `cargo run --release -p garnet-tests --example sim_scene -- GARMENT VERTICES FOLDER [QUALITY] POSE…`.
+//! Drapes of the teacher on poses of the built-in body, in numbers and pictures.
 //!
-//! Each pose is one line: time, strain, speeds and penetration; and of the quality `reference` how far the
-//! teacher's drape is from balance.
+//! Each pose is one line: time, strain, speeds and penetration; and of the quality `reference` how far
+//! the teacher's drape is from balance.
 
 use std::{
-    env,
     error::Error,
     io::{self, Write},
-    path::Path,
+    path::{Path, PathBuf},
     sync::atomic::AtomicBool,
     time::Instant,
 };
 
+use clap::Args;
 use garnet::{
     data::{Tailor, default_rest_body, usual_fabric, wearer_of},
     package::{BodyPath, Quality, quality_of},
@@ -23,30 +22,45 @@ use garnet::{
 };
 use garnet_mesh::TriMesh;
 use garnet_skin::{Body, Method, Pose};
-use garnet_tests::{Scene, Sheet};
 use garnet_view::{Camera, palette};
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    let [garment, vertices, folder, poses @ ..] = arguments.as_slice() else {
-        return Err(
-            "usage: sim_scene tshirt|sweater|dress|jeans VERTICES FOLDER [QUALITY] POSE…".into(),
-        );
-    };
-    let asked = poses.first().and_then(|word| quality_of(word));
-    let poses = &poses[usize::from(asked.is_some())..];
-    let quality = asked.unwrap_or(Quality::Teacher);
-    let kind: GarmentKind = garment.parse()?;
+use crate::{
+    Outcome,
+    sheet::{Scene, Sheet},
+};
+
+/// What to drape.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The garment.
+    garment: GarmentKind,
+    /// Its vertices.
+    vertices: usize,
+    /// Where pictures go.
+    folder: PathBuf,
+    /// Poses of the library.
+    poses: Vec<String>,
+    /// Quality of the simulation: fast, teacher or reference.
+    #[arg(long, default_value = "teacher", value_parser = quality)]
+    quality: Quality,
+}
+
+fn quality(name: &str) -> Result<Quality, String> {
+    quality_of(name).ok_or_else(|| "expected fast, teacher or reference".to_owned())
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let kind = arguments.garment;
     let stop = AtomicBool::new(false);
     let body = ParametricBody::build(&default_rest_body())?.into_body();
     let wearer = wearer_of(&body).ok_or("the built-in body has measures")??;
-    let tailor = Tailor::new(kind.parameters(), vertices.parse()?, usual_fabric(kind))?;
+    let tailor = Tailor::new(kind.parameters(), arguments.vertices, usual_fabric(kind))?;
     let worn = tailor.dress(&body, &wearer, &stop)?;
     let teacher = tailor.teacher(&worn, &body)?;
     let poser = Poser::new(body.skeleton())?;
     let contact = SelfContact::new(&body)?;
     let mut log = io::stdout().lock();
-    for name in poses {
+    for name in &arguments.poses {
         let key = key_pose(name).ok_or_else(|| format!("there is no pose `{name}`"))?;
         let pose = contact.separated(&poser.pose(&key.angles), &SeparationOptions::default())?;
         let Some(pose) = pose.map(|separated| separated.pose) else {
@@ -55,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let path = BodyPath::to_shape(&body, &body, &pose)?;
         let began = Instant::now();
-        let drape = teacher.drape(&path, quality, &stop, &mut |_| {})?;
+        let drape = teacher.drape(&path, arguments.quality, &stop, &mut |_| {})?;
         let seconds = began.elapsed().as_secs_f64();
         writeln!(log, "{name}: {seconds:.2} s | {}", line(&drape))?;
         let mesh = TriMesh::new(drape.positions, worn.sewn.faces.clone())?;
@@ -63,7 +77,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             &body,
             &pose,
             mesh,
-            &Path::new(folder).join(format!("{garment}_{name}.png")),
+            &arguments.folder.join(format!("{kind}_{name}.png")),
         )?;
     }
     Ok(())

@@ -1,39 +1,51 @@
-//! A case for other implementations of the network:
-//! `cargo run --release -p garnet-net --example torch_case -- PRESET VERTICES POINTS CASE`.
+//! A case for other implementations of the network.
 //!
 //! Writes weights and one scene with its translations to `CASE.weights.safetensors` and
 //! `CASE.case.safetensors`, and prints the median times of the network alone and of a training step
 //! without the losses of garnet. `benches/python/garnet_torch.py` runs it; what users wait for is
-//! measured by the bench `network`. Threads are those of `RAYON_NUM_THREADS`.
-#![allow(clippy::print_stdout, reason = "a program that reports")]
-#![allow(clippy::unwrap_used, reason = "a program for developers")]
+//! measured by the bench `network`.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 use burn::optim::{AdamConfig, GradientsParams};
 use burn::tensor::Device;
+use clap::Args;
 use garnet_net::{
     Checkpoint, GarNetConfig, Precision, Predictor, ReferenceStage, Scene, surrogate,
     write_reference_case,
 };
 
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+use crate::Outcome;
 
 const RUNS: usize = 7;
 
-fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [preset, num_vertices, num_points, case] = &arguments[..] else {
-        panic!("PRESET VERTICES POINTS CASE are needed");
-    };
-    let stage = ReferenceStage::new(num_vertices.parse().unwrap(), num_points.parse().unwrap());
-    let (config, garment, sampling) = stage.bound(GarNetConfig::preset(preset).unwrap());
-    let scene = Scene::new(&config, &garment, &sampling, &stage.input()).unwrap();
+/// What to time.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Size of the network, `tiny` to `paper`.
+    preset: String,
+    /// Vertices of the garment.
+    vertices: usize,
+    /// Points of the body.
+    points: usize,
+    /// Files, without what follows the first dot.
+    case: String,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let Arguments {
+        preset,
+        vertices,
+        points,
+        case,
+    } = arguments;
+    let stage = ReferenceStage::new(*vertices, *points);
+    let (config, garment, sampling) = stage.bound(GarNetConfig::preset(preset)?);
+    let scene = Scene::new(&config, &garment, &sampling, &stage.input())?;
 
     let training = Device::flex().autodiff();
-    let mut net = config.init(1, &training).unwrap();
+    let mut net = config.init(1, &training)?;
     let mut adam = AdamConfig::new().init();
     let pull = vec![1e-3; 3 * scene.num_vertices()];
     let step = median(|| {
@@ -54,22 +66,23 @@ fn main() {
         scores: BTreeMap::new(),
     };
     let weights = format!("{case}.weights.safetensors");
-    checkpoint.save(&weights, Precision::F32).unwrap();
-    let model = Checkpoint::load(&weights, &Device::flex()).unwrap().model;
-    let mut predictor = Predictor::new(model, garment.clone(), sampling.clone()).unwrap();
-    predictor.prepare(&stage.input()).unwrap();
+    checkpoint.save(&weights, Precision::F32)?;
+    let model = Checkpoint::load(&weights, &Device::flex())?.model;
+    let mut predictor = Predictor::new(model, garment.clone(), sampling.clone())?;
+    predictor.prepare(&stage.input())?;
     let network = median(|| {
         predictor.translations();
     });
     let translations = predictor.translations();
     let path = format!("{case}.case.safetensors");
-    write_reference_case(path, &garment, &sampling, &scene, &translations).unwrap();
+    write_reference_case(path, &garment, &sampling, &scene, &translations)?;
     println!(
         "{preset}, {} vertices, {} points, {} threads: network {network:.1} ms, step {step:.1} ms",
         scene.num_vertices(),
         predictor.num_body_points(),
         rayon::current_num_threads(),
     );
+    Ok(())
 }
 
 /// The median time of some runs after one to warm up, in milliseconds.
