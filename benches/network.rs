@@ -4,11 +4,9 @@
 //! `cargo bench --bench network -- TEXT` measures what has the text in its name: `predict/2
 //! threads/small/10000`. Memory is told by the bench `memory`.
 
-use std::time::Duration;
-
-use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use garnet::{Draper, Network};
-use garnet_benches::{NUM_BODY_POINTS, Scene};
+use garnet_benches::{NUM_BODY_POINTS, Scene, on_threads};
 use garnet_net::{GarNetConfig, ReferenceStage, Variant};
 use garnet_train::{Exercise, TrainConfig};
 
@@ -27,46 +25,13 @@ fn preset(name: &str) -> GarNetConfig {
     GarNetConfig::preset(name).expect("the preset is there")
 }
 
-/// Runs a bench in a pool of one and of two threads, for a second or so.
-fn on_threads<T>(
-    criterion: &mut Criterion,
-    name: &str,
-    (what, size): (&str, usize),
-    make: impl Fn() -> T + Sync,
-    run: impl Fn(&mut T) + Sync,
-) where
-    T: Send,
-{
-    for num_threads in [1, 2] {
-        let mut group = criterion.benchmark_group(format!("{name}/{num_threads} threads"));
-        group
-            .sampling_mode(SamplingMode::Flat)
-            .sample_size(10)
-            .warm_up_time(Duration::from_millis(100))
-            .measurement_time(Duration::from_millis(600));
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(num_threads)
-            .build();
-        let pool = pool.expect("threads can be made");
-        // Made only for what the filter lets through.
-        let mut made = None;
-        group.bench_function(BenchmarkId::new(what, size), |bencher| {
-            pool.install(|| {
-                let made = made.get_or_insert_with(&make);
-                bencher.iter(|| run(made));
-            });
-        });
-        group.finish();
-    }
-}
-
 /// Neighbors, features and network, as a drape has them.
 fn predict(criterion: &mut Criterion) {
     for name in PRESETS {
         for size in SIZES {
             let stage = ReferenceStage::new(size, NUM_BODY_POINTS);
             let make = || stage.predictor(preset(name));
-            on_threads(criterion, "predict", (name, size), make, |predictor| {
+            on_threads(criterion, "predict", BenchmarkId::new(name, size), make, |predictor| {
                 predictor
                     .predict(&stage.input())
                     .expect("the scene is sound");
@@ -97,7 +62,7 @@ fn variants(criterion: &mut Criterion) {
                     .expect("the scene is sound");
                 predictor
             };
-            on_threads(criterion, "forward", (name, size), make, |predictor| {
+            on_threads(criterion, "forward", BenchmarkId::new(name, size), make, |predictor| {
                 predictor.translations();
             });
         }
@@ -116,7 +81,7 @@ fn training_step(criterion: &mut Criterion) {
                 Exercise::new(&config, garment, body, &stage.draped())
                     .expect("the meshes are sound")
             };
-            on_threads(criterion, "step", (name, size), make, |exercise| {
+            on_threads(criterion, "step", BenchmarkId::new(name, size), make, |exercise| {
                 exercise.step().expect("a few steps do not diverge");
             });
         }
@@ -133,7 +98,7 @@ fn drape(criterion: &mut Criterion) {
                 let network = Network::untrained(name, &bound, &scene.body);
                 (scene, bound, network.expect("the preset is there"))
             };
-            on_threads(criterion, "drape", (name, size), make, |made| {
+            on_threads(criterion, "drape", BenchmarkId::new(name, size), make, |made| {
                 let (scene, bound, network) = made;
                 let warped = network.warped(bound, &scene.posed);
                 let warped = warped.expect("the body is that of the garment");
@@ -153,7 +118,7 @@ fn bind(criterion: &mut Criterion) {
         on_threads(
             criterion,
             "bind network",
-            ("small", size),
+            BenchmarkId::new("small", size),
             || (),
             |()| {
                 stage.predictor(preset("small"));

@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use criterion::{BenchmarkGroup, Criterion, measurement::WallTime};
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, measurement::WallTime};
 use garnet::{Body, BoundGarment, Garment, PosedBody};
 use garnet_tests::{Tunic, mannequin, stride, tunic};
 
@@ -68,4 +68,39 @@ pub fn group<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGroup<'a,
     group.warm_up_time(Duration::from_millis(300));
     group.measurement_time(Duration::from_millis(1_500));
     group
+}
+
+/// Runs a bench in a pool of one and of two threads, for a second or so, or ten times; what it runs
+/// on is made only for what the filter lets through.
+///
+/// # Panics
+///
+/// If no threads can be made.
+pub fn on_threads<T: Send>(
+    criterion: &mut Criterion,
+    name: &str,
+    id: BenchmarkId,
+    make: impl Fn() -> T + Sync,
+    run: impl Fn(&mut T) + Sync,
+) {
+    for num_threads in [1, 2] {
+        let mut group = criterion.benchmark_group(format!("{name}/{num_threads} threads"));
+        group
+            .sampling_mode(SamplingMode::Flat)
+            .sample_size(10)
+            .warm_up_time(Duration::from_millis(100))
+            .measurement_time(Duration::from_millis(600));
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(num_threads)
+            .build();
+        let pool = pool.expect("threads can be made");
+        let mut made = None;
+        group.bench_function(id.clone(), |bencher| {
+            pool.install(|| {
+                let made = made.get_or_insert_with(&make);
+                bencher.iter(|| run(made));
+            });
+        });
+        group.finish();
+    }
 }
