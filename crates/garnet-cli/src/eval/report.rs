@@ -8,6 +8,7 @@ use garnet::train::{
 use serde::Serialize;
 
 use super::EvalArgs;
+use crate::machine;
 
 /// What was measured: `garnet.eval/1`, SI units.
 #[derive(Debug, Serialize)]
@@ -19,6 +20,7 @@ pub(crate) struct EvalReport {
     dataset: String,
     split: &'static str,
     scenes: usize,
+    machine: String,
     threads: usize,
     /// Skinning, warp and networks.
     pub(crate) methods: Vec<MethodReport>,
@@ -60,6 +62,7 @@ impl EvalReport {
             dataset: args.dataset.display().to_string(),
             split: found.split.name(),
             scenes: found.scenes,
+            machine: machine::description(),
             threads: rayon::current_num_threads(),
             methods: found.rows.iter().map(MethodReport::from).collect(),
             teacher: found.teacher,
