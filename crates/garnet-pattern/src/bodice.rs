@@ -5,7 +5,7 @@ use crate::draft::{Arc, Layer, Meets, Patch};
 use crate::reference::REFERENCE;
 use crate::top_start::TopStart;
 use crate::wearer::Measures;
-use crate::{Parameters, PatternError};
+use crate::{Parameters, PatternError, PatternLength};
 
 /// How far the back of the neckline lies below the neck's side, in metres.
 const BACK_NECK: f64 = 0.025;
@@ -82,10 +82,9 @@ pub(crate) fn bodice(
         cut.shoulder_height + 0.010 * scale,
     ];
     at_least(
-        "shoulder seam",
+        PatternLength::Shoulder,
         tip[0] - neck[0],
         0.03,
-        "make `neck-width` smaller or `shoulder` larger",
     )?;
     let half_width = 0.25 * cut.chest * (1.0 + parameters.at("chest-ease"));
     let mut depth = cut.armpit_height() - parameters.at("armhole") * scale;
@@ -130,10 +129,9 @@ fn armhole_curve(underarm: Point2, tip: Point2) -> Polyline {
 }
 
 pub(crate) fn at_least(
-    what: &'static str,
+    what: PatternLength,
     found: f64,
     least: f64,
-    hint: &'static str,
 ) -> Result<(), PatternError> {
     if found >= least {
         return Ok(());
@@ -142,7 +140,6 @@ pub(crate) fn at_least(
         what,
         found_cm: 100.0 * found,
         least_cm: 100.0 * least,
-        hint,
     })
 }
 

@@ -6,7 +6,7 @@ use crate::draft::{Arc, Draft, Layer, Meets, Patch};
 use crate::reference::REFERENCE;
 use crate::top_start::{Sizes, TopStart};
 use crate::wearer::Measures;
-use crate::{Parameters, PatternError, Wearer};
+use crate::{Parameters, PatternError, PatternLength, Wearer};
 
 /// The least opening of half a skirt panel, in radians: a straight skirt is a very long cone.
 const LEAST_OPENING: f64 = 0.02;
@@ -60,7 +60,7 @@ pub(crate) fn dress(
     let side = |underarm: Point2| line(underarm, [waist, cut.waist_height]);
     let bodice = bodice(parameters, cut, None, &side)?;
     let below = cut.waist_height - (cut.neck_height - parameters.at("length") * scale);
-    at_least("skirt", below, 0.25, "make `length` longer")?;
+    at_least(PatternLength::Skirt, below, 0.25)?;
     let drop = (cut.waist_height - cut.hip_height).max(0.08);
     let opening = (0.25 * parameters.at("hem-flare") / below).max(LEAST_OPENING);
     let hip = 0.25 * cut.hip * (1.0 + parameters.at("hip-ease"));

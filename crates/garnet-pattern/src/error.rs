@@ -1,5 +1,7 @@
 //! What can be wrong with a pattern.
 
+use std::fmt;
+
 use crate::{GarmentKind, ParameterSpec};
 
 /// Why a garment cannot be cut, sewn or written.
@@ -39,13 +41,11 @@ pub enum PatternError {
     #[error("{what} of {found_cm:.1} cm is not possible: it must be at least {least_cm:.1} cm")]
     Impossible {
         /// The length that is wrong.
-        what: &'static str,
+        what: PatternLength,
         /// Its value, in centimetres.
         found_cm: f64,
         /// The least value, in centimetres.
         least_cm: f64,
-        /// What to change.
-        hint: &'static str,
     },
     /// A measure or landmark of the wearer is missing or makes no sense.
     #[error("{what} of the wearer is `{value}`, which no body has")]
@@ -64,8 +64,8 @@ pub enum PatternError {
         faces: usize,
         /// The smallest angle that is accepted, in degrees.
         least_degrees: f64,
-        /// The parameters that lie far from their defaults, and what to do with them.
-        hint: String,
+        /// The parameters that lie far from their defaults, the farthest first.
+        far: Vec<&'static str>,
     },
     /// No mesh of so many vertices is made.
     #[error("a garment of {asked} vertices is not possible: it lies between {least} and {most}", least = crate::VERTEX_RANGE[0], most = crate::VERTEX_RANGE[1])]
@@ -91,34 +91,30 @@ pub enum PatternError {
     },
 }
 
-impl PatternError {
-    /// What to do about it, as a clause for people.
-    pub fn hint(&self) -> String {
-        match self {
-            Self::UnknownGarment { .. } => names(&GarmentKind::ALL.map(GarmentKind::name)),
-            Self::UnknownSize { .. } => names(&crate::Size::ALL.map(crate::Size::name)),
-            Self::UnknownParameter { garment, .. } => names(&spec_names(*garment)),
-            Self::ParameterOutOfRange { spec, .. } => {
-                format!("`{}` is this: {}", spec.name, spec.help)
-            }
-            Self::Impossible { hint, .. } => (*hint).to_owned(),
-            Self::BadWearer { .. } => {
-                "measures and joints are in metres, y up, with the feet on y = 0".to_owned()
-            }
-            Self::Folded { hint, .. } => hint.clone(),
-            Self::VertexCount { .. } => "the default is 5000".to_owned(),
-            Self::WrongGarment { .. } => "make the template from the same garment".to_owned(),
-            Self::Triangulation { .. } => {
-                "this is a fault of the program: report it with the parameters".to_owned()
-            }
-        }
+/// A length of a pattern that parameters together can make too short.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PatternLength {
+    /// From the armpit to the cuff.
+    Underarm,
+    /// From the armpit to the hem.
+    SideSeam,
+    /// From the neck to the sleeve.
+    Shoulder,
+    /// Of a dress, below the waist.
+    Skirt,
+    /// Of trousers, from the hip to the waistband.
+    Rise,
+}
+
+impl fmt::Display for PatternLength {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Underarm => "underarm seam of the sleeve",
+            Self::SideSeam => "side seam",
+            Self::Shoulder => "shoulder seam",
+            Self::Skirt => "skirt",
+            Self::Rise => "way from the hip to the waistband",
+        })
     }
-}
-
-fn names(names: &[&str]) -> String {
-    format!("it is one of {}", names.join(", "))
-}
-
-fn spec_names(garment: GarmentKind) -> Vec<&'static str> {
-    garment.specs().iter().map(|spec| spec.name).collect()
 }

@@ -6,7 +6,7 @@ use crate::draft::{Arc, Draft, Layer, Meets, Patch};
 use crate::leg_start::{LegSizes, LegStart};
 use crate::reference::REFERENCE;
 use crate::wearer::Measures;
-use crate::{Parameters, PatternError, Wearer};
+use crate::{Parameters, PatternError, PatternLength, Wearer};
 
 /// Rest lengths of the waistband over those of its pattern.
 const WAISTBAND_SHRINK: f32 = 0.93;
@@ -115,10 +115,9 @@ pub(crate) fn jeans(
         waist: rise - band,
     };
     at_least(
-        "way from the hip to the waistband",
+        PatternLength::Rise,
         levels.waist - levels.hip,
         0.02,
-        "make `rise` larger or `waistband` smaller",
     )?;
     let girth = |above_crotch: f64| {
         cut.band_girth(cut.inseam + above_crotch) * (1.0 + parameters.at("waist-ease"))

@@ -46,7 +46,7 @@ mod triangulate;
 mod union;
 mod wearer;
 
-pub use error::PatternError;
+pub use error::{PatternError, PatternLength};
 pub use fit::{Ease, Fit};
 pub use garments::GarmentKind;
 pub use garnet_mesh::Point3;

@@ -143,9 +143,8 @@ impl Parameters {
         Ok(())
     }
 
-    /// What to do about a pattern that is folded: the parameters that lie far from their defaults, the
-    /// farthest first.
-    pub(crate) fn advice(&self) -> String {
+    /// The names of parameters that lie far from their defaults, the farthest first.
+    pub(crate) fn far(&self) -> Vec<&'static str> {
         // Of the way from the default to the end of the range.
         let away = |parameter: &Parameter| {
             let ([low, high], default) = (parameter.spec.range, parameter.spec.default);
@@ -159,15 +158,7 @@ impl Parameters {
         };
         let mut far: Vec<Parameter> = self.iter().filter(|found| away(found) >= FAR).collect();
         far.sort_by(|a, b| away(b).total_cmp(&away(a)));
-        let names: Vec<&str> = far.iter().map(|parameter| parameter.spec.name).collect();
-        match names.as_slice() {
-            [] => "this body is far from those that the pattern is made for".to_owned(),
-            [name] => format!("bring {name} closer to the default"),
-            [all @ .., last] => format!(
-                "these together fold it: bring some of {} and {last} closer to the defaults",
-                all.join(", ")
-            ),
-        }
+        far.iter().map(|parameter| parameter.spec.name).collect()
     }
 
     fn index(&self, name: &str) -> Result<usize, PatternError> {

@@ -7,7 +7,7 @@ use crate::reference::REFERENCE;
 use crate::sleeve::{RIB_SHRINK, cuff_rib, sleeve, sleeve_patch};
 use crate::top_start::{Sizes, TopStart};
 use crate::wearer::Measures;
-use crate::{GarmentKind, Parameters, PatternError, Wearer};
+use crate::{GarmentKind, Parameters, PatternError, PatternLength, Wearer};
 
 /// Height of the rib around the neck, in metres.
 const NECK_RIB: f64 = 0.018;
@@ -34,10 +34,9 @@ pub(crate) fn shirt(
     let side = |underarm: Point2| side_line(underarm, [waist_half, waist], [hem_half, hem]);
     let bodice = bodice(parameters, cut, Some(half), &side)?;
     at_least(
-        "side seam",
+        PatternLength::SideSeam,
         bodice.underarm[1] - hem,
         0.08,
-        "make `length` longer, or `armhole` or `sleeve-ease` smaller",
     )?;
     let half = bodice.sleeve_half(half);
     let sleeve = sleeve(parameters, cut, half, length(&bodice.armhole), rib)?;

@@ -6,7 +6,7 @@ use crate::draft::{Arc, Layer, Meets, Patch};
 use crate::reference::REFERENCE;
 use crate::top_start::TopStart;
 use crate::wearer::Measures;
-use crate::{Parameters, PatternError};
+use crate::{Parameters, PatternError, PatternLength};
 
 /// Rest lengths of the ribs at cuffs and hem over those of their pattern.
 pub(crate) const RIB_SHRINK: f32 = 0.9;
@@ -59,10 +59,9 @@ pub(crate) fn sleeve(
     let cap = sleeve_cap(half, armhole);
     let height = -cap[cap.len() - 1][1];
     at_least(
-        "underarm seam of the sleeve",
+        PatternLength::Underarm,
         top - height - rib,
         LEAST_UNDERARM,
-        "make `sleeve` longer, `sleeve-ease` larger or `armhole` smaller",
     )?;
     let girth = if rib > 0.0 { cut.wrist } else { cut.upper_arm };
     let cuff = (0.5 * girth * (1.0 + parameters.at("cuff-ease"))).min(half);

@@ -308,7 +308,7 @@ impl Template {
             folded: 2 * folded,
             faces: self.faces.len(),
             least_degrees: LEAST_ANGLE,
-            hint: parameters.advice(),
+            far: parameters.far(),
         })
     }
 }

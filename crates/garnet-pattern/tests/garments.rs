@@ -230,11 +230,6 @@ fn wrong_parameters_are_refused_by_name() {
     let text = |result: Result<(), PatternError>| result.unwrap_err().to_string();
     assert!(text(tshirt.set("sleeve", f64::NAN)).starts_with("sleeve of `NaN cm`"));
     assert!(text(tshirt.set("inseam", 0.7)).contains("no parameter `inseam`"));
-    let hint = tshirt.set("inseam", 0.7).unwrap_err().hint();
-    assert!(
-        hint.starts_with("it is one of ") && hint.contains("sleeve"),
-        "{hint}"
-    );
     let jeans = GarmentKind::Jeans.parameters();
     let refused = TEMPLATES[0].made_to_measure(&jeans, &REFERENCE);
     assert!(matches!(refused, Err(PatternError::WrongGarment { .. })));

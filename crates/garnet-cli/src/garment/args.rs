@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, Subcommand, error::ErrorKind};
 use garnet::pattern::{GarmentKind, ParameterSpec, ParameterUnit, Parameters, PatternError, Size};
 
-use crate::drape::{UnitsTaken, UpName, units};
+use crate::{
+    drape::{UnitsTaken, UpName, units},
+    hints::for_pattern,
+};
 
 /// Arguments of `garment`.
 #[derive(Debug, Args)]
@@ -111,7 +114,10 @@ fn size(text: &str) -> Result<Size, String> {
 
 /// An error of a pattern in the line that a wrong argument gets, with what to do about it.
 fn told(error: &PatternError) -> String {
-    format!("{error}; {}", error.hint())
+    match for_pattern(error) {
+        Some(hint) => format!("{error}; {hint}"),
+        None => error.to_string(),
+    }
 }
 
 const OWN: &str = "from-obj";

@@ -1,5 +1,7 @@
 //! Advice for what can be wrong with files, by the type of the error.
 
+mod pattern;
+
 use std::{error::Error as StdError, io, path::Path};
 
 use garnet::{
@@ -16,19 +18,20 @@ use garnet::{
     train::TrainError,
 };
 
+pub(crate) use pattern::for_pattern;
+
 /// The advice of the innermost cause that has one.
 pub(crate) fn for_error(error: &anyhow::Error) -> Option<String> {
     let links: Vec<&(dyn StdError + 'static)> = error.chain().collect();
-    let hint = |link| for_pattern(link).or_else(|| for_link(link).map(str::to_owned));
+    let hint = |link| for_pattern_link(link).or_else(|| for_link(link).map(str::to_owned));
     links.into_iter().rev().find_map(hint)
 }
 
-/// Patterns know themselves what to do.
-fn for_pattern(link: &(dyn StdError + 'static)) -> Option<String> {
-    if let Some(DataError::Pattern(error)) = link.downcast_ref::<DataError>() {
-        return Some(error.hint());
+fn for_pattern_link(link: &(dyn StdError + 'static)) -> Option<String> {
+    match link.downcast_ref::<DataError>() {
+        Some(DataError::Pattern(error)) => for_pattern(error),
+        _ => link.downcast_ref::<PatternError>().and_then(for_pattern),
     }
-    link.downcast_ref::<PatternError>().map(PatternError::hint)
 }
 
 fn for_link(link: &(dyn StdError + 'static)) -> Option<&'static str> {
