@@ -7,6 +7,7 @@ mod assets;
 mod demo;
 mod garbage;
 mod held;
+mod imports;
 mod package;
 mod pattern;
 mod pipeline;

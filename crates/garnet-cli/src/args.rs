@@ -1,10 +1,19 @@
 //! The arguments of the command.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
 use crate::{
-    body::BodyArgs, chart::ChartArgs, dataset::DatasetArgs, drape::DrapeArgs, eval::EvalArgs,
-    garment::GarmentArgs, info::InfoArgs, render::RenderArgs, simulate::SimulateArgs,
+    body::BodyArgs,
+    chart::ChartArgs,
+    console::{ColorChoice, ConsoleOptions},
+    dataset::DatasetArgs,
+    drape::DrapeArgs,
+    eval::EvalArgs,
+    garment::GarmentArgs,
+    info::InfoArgs,
+    parse::thread_count,
+    render::RenderArgs,
+    simulate::SimulateArgs,
     train::TrainArgs,
 };
 
@@ -74,63 +83,18 @@ pub(crate) struct Everywhere {
     pub(crate) color: ColorChoice,
 }
 
-/// When messages are colored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ColorChoice {
-    /// On a terminal, unless `NO_COLOR` is set.
-    Auto,
-    /// Always.
-    Always,
-    /// Never.
-    Never,
-}
-
-/// More threads than any machine has use for; the pool would fail on much larger numbers.
-const MAX_THREADS: usize = 1024;
-
-fn thread_count(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count) if count <= MAX_THREADS => Ok(count),
-        _ => Err(format!("expected a number from 0 to {MAX_THREADS}")),
+impl Everywhere {
+    /// How the command speaks.
+    pub(crate) fn console(&self) -> ConsoleOptions {
+        ConsoleOptions {
+            is_json: self.json,
+            is_quiet: self.quiet,
+            is_verbose: self.verbose,
+            hides_progress: self.no_progress,
+            color: self.color,
+        }
     }
 }
-
-/// A length in millimetres, zero or more, as metres.
-pub(crate) fn millimetres(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(length) if (0.0..=1000.0).contains(&length) => Ok(length * 1e-3),
-        _ => Err("expected millimetres, from 0 to 1000".to_owned()),
-    }
-}
-
-/// A length in millimetres, zero or more, as metres in double precision.
-pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(length) if (0.0..=1000.0).contains(&length) => Ok(length * 1e-3),
-        _ => Err("expected millimetres, from 0 to 1000".to_owned()),
-    }
-}
-
-/// A time in milliseconds, above zero, as seconds.
-pub(crate) fn milliseconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(time) if time > 0.0 && time <= 1e7 => Ok(time * 1e-3),
-        _ => Err("expected milliseconds, above 0".to_owned()),
-    }
-}
-
-/// Frames of a sixtieth of a second that cloth settles.
-pub(crate) fn settle_frames(text: &str) -> Result<u32, String> {
-    match text.parse() {
-        Ok(frames) if frames <= MAX_SETTLE_FRAMES => Ok(frames),
-        _ => Err(format!(
-            "expected a number of frames, from 0 to {MAX_SETTLE_FRAMES}"
-        )),
-    }
-}
-
-/// Ten seconds of cloth that rests after one: more is asked for by mistake.
-const MAX_SETTLE_FRAMES: u32 = 600;
 
 #[cfg(test)]
 mod tests {
@@ -141,13 +105,5 @@ mod tests {
     #[test]
     fn the_arguments_are_consistent() {
         Cli::command().debug_assert();
-    }
-
-    #[test]
-    fn lengths_are_not_negative_and_finite() {
-        assert_eq!(millimetres("2"), Ok(0.002));
-        for text in ["-1", "nan", "inf", "2mm", "1e9", ""] {
-            assert!(millimetres(text).is_err(), "{text}");
-        }
     }
 }

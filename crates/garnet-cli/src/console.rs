@@ -6,13 +6,41 @@ use std::{
     io::{self, IsTerminal, Write},
 };
 
+use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
-use crate::{
-    args::{ColorChoice, Everywhere},
-    failure::{self, Failure},
-};
+use crate::stderr::{Failure, tell, tell_json};
+
+/// How the command speaks.
+#[derive(Debug, Clone, Copy)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
+pub(crate) struct ConsoleOptions {
+    /// Data on stdout are one JSON document, errors are JSON.
+    pub(crate) is_json: bool,
+    /// Errors alone are told.
+    pub(crate) is_quiet: bool,
+    /// How long each stage took is told, too.
+    pub(crate) is_verbose: bool,
+    /// No bar is drawn.
+    pub(crate) hides_progress: bool,
+    /// When messages are colored.
+    pub(crate) color: ColorChoice,
+}
+
+/// When messages are colored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ColorChoice {
+    /// On a terminal, unless `NO_COLOR` is set.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
 
 /// How much is told, and in which form.
 #[derive(Debug)]
@@ -40,9 +68,9 @@ const CYAN: &str = "\x1b[1;36m";
 const RESET: &str = "\x1b[0m";
 
 impl Console {
-    pub(crate) fn new(everywhere: &Everywhere) -> Self {
+    pub(crate) fn new(options: ConsoleOptions) -> Self {
         let is_terminal = io::stderr().is_terminal();
-        let is_colored = match everywhere.color {
+        let is_colored = match options.color {
             ColorChoice::Always => true,
             ColorChoice::Never => false,
             ColorChoice::Auto => {
@@ -51,15 +79,15 @@ impl Console {
             }
         };
         Self {
-            is_json: everywhere.json,
-            loudness: match (everywhere.quiet, everywhere.verbose) {
+            is_json: options.is_json,
+            loudness: match (options.is_quiet, options.is_verbose) {
                 (true, _) => Loudness::Quiet,
                 // The document says it all.
-                (false, false) if everywhere.json => Loudness::Quiet,
+                (false, false) if options.is_json => Loudness::Quiet,
                 (false, false) => Loudness::Usual,
                 (false, true) => Loudness::Verbose,
             },
-            draws_progress: is_terminal && !everywhere.no_progress && !everywhere.quiet,
+            draws_progress: is_terminal && !options.hides_progress && !options.is_quiet,
             is_colored,
         }
     }
@@ -93,7 +121,7 @@ impl Console {
     /// Tells that a limit of the user is exceeded.
     pub(crate) fn exceeded(&self, text: &impl Display) {
         if self.is_json {
-            failure::tell_json(&Failure::without_cause(text.to_string()));
+            tell_json(&Failure::without_cause(text.to_string()));
             return;
         }
         tell(&format_args!("{} {text}", self.label("error:", RED)));
@@ -103,7 +131,7 @@ impl Console {
     pub(crate) fn failure(&self, error: &anyhow::Error) {
         let failure = Failure::new(error);
         if self.is_json {
-            failure::tell_json(&failure);
+            tell_json(&failure);
             return;
         }
         tell(&format_args!(
@@ -153,9 +181,4 @@ pub(crate) fn print_data(text: &str) -> anyhow::Result<()> {
 /// Prints a document to stdout.
 pub(crate) fn print_document(document: &impl Serialize) -> anyhow::Result<()> {
     print_data(&serde_json::to_string_pretty(document)?)
-}
-
-/// Prints a line to stderr; there is nowhere to report that this fails.
-pub(crate) fn tell(text: &impl Display) {
-    let _ = writeln!(io::stderr().lock(), "{text}");
 }

@@ -1,10 +1,6 @@
-//! How a failure ends the command and what is told about it.
+//! How the command ends, and errors with advice.
 
 use std::{error::Error, fmt, process::ExitCode};
-
-use serde::Serialize;
-
-use crate::{console::tell, hints};
 
 /// How the command ends.
 ///
@@ -32,9 +28,9 @@ impl From<ExitStatus> for ExitCode {
 
 /// An error with advice of what to do about it.
 #[derive(Debug)]
-struct Hinted {
+pub(crate) struct Hinted {
     error: anyhow::Error,
-    hint: String,
+    pub(crate) hint: String,
 }
 
 impl fmt::Display for Hinted {
@@ -78,109 +74,4 @@ pub(crate) fn refused(
     let hint = hint.into();
     let error = anyhow::anyhow!(cause.into()).context(error.into());
     anyhow::Error::new(Hinted { error, hint })
-}
-
-/// What is told about an error.
-#[derive(Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Failure {
-    schema: &'static str,
-    /// The clause that says what was not done.
-    pub(crate) error: String,
-    /// Why, from the outside in.
-    pub(crate) causes: Vec<String>,
-    /// What to do about it.
-    pub(crate) hint: Option<String>,
-}
-
-impl Failure {
-    pub(crate) fn new(error: &anyhow::Error) -> Self {
-        let mut texts: Vec<String> = Vec::new();
-        for text in error.chain().map(|link| one_line(&link.to_string())) {
-            // A wrapper that says nothing of its own repeats its source.
-            if texts.last() != Some(&text) {
-                texts.push(text);
-            }
-        }
-        let given = error.chain().find_map(|link| link.downcast_ref::<Hinted>());
-        Self {
-            schema: "garnet.error/1",
-            hint: match given {
-                Some(hinted) => Some(hinted.hint.clone()),
-                None => hints::for_error(error),
-            },
-            causes: texts.split_off(1.min(texts.len())),
-            error: texts.pop().unwrap_or_default(),
-        }
-    }
-}
-
-impl Failure {
-    /// A failure that needs no explanation.
-    pub(crate) fn without_cause(error: String) -> Self {
-        Self {
-            schema: "garnet.error/1",
-            error,
-            causes: Vec::new(),
-            hint: None,
-        }
-    }
-}
-
-/// Texts of systems and parsers may have several lines.
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-/// Prints a failure as JSON to stderr.
-pub(crate) fn tell_json(failure: &Failure) {
-    let text = serde_json::to_string(failure).unwrap_or_else(|_| failure.error.clone());
-    tell(&text);
-}
-
-/// Prints what clap found, which is help, the version, or an error of usage.
-pub(crate) fn usage(found: &clap::Error) -> ExitStatus {
-    if !found.use_stderr() {
-        // A reader that has gone away is no error.
-        let _ = found.print();
-        return ExitStatus::Done;
-    }
-    if std::env::args_os().any(|argument| argument == "--json") {
-        let text = found.render().to_string();
-        let first = text.lines().next().unwrap_or_default();
-        let error = first.trim_start_matches("error: ").to_owned();
-        tell_json(&Failure {
-            hint: Some("`garnet --help` lists the arguments".to_owned()),
-            ..Failure::without_cause(error)
-        });
-    } else {
-        let _ = found.print();
-    }
-    ExitStatus::NotDone
-}
-
-#[cfg(test)]
-mod tests {
-    use anyhow::Context;
-
-    use super::*;
-
-    #[test]
-    fn causes_follow_from_the_outside_in() {
-        let refused: anyhow::Result<()> = Err(anyhow::anyhow!("the line\n is bad"));
-        let error = refused
-            .hint(|| "mend it".to_owned())
-            .context("cannot read `a`")
-            .unwrap_err();
-        let failure = Failure::new(&error);
-        assert_eq!(failure.error, "cannot read `a`");
-        assert_eq!(failure.causes, ["the line is bad"]);
-        assert_eq!(failure.hint.as_deref(), Some("mend it"));
-    }
-
-    #[test]
-    fn a_refusal_has_all_three() {
-        let failure = Failure::new(&refused("a", "b", "c"));
-        assert_eq!((failure.error.as_str(), failure.causes.len()), ("a", 1));
-        assert_eq!(failure.hint.as_deref(), Some("c"));
-    }
 }

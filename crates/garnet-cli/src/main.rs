@@ -16,10 +16,12 @@ mod hints;
 mod info;
 mod machine;
 mod output;
+mod parse;
 mod posing;
 mod render;
 mod sidecar;
 mod simulate;
+mod stderr;
 mod train;
 
 use std::process::ExitCode;
@@ -37,9 +39,9 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(usage) => return failure::usage(&usage).into(),
+        Err(usage) => return stderr::usage(&usage).into(),
     };
-    let console = Console::new(&cli.everywhere);
+    let console = Console::new(cli.everywhere.console());
     let status = set_threads(&cli.everywhere).and_then(|()| run(cli.command, &console));
     match status {
         Ok(status) => status.into(),

@@ -10,9 +10,9 @@ use garnet::{
 };
 
 use crate::{
-    args::{millimetres, settle_frames, tolerance},
     dataset::QualityName,
     eval, output,
+    parse::{at_least_one, millimetres, settle_frames, tolerance},
 };
 
 /// Arguments of `chart`.
@@ -85,13 +85,6 @@ DIR gets
   chart.csv, chart.json    the same as numbers, with all other scores
   samples.json             all samples: a run that is repeated or was stopped goes on from there";
 
-fn at_least_one(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count) if count > 0 => Ok(count),
-        _ => Err("expected a number, 1 or more".to_owned()),
-    }
-}
-
 impl ChartArgs {
     /// Refuses an output that cannot be written.
     pub(crate) fn check(&self) -> anyhow::Result<()> {
@@ -124,19 +117,6 @@ impl ChartArgs {
         UntangleOptions {
             clearance: self.clearance,
             ..UntangleOptions::default()
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn counts_are_in_range() {
-        assert_eq!(at_least_one("3"), Ok(3));
-        for text in ["0", "-1", "", "x"] {
-            assert!(at_least_one(text).is_err(), "{text}");
         }
     }
 }

@@ -11,9 +11,9 @@ use garnet::{
 };
 
 use crate::{
-    args::{millimetres, milliseconds, settle_frames, tolerance},
     failure::{Hint, refused},
     output,
+    parse::{millimetres, milliseconds, settle_frames, tolerance},
     posing::PoseSource,
 };
 

@@ -11,9 +11,9 @@ use garnet::{
 };
 
 use crate::{
-    args::{millimetres, settle_frames},
     failure::Hint,
     output,
+    parse::{millimetres, settle_frames},
 };
 
 /// Arguments of `eval`.

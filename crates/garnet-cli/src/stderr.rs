@@ -1,0 +1,122 @@
+//! What goes to stderr: lines, and what is told about errors.
+
+use std::{
+    fmt::Display,
+    io::{self, Write},
+};
+
+use serde::Serialize;
+
+use crate::{
+    failure::{ExitStatus, Hinted},
+    hints,
+};
+
+/// Prints a line to stderr; there is nowhere to report that this fails.
+pub(crate) fn tell(text: &impl Display) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// What is told about an error.
+#[derive(Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct Failure {
+    schema: &'static str,
+    /// The clause that says what was not done.
+    pub(crate) error: String,
+    /// Why, from the outside in.
+    pub(crate) causes: Vec<String>,
+    /// What to do about it.
+    pub(crate) hint: Option<String>,
+}
+
+impl Failure {
+    pub(crate) fn new(error: &anyhow::Error) -> Self {
+        let mut texts: Vec<String> = Vec::new();
+        for text in error.chain().map(|link| one_line(&link.to_string())) {
+            // A wrapper that says nothing of its own repeats its source.
+            if texts.last() != Some(&text) {
+                texts.push(text);
+            }
+        }
+        let given = error.chain().find_map(|link| link.downcast_ref::<Hinted>());
+        Self {
+            schema: "garnet.error/1",
+            hint: match given {
+                Some(hinted) => Some(hinted.hint.clone()),
+                None => hints::for_error(error),
+            },
+            causes: texts.split_off(1.min(texts.len())),
+            error: texts.pop().unwrap_or_default(),
+        }
+    }
+
+    /// A failure that needs no explanation.
+    pub(crate) fn without_cause(error: String) -> Self {
+        Self {
+            schema: "garnet.error/1",
+            error,
+            causes: Vec::new(),
+            hint: None,
+        }
+    }
+}
+
+/// Texts of systems and parsers may have several lines.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Prints a failure as JSON to stderr.
+pub(crate) fn tell_json(failure: &Failure) {
+    let text = serde_json::to_string(failure).unwrap_or_else(|_| failure.error.clone());
+    tell(&text);
+}
+
+/// Prints what clap found, which is help, the version, or an error of usage.
+pub(crate) fn usage(found: &clap::Error) -> ExitStatus {
+    if !found.use_stderr() {
+        // A reader that has gone away is no error.
+        let _ = found.print();
+        return ExitStatus::Done;
+    }
+    if std::env::args_os().any(|argument| argument == "--json") {
+        let text = found.render().to_string();
+        let first = text.lines().next().unwrap_or_default();
+        let error = first.trim_start_matches("error: ").to_owned();
+        tell_json(&Failure {
+            hint: Some("`garnet --help` lists the arguments".to_owned()),
+            ..Failure::without_cause(error)
+        });
+    } else {
+        let _ = found.print();
+    }
+    ExitStatus::NotDone
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::Context;
+
+    use super::*;
+    use crate::failure::{Hint, refused};
+
+    #[test]
+    fn causes_follow_from_the_outside_in() {
+        let refused: anyhow::Result<()> = Err(anyhow::anyhow!("the line\n is bad"));
+        let error = refused
+            .hint(|| "mend it".to_owned())
+            .context("cannot read `a`")
+            .unwrap_err();
+        let failure = Failure::new(&error);
+        assert_eq!(failure.error, "cannot read `a`");
+        assert_eq!(failure.causes, ["the line is bad"]);
+        assert_eq!(failure.hint.as_deref(), Some("mend it"));
+    }
+
+    #[test]
+    fn a_refusal_has_all_three() {
+        let failure = Failure::new(&refused("a", "b", "c"));
+        assert_eq!((failure.error.as_str(), failure.causes.len()), ("a", 1));
+        assert_eq!(failure.hint.as_deref(), Some("c"));
+    }
+}
