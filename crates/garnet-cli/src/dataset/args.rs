@@ -40,9 +40,9 @@ pub(crate) struct DatasetArgs {
         allow_negative_numbers = true
     )]
     pub(crate) poses: u32,
-    /// Put poses together: trunk and legs between two poses, arms of others. More scenes of those, for `train --more`,
-    /// teach more of poses that no sequence has.
-    #[arg(long, conflicts_with = "import")]
+    /// Put poses together, trunk and legs between two poses and arms of others, as more scenes for
+    /// `train --more`.
+    #[arg(long, hide_short_help = true, conflicts_with = "import")]
     pub(crate) mixed: bool,
     /// Named seed of bodies and poses.
     #[arg(
@@ -62,8 +62,7 @@ pub(crate) struct DatasetArgs {
     )]
     pub(crate) quality: QualityName,
     /// How far the simulation goes.
-    #[arg(
-        long,
+    #[arg(long, hide_short_help = true,
         value_name = "END",
         default_value = "rest",
         conflicts_with = "import"
@@ -72,24 +71,24 @@ pub(crate) struct DatasetArgs {
     /// Who wears what [default: made-to-measure for jeans and with --vary, one-size for all else].
     #[arg(long, value_name = "SIZING", conflicts_with = "import")]
     pub(crate) sizing: Option<SizingName>,
-    /// Draw a parameter of the pattern for each body, in centimetres or per cent as `garnet garment` takes
-    /// it; for garments that are made to measure. May be given several times.
-    #[arg(long, value_name = "NAME=MIN:MAX", value_parser = variation, conflicts_with = "import")]
+    /// Draw a parameter of the pattern for each body, in centimetres or per cent, of garments that are
+    /// made to measure; may be given several times.
+    #[arg(long, hide_short_help = true, value_name = "NAME=MIN:MAX", value_parser = variation, conflicts_with = "import")]
     pub(crate) vary: Vec<(String, [f64; 2])>,
     /// Keep the scenes that the checks would reject, to look at them.
-    #[arg(long, conflicts_with = "import")]
+    #[arg(long, hide_short_help = true, conflicts_with = "import")]
     pub(crate) keep_all: bool,
     /// Make the K-th of N parts of the data set, each on a machine of its own.
-    #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = part, conflicts_with = "import")]
+    #[arg(long, hide_short_help = true, value_name = "K/N", default_value = "1/1", value_parser = part, conflicts_with = "import")]
     pub(crate) shard: (u32, u32),
     /// Take drapes made elsewhere: a manifest, or a folder laid out as the shirts of Wang et al. 2018.
     #[arg(long, value_name = "JSON|DIR")]
     pub(crate) import: Option<PathBuf>,
     /// Name of the body's OBJ in each sample of such a folder.
-    #[arg(long, value_name = "NAME", requires = "import")]
+    #[arg(long, hide_short_help = true, value_name = "NAME", requires = "import")]
     pub(crate) body_file: Option<String>,
     /// Unit of such a folder [default: m].
-    #[arg(long, value_name = "UNIT", requires = "import", value_parser = unit)]
+    #[arg(long, hide_short_help = true, value_name = "UNIT", requires = "import", value_parser = unit)]
     pub(crate) units: Option<Unit>,
 }
 

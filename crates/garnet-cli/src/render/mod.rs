@@ -48,16 +48,16 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "WHAT", default_value = "none", value_parser = colors::color_by)]
     color_by: ColorBy,
     /// Values at the ends of the color bar.
-    #[arg(long, value_name = "LO:HI", value_parser = words::range, allow_hyphen_values = true)]
+    #[arg(long, hide_short_help = true, value_name = "LO:HI", value_parser = words::range, allow_hyphen_values = true)]
     range: Option<[f32; 2]>,
     /// Draw the edges of the triangles.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     wireframe: bool,
     /// Enlarge by this factor.
-    #[arg(long, value_name = "X", default_value = "1", value_parser = words::zoom, allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, value_name = "X", default_value = "1", value_parser = words::zoom, allow_negative_numbers = true)]
     zoom: f32,
     /// Axis that points up.
-    #[arg(long, value_name = "AXIS", default_value = "y")]
+    #[arg(long, hide_short_help = true, value_name = "AXIS", default_value = "y")]
     up: words::UpName,
 }
 
