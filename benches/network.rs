@@ -31,11 +31,17 @@ fn predict(criterion: &mut Criterion) {
         for size in SIZES {
             let stage = ReferenceStage::new(size, NUM_BODY_POINTS);
             let make = || stage.predictor(preset(name));
-            on_threads(criterion, "predict", BenchmarkId::new(name, size), make, |predictor| {
-                predictor
-                    .predict(&stage.input())
-                    .expect("the scene is sound");
-            });
+            on_threads(
+                criterion,
+                "predict",
+                BenchmarkId::new(name, size),
+                make,
+                |predictor| {
+                    predictor
+                        .predict(&stage.input())
+                        .expect("the scene is sound");
+                },
+            );
         }
     }
 }
@@ -62,9 +68,15 @@ fn variants(criterion: &mut Criterion) {
                     .expect("the scene is sound");
                 predictor
             };
-            on_threads(criterion, "forward", BenchmarkId::new(name, size), make, |predictor| {
-                predictor.translations();
-            });
+            on_threads(
+                criterion,
+                "forward",
+                BenchmarkId::new(name, size),
+                make,
+                |predictor| {
+                    predictor.translations();
+                },
+            );
         }
     }
 }
@@ -81,9 +93,15 @@ fn training_step(criterion: &mut Criterion) {
                 Exercise::new(&config, garment, body, &stage.draped())
                     .expect("the meshes are sound")
             };
-            on_threads(criterion, "step", BenchmarkId::new(name, size), make, |exercise| {
-                exercise.step().expect("a few steps do not diverge");
-            });
+            on_threads(
+                criterion,
+                "step",
+                BenchmarkId::new(name, size),
+                make,
+                |exercise| {
+                    exercise.step().expect("a few steps do not diverge");
+                },
+            );
         }
     }
 }
@@ -98,15 +116,21 @@ fn drape(criterion: &mut Criterion) {
                 let network = Network::untrained(name, &bound, &scene.body);
                 (scene, bound, network.expect("the preset is there"))
             };
-            on_threads(criterion, "drape", BenchmarkId::new(name, size), make, |made| {
-                let (scene, bound, network) = made;
-                let warped = network.warped(bound, &scene.posed);
-                let warped = warped.expect("the body is that of the garment");
-                let moved = network.moved(bound, &scene.posed, &warped);
-                let moved = moved.expect("the body is finite");
-                let draped = Draper::new().finish(bound, &scene.posed, &moved.garment);
-                draped.expect("the body is that of the garment");
-            });
+            on_threads(
+                criterion,
+                "drape",
+                BenchmarkId::new(name, size),
+                make,
+                |made| {
+                    let (scene, bound, network) = made;
+                    let warped = network.warped(bound, &scene.posed);
+                    let warped = warped.expect("the body is that of the garment");
+                    let moved = network.moved(bound, &scene.posed, &warped);
+                    let moved = moved.expect("the body is finite");
+                    let draped = Draper::new().finish(bound, &scene.posed, &moved.garment);
+                    draped.expect("the body is that of the garment");
+                },
+            );
         }
     }
 }

@@ -41,7 +41,10 @@ fn variants() -> Vec<(String, Option<String>)> {
     let package = GarmentPackage::read(&folder()).expect("the package can be read");
     let variants = package.manifest.variants.into_iter();
     let named = variants.map(|variant| (variant.name.clone(), Some(variant.name)));
-    [("default".to_owned(), None)].into_iter().chain(named).collect()
+    [("default".to_owned(), None)]
+        .into_iter()
+        .chain(named)
+        .collect()
 }
 
 fn folder() -> PathBuf {
@@ -60,14 +63,17 @@ fn drape(shirt: &mut PackagedGarment, target: &PosedBody) {
 fn reach(body: &Body) -> PosedBody {
     let file = folder().join("../demo/reach.obj");
     let file = ObjFile::read(file).expect("the demo can be read");
-    body.fitted(file.positions()).expect("the demo is of the body")
+    body.fitted(file.positions())
+        .expect("the demo is of the body")
 }
 
 /// People of the population in sampled poses, as targets of the body of the package.
 fn people(body: &Body) -> Vec<PosedBody> {
     let (population, sampler) = (Population::new(SEED), PoseSampler::new(SEED));
     let person = |number: u64| {
-        let built = ParametricBody::build(&population.sample(number)).ok()?.into_body();
+        let built = ParametricBody::build(&population.sample(number))
+            .ok()?
+            .into_body();
         let poser = Poser::new(built.skeleton()).ok()?;
         let sound = sampler.sample_for(&poser, &SelfContact::new(&built).ok()?, number);
         let posed = built.posed_positions(&sound.ok()?.pose, Method::DualQuaternion);
@@ -114,9 +120,17 @@ fn own(criterion: &mut Criterion) {
             (scene.bound(), scene.posed, Draper::new())
         };
         let id = BenchmarkId::from_parameter(size);
-        on_threads(criterion, "own/bound", id, make, |(garment, posed, draper)| {
-            draper.drape(garment, posed).expect("the tunic can be draped");
-        });
+        on_threads(
+            criterion,
+            "own/bound",
+            id,
+            make,
+            |(garment, posed, draper)| {
+                draper
+                    .drape(garment, posed)
+                    .expect("the tunic can be draped");
+            },
+        );
     }
 }
 

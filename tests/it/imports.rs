@@ -37,7 +37,11 @@ fn paths(text: &str) -> Vec<Vec<String>> {
         .collect();
     let code = code.join("\n");
     let mut paths = Vec::new();
-    for item in code.split("\nuse ").skip(1).chain(code.split("\npub(crate) use ").skip(1)) {
+    for item in code
+        .split("\nuse ")
+        .skip(1)
+        .chain(code.split("\npub(crate) use ").skip(1))
+    {
         let tree = item.split(';').next().unwrap_or_default();
         expand(&[], tree, &mut paths);
     }
@@ -140,14 +144,20 @@ fn circles(imports: &BTreeMap<Module, BTreeSet<Module>>) -> BTreeSet<BTreeSet<Mo
         }
         reached
     };
-    let reached: BTreeMap<&Module, BTreeSet<Module>> =
-        imports.keys().map(|module| (module, reached(module))).collect();
+    let reached: BTreeMap<&Module, BTreeSet<Module>> = imports
+        .keys()
+        .map(|module| (module, reached(module)))
+        .collect();
     let circle = |module: &Module| -> BTreeSet<Module> {
         let others = reached[module].iter();
         let back = others.filter(|other| reached[*other].contains(module));
         back.cloned().collect()
     };
-    imports.keys().map(circle).filter(|circle| circle.len() > 1).collect()
+    imports
+        .keys()
+        .map(circle)
+        .filter(|circle| circle.len() > 1)
+        .collect()
 }
 
 #[test]
@@ -155,7 +165,11 @@ fn modules_of_the_command_import_in_circles_only_within_one_subcommand() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/garnet-cli/src");
     let imports = imports(&folder);
     let edges: usize = imports.values().map(BTreeSet::len).sum();
-    assert!(imports.len() > 50 && edges > 100, "{} modules, {edges} edges", imports.len());
+    assert!(
+        imports.len() > 50 && edges > 100,
+        "{} modules, {edges} edges",
+        imports.len()
+    );
     for circle in circles(&imports) {
         let folders: BTreeSet<_> = circle.iter().map(|module| module.first()).collect();
         let names: Vec<String> = circle.iter().map(|module| module.join("::")).collect();
@@ -168,8 +182,10 @@ fn circles_are_seen() {
     let module = |name: &str| name.split("::").map(str::to_owned).collect::<Module>();
     let text = "//! Words.\n\nuse std::fs;\nuse crate::{b::{self, Thing}, c::d};\n\nfn f() { crate::e::g() }\n";
     let names = ["a", "b", "c", "c::d", "e"];
-    let all: BTreeMap<Module, String> =
-        names.iter().map(|name| (module(name), String::new())).collect();
+    let all: BTreeMap<Module, String> = names
+        .iter()
+        .map(|name| (module(name), String::new()))
+        .collect();
     let found: BTreeSet<String> = (paths(text).iter())
         .filter_map(|path| resolved(&module("a"), path, &all))
         .map(|module| module.join("::"))

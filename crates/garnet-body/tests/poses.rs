@@ -9,8 +9,8 @@ use common::{ARM_RADIUS, TRUNK_RADIUS, body, skeleton};
 use garnet_body::{
     motion::{Ground, Side, lowest_points, put_on_ground},
     poses::{
-        BodyAngles, GaitCycle, Outcome, Part, PoseSampler, Poser, SelfContact,
-        SeparationOptions, key_pose, key_poses, turn,
+        BodyAngles, GaitCycle, Outcome, Part, PoseSampler, Poser, SelfContact, SeparationOptions,
+        key_pose, key_poses, turn,
     },
     shape::{BodyParameters, JOINT_NAMES, ParametricBody},
 };

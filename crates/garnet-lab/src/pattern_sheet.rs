@@ -8,11 +8,7 @@ use std::{
 };
 
 use clap::Args;
-use garnet::io::write_obj;
-use garnet::{
-    data::wearer_of,
-    shape::ParametricBody,
-};
+use garnet::{data::wearer_of, io::write_obj, shape::ParametricBody};
 use garnet_knn::Surface;
 use garnet_mesh::TriMesh;
 use garnet_pattern::{GarmentKind, SewnGarment, Size, Template};

@@ -85,7 +85,9 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             .chunks(COLUMNS * ROWS)
             .zip(poses.chunks(COLUMNS * ROWS));
         for (index, (names, poses)) in sheets.enumerate() {
-            let path = arguments.folder.join(format!("{}_{index}.png", file_stem(kind)));
+            let path = arguments
+                .folder
+                .join(format!("{}_{index}.png", file_stem(kind)));
             sheet(&body, names, poses, &path)?;
         }
     }

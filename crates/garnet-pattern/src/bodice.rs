@@ -81,11 +81,7 @@ pub(crate) fn bodice(
         0.5 * cut.shoulder_breadth + parameters.at("shoulder"),
         cut.shoulder_height + 0.010 * scale,
     ];
-    at_least(
-        PatternLength::Shoulder,
-        tip[0] - neck[0],
-        0.03,
-    )?;
+    at_least(PatternLength::Shoulder, tip[0] - neck[0], 0.03)?;
     let half_width = 0.25 * cut.chest * (1.0 + parameters.at("chest-ease"));
     let mut depth = cut.armpit_height() - parameters.at("armhole") * scale;
     let mut armhole = armhole_curve([half_width, depth], tip);
@@ -128,11 +124,7 @@ fn armhole_curve(underarm: Point2, tip: Point2) -> Polyline {
     )
 }
 
-pub(crate) fn at_least(
-    what: PatternLength,
-    found: f64,
-    least: f64,
-) -> Result<(), PatternError> {
+pub(crate) fn at_least(what: PatternLength, found: f64, least: f64) -> Result<(), PatternError> {
     if found >= least {
         return Ok(());
     }

@@ -114,11 +114,7 @@ pub(crate) fn jeans(
         hip: (cut.hip_height - cut.inseam).clamp(0.045, 0.5 * rise),
         waist: rise - band,
     };
-    at_least(
-        PatternLength::Rise,
-        levels.waist - levels.hip,
-        0.02,
-    )?;
+    at_least(PatternLength::Rise, levels.waist - levels.hip, 0.02)?;
     let girth = |above_crotch: f64| {
         cut.band_girth(cut.inseam + above_crotch) * (1.0 + parameters.at("waist-ease"))
     };

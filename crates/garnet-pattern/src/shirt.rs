@@ -33,11 +33,7 @@ pub(crate) fn shirt(
     let hem_half = chest_half * (1.0 + parameters.at("hem-flare"));
     let side = |underarm: Point2| side_line(underarm, [waist_half, waist], [hem_half, hem]);
     let bodice = bodice(parameters, cut, Some(half), &side)?;
-    at_least(
-        PatternLength::SideSeam,
-        bodice.underarm[1] - hem,
-        0.08,
-    )?;
+    at_least(PatternLength::SideSeam, bodice.underarm[1] - hem, 0.08)?;
     let half = bodice.sleeve_half(half);
     let sleeve = sleeve(parameters, cut, half, length(&bodice.armhole), rib)?;
     let start = TopStart::new(

@@ -58,11 +58,7 @@ pub(crate) fn sleeve(
     let top = parameters.at("sleeve") * arm_scale;
     let cap = sleeve_cap(half, armhole);
     let height = -cap[cap.len() - 1][1];
-    at_least(
-        PatternLength::Underarm,
-        top - height - rib,
-        LEAST_UNDERARM,
-    )?;
+    at_least(PatternLength::Underarm, top - height - rib, LEAST_UNDERARM)?;
     let girth = if rib > 0.0 { cut.wrist } else { cut.upper_arm };
     let cuff = (0.5 * girth * (1.0 + parameters.at("cuff-ease"))).min(half);
     // Above a rib the sleeve is a little fuller than the rib.

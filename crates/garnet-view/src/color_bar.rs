@@ -32,7 +32,12 @@ pub(crate) fn width(legends: &[Legend<'_>], scale: u32) -> u32 {
 }
 
 /// Draws a label, and a bar with ticks below it.
-pub(crate) fn draw(image: &mut Image, legend: &Legend<'_>, place: Rect, scale: u32) -> Result<(), ViewError> {
+pub(crate) fn draw(
+    image: &mut Image,
+    legend: &Legend<'_>,
+    place: Rect,
+    scale: u32,
+) -> Result<(), ViewError> {
     let line = text::height(scale);
     let left = place.x + GAP * scale;
     let bar_height = (place.height / 10 * 7).min(place.height.saturating_sub(5 * line));

@@ -75,7 +75,10 @@ impl Image {
         let Some(start) = self.start(x, y) else {
             return;
         };
-        for (below, above) in self.pixels[start..start + 3].iter_mut().zip(color.channels()) {
+        for (below, above) in self.pixels[start..start + 3]
+            .iter_mut()
+            .zip(color.channels())
+        {
             let [from, to] = [*below, above].map(f32::from);
             *below = (from + share * (to - from)).round() as u8;
         }

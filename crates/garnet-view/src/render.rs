@@ -118,12 +118,7 @@ fn draw_view(
         .for_each(|(band, rows)| drawing.draw_band(band, rows, row_bytes));
 }
 
-fn draw_caption(
-    image: &mut Image,
-    caption: &str,
-    rect: Rect,
-    scale: u32,
-) -> Result<(), ViewError> {
+fn draw_caption(image: &mut Image, caption: &str, rect: Rect, scale: u32) -> Result<(), ViewError> {
     if rect.height == 0 {
         return Ok(());
     }

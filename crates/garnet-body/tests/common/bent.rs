@@ -112,7 +112,9 @@ pub(crate) fn bent_ring(
     let skeleton = body.skeleton();
     let mut joints = [0; 3];
     for (joint, name) in joints.iter_mut().zip(hinge.joints()) {
-        *joint = skeleton.find(name).ok_or_else(|| format!("the body has no joint `{name}`"))?;
+        *joint = skeleton
+            .find(name)
+            .ok_or_else(|| format!("the body has no joint `{name}`"))?;
     }
     let pose = Poser::new(skeleton)?.pose(&hinge.angles(degrees));
     let transforms = skeleton.transforms(&pose)?;

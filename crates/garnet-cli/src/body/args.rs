@@ -33,7 +33,9 @@ pub(crate) struct BodyArgs {
           value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
     pub(crate) sample: Option<u32>,
     /// Named seed of the draws.
-    #[arg(long, hide_short_help = true,
+    #[arg(
+        long,
+        hide_short_help = true,
         value_name = "S",
         default_value = "0",
         requires = "sample",
@@ -48,7 +50,9 @@ pub(crate) struct BodyArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub(crate) motion: Option<PathBuf>,
     /// Frames of the motion, from 0, without END [default: all].
-    #[arg(long, hide_short_help = true,
+    #[arg(
+        long,
+        hide_short_help = true,
         value_name = "FIRST:END:STEP",
         requires = "motion",
         allow_negative_numbers = true
@@ -77,7 +81,12 @@ pub(crate) struct MeasureArgs {
     #[arg(long, value_name = "CM", allow_negative_numbers = true)]
     chest: Option<f64>,
     /// Girth under the bust.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     under_bust: Option<f64>,
     /// Girth at the height of the navel.
     #[arg(long, value_name = "CM", allow_negative_numbers = true)]
@@ -86,52 +95,127 @@ pub(crate) struct MeasureArgs {
     #[arg(long, value_name = "CM", allow_negative_numbers = true)]
     hip: Option<f64>,
     /// Girth of the thigh below the crotch.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     thigh: Option<f64>,
     /// Girth at the knee joint.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     knee: Option<f64>,
     /// Girth of the calf.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     calf: Option<f64>,
     /// Girth above the ankle.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     ankle: Option<f64>,
     /// Girth of the relaxed upper arm.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     upper_arm: Option<f64>,
     /// Girth of the forearm.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     forearm: Option<f64>,
     /// Girth of the wrist.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     wrist: Option<f64>,
     /// Girth of the neck.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     neck: Option<f64>,
     /// Breadth between the bony tips of the shoulders.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     shoulder_breadth: Option<f64>,
     /// Length from the tip of the shoulder to the wrist.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     arm_length: Option<f64>,
     /// Height of the crotch.
     #[arg(long, value_name = "CM", allow_negative_numbers = true)]
     inseam: Option<f64>,
     /// Height of the tips of the shoulders.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     shoulder_height: Option<f64>,
     /// Height of the nipples.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     chest_height: Option<f64>,
     /// Height of the navel.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     waist_height: Option<f64>,
     /// Height of the greatest protrusion of the buttocks.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     hip_height: Option<f64>,
     /// Height of the knee.
-    #[arg(long, hide_short_help = true, value_name = "CM", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
     knee_height: Option<f64>,
 }
 

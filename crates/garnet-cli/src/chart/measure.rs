@@ -14,7 +14,7 @@ use super::{
     methods::{Method, Way},
     record::{FailedScene, Keeper, NoiseRecord},
 };
-use crate::train::advised;
+use crate::hints::advised;
 
 /// Times skinning, warp and networks.
 pub(super) fn drapes(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {

@@ -19,7 +19,7 @@ use super::{
     methods::{Method, Way, shown},
     record::Keeper,
 };
-use crate::{machine, train::advised};
+use crate::{hints::advised, machine};
 
 /// Drapes one scene by each method in a process of its own.
 pub(super) fn measure(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {

@@ -27,8 +27,8 @@ use crate::{
     console::{Console, print_data, print_document},
     dataset::read_package,
     failure::ExitStatus,
+    hints::advised,
     output,
-    train::advised,
 };
 
 /// The split that methods are judged by.

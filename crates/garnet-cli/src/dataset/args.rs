@@ -62,7 +62,9 @@ pub(crate) struct DatasetArgs {
     )]
     pub(crate) quality: QualityName,
     /// How far the simulation goes.
-    #[arg(long, hide_short_help = true,
+    #[arg(
+        long,
+        hide_short_help = true,
         value_name = "END",
         default_value = "rest",
         conflicts_with = "import"

@@ -1,7 +1,6 @@
 //! `garnet dataset`: many simulated scenes of one garment.
 
 mod args;
-mod hints;
 mod progress;
 mod rejected;
 mod report;
@@ -23,9 +22,9 @@ use report::DatasetReport;
 use crate::{
     console::{Console, print_document},
     failure::{ExitStatus, refused, with_hint},
+    hints::Hinting,
     output,
 };
-use hints::Hinting;
 
 /// Makes a data set, goes on with one, or imports one.
 pub(crate) fn run(args: &DatasetArgs, console: &Console) -> anyhow::Result<ExitStatus> {

@@ -5,7 +5,8 @@ use std::{collections::BTreeMap, fmt, path::Path, time::Duration};
 use garnet::data::{Dataset, SceneReport, Split};
 use serde::Serialize;
 
-use super::{hints::Hinting, rejected::MostlyRejected};
+use super::rejected::MostlyRejected;
+use crate::hints::Hinting;
 
 /// What a data set has got.
 #[derive(Debug, Serialize)]

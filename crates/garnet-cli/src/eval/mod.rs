@@ -18,8 +18,8 @@ use crate::{
     console::{Console, print_data, print_document},
     dataset::read_package,
     failure::ExitStatus,
+    hints::advised,
     output,
-    train::advised,
 };
 
 /// Measures, prints the table, and writes report and curves.

@@ -1,6 +1,8 @@
 //! Advice for what can be wrong with files, by the type of the error.
 
+mod data;
 mod pattern;
+mod train;
 
 use std::{error::Error as StdError, io, path::Path};
 
@@ -18,7 +20,9 @@ use garnet::{
     train::TrainError,
 };
 
+pub(crate) use data::Hinting;
 pub(crate) use pattern::for_pattern;
+pub(crate) use train::{CONFIG_HINT, advised};
 
 /// The advice of the innermost cause that has one.
 pub(crate) fn for_error(error: &anyhow::Error) -> Option<String> {

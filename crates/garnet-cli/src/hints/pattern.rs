@@ -19,9 +19,7 @@ pub(crate) fn for_pattern(error: &PatternError) -> Option<String> {
         }
         PatternError::Folded { far, .. } => for_folded(far),
         PatternError::VertexCount { .. } => "the default is 5000".to_owned(),
-        PatternError::WrongGarment { .. } => {
-            "make the template from the same garment".to_owned()
-        }
+        PatternError::WrongGarment { .. } => "make the template from the same garment".to_owned(),
         PatternError::Triangulation { .. } => {
             "this is a fault of the program: report it with the parameters".to_owned()
         }
@@ -67,12 +65,18 @@ mod tests {
     fn names_that_there_are_are_listed() {
         let mut tshirt = GarmentKind::Tshirt.parameters();
         let hint = for_pattern(&tshirt.set("inseam", 0.7).unwrap_err()).unwrap();
-        assert!(hint.starts_with("it is one of ") && hint.contains("sleeve"), "{hint}");
+        assert!(
+            hint.starts_with("it is one of ") && hint.contains("sleeve"),
+            "{hint}"
+        );
     }
 
     #[test]
     fn parameters_that_fold_a_pattern_are_named() {
-        assert_eq!(for_folded(&["sleeve"]), "bring sleeve closer to the default");
+        assert_eq!(
+            for_folded(&["sleeve"]),
+            "bring sleeve closer to the default"
+        );
         assert!(for_folded(&["a", "b", "c"]).contains("some of a, b and c closer"));
     }
 }

@@ -5,8 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use garnet::train::{Begin, Precision, Recipe, TrainConfig, TrainJob, training_folder};
 
-use super::{CONFIG_HINT, advised, followed};
-use crate::failure::Hint;
+use super::followed;
+use crate::{
+    failure::Hint,
+    hints::{CONFIG_HINT, advised},
+};
 
 /// Arguments of `train`.
 #[derive(Debug, Args)]

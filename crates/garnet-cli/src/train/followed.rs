@@ -7,8 +7,8 @@ use garnet::{
     train::{Recipe, TrainConfig, kind_name},
 };
 
-use super::{TrainArgs, advised};
-use crate::failure::refused;
+use super::TrainArgs;
+use crate::{failure::refused, hints::advised};
 
 /// Refuses what would be left out of account.
 pub(super) fn check(args: &TrainArgs, recipe: &Recipe) -> anyhow::Result<()> {

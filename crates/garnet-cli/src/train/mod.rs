@@ -10,8 +10,8 @@ use std::{sync::atomic::AtomicBool, time::Instant};
 
 use garnet::{
     io::remove_stale_temporaries,
-    package::{GarmentPackage, PackageError},
-    train::{TrainError, train, training_folder},
+    package::GarmentPackage,
+    train::{train, training_folder},
 };
 
 pub(crate) use args::TrainArgs;
@@ -21,7 +21,8 @@ use report::TrainReport;
 use crate::{
     console::{Console, print_document},
     dataset::read_package,
-    failure::{self, ExitStatus},
+    failure::ExitStatus,
+    hints::advised,
 };
 
 /// Trains, or goes on with a training, and adds the network to the package.
@@ -49,101 +50,4 @@ pub(crate) fn run(args: &TrainArgs, console: &Console) -> anyhow::Result<ExitSta
     }
     console.summary(&report);
     Ok(ExitStatus::Done)
-}
-
-/// An error of a training or evaluation, with what to do about it.
-pub(crate) fn advised(error: TrainError) -> anyhow::Error {
-    match advice(&error) {
-        Some(advice) => failure::with_hint(error, advice),
-        None => error.into(),
-    }
-}
-
-const CONFIG_HINT: &str = "`garnet train --help` shows a configuration; each field has a default";
-
-/// What helps against what is asked for.
-fn advice_on_job(error: &TrainError) -> Option<String> {
-    Some(match error {
-        TrainError::VariantName { .. } => {
-            "give another name, as in `--variant my-shirt`".to_owned()
-        }
-        TrainError::ReservedName { name } | TrainError::Taken { name, .. } => {
-            format!("give another name, as in `--variant my-{name}`")
-        }
-        TrainError::Config { .. } | TrainError::ConfigText { .. } | TrainError::NoLoss => {
-            CONFIG_HINT.to_owned()
-        }
-        TrainError::OtherKind { name, found, .. } => format!(
-            "name weights of the kind `{name}`, or give another name, as in `--variant my-{found}`"
-        ),
-        TrainError::FewScenes { .. } => {
-            "make a data set of more: `--bodies` and `--poses` of `garnet dataset`".to_owned()
-        }
-        TrainError::SameScenes { .. } => {
-            "make another with `garnet dataset` and another `--seed`; shards of one data set belong into one folder"
-                .to_owned()
-        }
-        _ => return None,
-    })
-}
-
-fn advice(error: &TrainError) -> Option<String> {
-    Some(match error {
-        TrainError::UnderWay { folder, .. } => format!(
-            "`--resume` goes on with it; to begin anew, remove `{}`",
-            folder.display()
-        ),
-        TrainError::NothingToResume { .. } => "begin it without `--resume`".to_owned(),
-        TrainError::OtherTraining { path, .. } => format!(
-            "go on with what it was begun with, or remove `{}` to begin anew",
-            path.display()
-        ),
-        TrainError::ConfigText { .. } => {
-            "`garnet train --help` shows a configuration; each field has a default".to_owned()
-        }
-        TrainError::OtherTemplate { .. } => {
-            "a network is trained on drapes of its own garment: make them with `garnet dataset`"
-                .to_owned()
-        }
-        TrainError::EmptySplit { split } => format!(
-            "make a data set with bodies in `{}`: `--bodies TRAIN/VALID/TEST` of `garnet dataset`",
-            split.name()
-        ),
-        TrainError::Package(error) if matches!(**error, PackageError::NoVariant { .. }) => {
-            "train the variant that is fine-tuned first, or name weights with `--from`".to_owned()
-        }
-        TrainError::OtherStart { .. } => {
-            "train that network anew before it is fine-tuned".to_owned()
-        }
-        TrainError::NotSettled { .. } => {
-            "data sets made with `--until arrival` or `midway` are for that variant alone; for all else make one \
-             without"
-                .to_owned()
-        }
-        TrainError::MoreScenes { .. } => {
-            "`--more` is for `--variant arrival`, `falling` and `midway`, which networks tell; leave it out".to_owned()
-        }
-        TrainError::CannotLeaveOut { .. } => {
-            "fit it with `told_by = \"scenes\"` under `[pose_space]` of its configuration".to_owned()
-        }
-        TrainError::NotKept { .. } => {
-            "make the data set anew: those of earlier versions and imported ones have drapes alone; or fit \
-             `--variant pose-space`"
-                .to_owned()
-        }
-        TrainError::NoStart { name, .. } => {
-            format!("fit it first: `garnet train PACKAGE DATASET --variant {name}`")
-        }
-        TrainError::Diverged { .. } => {
-            "train with a smaller `learning_rate`, or bound the steps with `max_gradient`"
-                .to_owned()
-        }
-        TrainError::Scene { .. } | TrainError::NotFinite { .. } | TrainError::Count { .. } => {
-            "the data set is damaged or was made by hand: simulate it anew".to_owned()
-        }
-        TrainError::State { .. } => {
-            "remove the file to begin anew; the package keeps its weights".to_owned()
-        }
-        _ => return advice_on_job(error),
-    })
 }

@@ -166,11 +166,7 @@ impl Tally {
 }
 
 /// Folds over drawn poses, and over the key poses on four bodies.
-pub(crate) fn folds(
-    num_poses: u64,
-    poses_per_body: u64,
-    seed: u64,
-) -> Outcome {
+pub(crate) fn folds(num_poses: u64, poses_per_body: u64, seed: u64) -> Outcome {
     let mut tally = Tally::default();
     for (sex, stature, bmi) in BODIES {
         let parameters = BodyParameters::new(sex)

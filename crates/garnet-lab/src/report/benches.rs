@@ -42,7 +42,10 @@ pub(super) fn text(arguments: &BenchesArguments) -> Result<String, Box<dyn Error
     collect(&arguments.criterion, &mut found)?;
     let is_asked = |bench: &Bench| {
         let prefixes = &arguments.prefixes;
-        prefixes.is_empty() || prefixes.iter().any(|prefix| bench.full_id.starts_with(prefix))
+        prefixes.is_empty()
+            || prefixes
+                .iter()
+                .any(|prefix| bench.full_id.starts_with(prefix))
     };
     found.retain(|(bench, _)| is_asked(bench));
     if found.is_empty() {

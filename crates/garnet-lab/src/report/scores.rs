@@ -229,7 +229,8 @@ mod tests {
         );
         let table = of_eval(&serde_json::from_str(&text).unwrap(), &head());
         let lines: Vec<&str> = table.lines().collect();
-        let expected = "`tee`, 100 vertices; 4 scenes of `data`; split `test`; 2 threads; commit abc.";
+        let expected =
+            "`tee`, 100 vertices; 4 scenes of `data`; split `test`; 2 threads; commit abc.";
         assert_eq!(lines[0], expected);
         assert_eq!(lines.len(), 6, "{table}");
         assert!(lines[4].starts_with("| warp ") && lines[4].ends_with(" 1.0 |"));
@@ -250,7 +251,10 @@ mod tests {
         );
         let table = of_chart(&serde_json::from_str(&text).unwrap(), &head());
         assert!(table.contains("a processor; commit abc."), "{table}");
-        let row = table.lines().find(|line| line.contains("teacher*")).unwrap();
+        let row = table
+            .lines()
+            .find(|line| line.contains("teacher*"))
+            .unwrap();
         let fields: Vec<&str> = row.split('|').map(str::trim).collect();
         assert_eq!(fields[2], "-");
         assert_eq!(fields[12..15], ["1250.0", "1500.0", "2"]);

@@ -145,7 +145,12 @@ impl<'a> Prepared<'a> {
         sheet.line(&corner, solid(palette::INK), 1.25)?;
         let middle = [at[0] + 0.5 * size[0], at[1] + 0.5 * size[1]];
         let chart = self.chart;
-        sheet.text(&chart.x.label, [middle[0], bottom + 31.0], Anchor::Top, LABEL)?;
+        sheet.text(
+            &chart.x.label,
+            [middle[0], bottom + 31.0],
+            Anchor::Top,
+            LABEL,
+        )?;
         sheet.text(&chart.y.label, [18.0, middle[1]], Anchor::Turned, LABEL)
     }
 
@@ -184,7 +189,12 @@ impl<'a> Prepared<'a> {
         };
         let Area { at, size } = self.frame;
         let mut areas = Vec::new();
-        for level in self.chart.levels.iter().filter(|level| self.chart.y.scale.shows(level.y)) {
+        for level in self
+            .chart
+            .levels
+            .iter()
+            .filter(|level| self.chart.y.scale.shows(level.y))
+        {
             let y = self.place([self.spans[0].low, level.y])[1];
             let ends = [[at[0], y], [at[0] + size[0], y]];
             sheet.line(&ends, level.stroke, 1.5)?;

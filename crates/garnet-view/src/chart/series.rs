@@ -108,7 +108,11 @@ mod tests {
         let axes = [Axis::linear(""), Axis::linear("")];
         let lines = Chart::of_series("", axes, &series).lines;
         for (number, line) in lines.iter().enumerate() {
-            assert!(!lines[..number].iter().any(|other| other.stroke == line.stroke));
+            assert!(
+                !lines[..number]
+                    .iter()
+                    .any(|other| other.stroke == line.stroke)
+            );
         }
     }
 }

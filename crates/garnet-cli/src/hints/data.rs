@@ -11,7 +11,7 @@ use garnet::{
 use crate::failure::Hint;
 
 /// Adds what helps against an error of a data set, where the error has no advice of its own.
-pub(super) trait Hinting<T> {
+pub(crate) trait Hinting<T> {
     fn hinting(self) -> anyhow::Result<T>;
 }
 
