@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use garnet_data::Split;
-use garnet_mesh::Point3;
 use garnet_net::ModelHeader;
 use garnet_skin::PosedBody;
 
@@ -30,16 +29,10 @@ pub fn targets(
 ) -> Result<Vec<PosedBody>, TrainError> {
     let mut bodies = Vec::new();
     let keep = |name| scenes.contains(&name);
-    let fitted = |places: &[Point3]| Ok(stage.package.body.fitted(places)?);
-    let mut first_error = None;
-    stage.for_each_of(
-        split,
-        keep,
-        Ok,
-        &mut |staged| match fitted(staged.posed.skin().positions()) {
-            Ok(body) => bodies.push(body),
-            Err(error) => first_error = first_error.take().or(Some(error)),
-        },
-    )?;
-    first_error.map_or(Ok(bodies), Err)
+    stage.for_each_of(split, keep, Ok, &mut |staged| {
+        let places = staged.posed.skin().positions();
+        bodies.push(stage.package.body.fitted(places)?);
+        Ok(())
+    })?;
+    Ok(bodies)
 }
