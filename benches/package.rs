@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use garnet::{
     Body, Draper, PackagedGarment, PosedBody,
-    data::GarmentPackage,
     io::ObjFile,
+    package::GarmentPackage,
     poses::{PoseSampler, Poser, SelfContact},
     shape::{ParametricBody, Population},
 };
