@@ -203,6 +203,8 @@ impl Step<'_> {
             .current_dir(folder)
             .env("PATH", format!("{programs}:{path}"))
             .env_remove("NO_COLOR")
+            // Pages are followed side by side.
+            .env("RAYON_NUM_THREADS", "1")
             .output()
             .unwrap();
         let texts = [output.stdout, output.stderr];
