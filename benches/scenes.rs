@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use garnet::{
     Draper, Garment,
-    io::{ObjFile, Scene},
+    io::{ObjFile, SceneJson},
 };
 use garnet_benches::group;
 use garnet_mesh::subdivided;
@@ -23,7 +23,7 @@ fn bench_scenes(criterion: &mut Criterion) {
     };
     let mut group = group(criterion, "scenes/untangle");
     for path in scene_files(&Path::new(&assets).join("scenes")) {
-        let scene = Scene::read(&path).expect("the scene can be read");
+        let scene = SceneJson::read(&path).expect("the scene can be read");
         let mesh_of = |path: &Path| {
             let file = ObjFile::read(path).expect("the mesh can be read");
             file.mesh().expect("the mesh has faces")

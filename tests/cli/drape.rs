@@ -1,7 +1,9 @@
 //! What `drape` writes.
 
+use std::path::Path;
+
 use garnet::{
-    Point3, Rig, SkinWeights, TriMesh,
+    Point3, Rig, SkinWeights, TriMesh, Vector3,
     io::{ObjFile, read_rig, write_rig_npz},
 };
 use serde_json::Value;
@@ -314,4 +316,29 @@ fn a_report_can_go_to_a_file() {
     assert!(output.stdout.is_empty() && output.stderr.is_empty());
     let report: Value = serde_json::from_slice(&fixture.read("report.json")).unwrap();
     assert_eq!(report["drapes"][0]["output"], "out.obj");
+}
+
+#[test]
+fn a_garment_beside_the_body_is_refused() {
+    let fixture = Fixture::new();
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models");
+    let shirt = ObjFile::read(models.join("tshirt/template.obj")).unwrap();
+    for (way, told) in [
+        (Vector3::x(), "to one side of the skin"),
+        (Vector3::z(), "are 0.3"),
+    ] {
+        let moved: Vec<Point3> = shirt.positions().iter().map(|p| p + way * 0.7).collect();
+        let path = fixture.path("beside.obj");
+        shirt.write_with_positions(&path, &moved).unwrap();
+        let rig = models.join("tshirt/body.rig.npz");
+        let arguments = format!(
+            "drape beside.obj --rig {} --pose wave -o out.obj",
+            rig.display()
+        );
+        let output = fixture.garnet(&arguments);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(told) && text.contains("hint:"), "{text}");
+        assert!(!fixture.path("out.obj").exists());
+    }
 }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use garnet::Garment;
-use garnet::io::{ObjFile, Scene};
+use garnet::io::{ObjFile, SceneJson};
 use garnet_tests::Judge;
 
 use crate::held::{Bars, held};
@@ -38,17 +38,17 @@ fn assets(test: &str) -> Option<PathBuf> {
 /// Where the pose of the target body comes from.
 #[derive(Debug, Clone, Copy)]
 enum PoseFrom {
-    Scene,
+    SceneJson,
     Meshes,
 }
 
 fn scene_holds(folder: &Path, name: &str, bars: Bars, pose_from: PoseFrom) {
-    let scene = Scene::read(folder.join("scenes").join(name).join("scene.json")).unwrap();
+    let scene = SceneJson::read(folder.join("scenes").join(name).join("scene.json")).unwrap();
     let body = scene.rig().unwrap().into_body().unwrap();
     let file = ObjFile::read(&scene.garment).unwrap();
     let target = ObjFile::read(&scene.target_body).unwrap();
     let posed = match pose_from {
-        PoseFrom::Scene => {
+        PoseFrom::SceneJson => {
             let transforms = scene.posed_from_rest.unwrap();
             body.fitted_by(target.positions(), transforms).unwrap()
         }
@@ -72,7 +72,7 @@ fn scenes_hold() {
         return;
     };
     for (name, bars) in SCENES {
-        scene_holds(&folder, name, bars, PoseFrom::Scene);
+        scene_holds(&folder, name, bars, PoseFrom::SceneJson);
     }
 }
 

@@ -132,3 +132,28 @@ fn a_packaged_shirt_does_without_its_network_where_that_knows_no_better() {
     let error = PackagedGarment::open(&folder, Some("best")).unwrap_err();
     assert!(error.to_string().contains("`best`"), "{error}");
 }
+
+#[test]
+fn a_shirt_beside_the_body_is_refused() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/tshirt");
+    let package = GarmentPackage::read(&folder).unwrap();
+    let shifted = |shift: Vector3| {
+        let moved = package.mesh.positions().iter().map(|point| point + shift);
+        let mesh = package.mesh.with_positions(moved.collect()).unwrap();
+        Garment::new(mesh).bind(&package.body)
+    };
+    assert!(shifted(Vector3::zeros()).is_ok());
+    for way in [
+        Vector3::x(),
+        -Vector3::x(),
+        Vector3::y(),
+        Vector3::z(),
+        -Vector3::z(),
+    ] {
+        let found = shifted(way * 0.7);
+        assert!(
+            matches!(found, Err(garnet::Error::Misplaced(_))),
+            "{way} is accepted"
+        );
+    }
+}

@@ -1,8 +1,8 @@
 //! What can go wrong between files and a drape.
 
 use garnet_body::motion::RetargetError;
-use garnet_io::{FileError, ObjError};
-use garnet_mesh::{Bounds, MeshError};
+use garnet_io::{FileError, Misplaced, ObjError};
+use garnet_mesh::MeshError;
 use garnet_net::{CheckpointError, NetError};
 use garnet_skin::SkinError;
 use garnet_untangle::UntangleError;
@@ -41,29 +41,8 @@ pub enum Error {
     #[error(transparent)]
     Package(Box<PackageError>),
     /// The garment does not lie on the body.
-    #[error(
-        "the garment is {distance:.3} m from the rest body at its nearest vertex and does not lie \
-         on it"
-    )]
-    NotOnBody {
-        /// Distance of the nearest vertex to the skin, in metres.
-        distance: f32,
-        /// The box of the garment, in metres.
-        garment: Bounds,
-        /// The box of the rest body, in metres.
-        body: Bounds,
-    },
-    /// The garment is much larger or smaller than the body.
-    #[error(
-        "the garment is {garment_size:.3} m in size and the rest body {body_size:.3} m: they seem \
-         to be in different units"
-    )]
-    DifferentUnits {
-        /// Diagonal of the garment's box, in metres.
-        garment_size: f32,
-        /// Diagonal of the rest body's box, in metres.
-        body_size: f32,
-    },
+    #[error("the garment does not lie on the rest body")]
+    Misplaced(#[from] Misplaced),
 }
 
 impl From<CheckpointError> for Error {

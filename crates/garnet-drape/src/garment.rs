@@ -1,16 +1,11 @@
 //! Garments: bound once, draped many times.
 
+use garnet_io::{Frame, check_offsets, check_sizes};
 use garnet_mesh::{Bounds, MeshError, Point3, TriMesh};
 use garnet_skin::{Body, PosedBody, TransferOptions, Warp};
 use garnet_untangle::Binding;
 
 use crate::Error;
-
-/// A garment whose nearest vertex is farther from the body does not lie on it, in metres.
-const MAX_DISTANCE: f32 = 0.3;
-
-/// Beyond these ratios of sizes garment and body are in different units.
-const SIZE_RATIO: [f32; 2] = [0.02, 4.0];
 
 /// A garment that lies on a body in its rest pose.
 #[derive(Debug, Clone)]
@@ -44,30 +39,17 @@ impl Garment {
     ///
     /// # Errors
     ///
-    /// [`Error::NotOnBody`] or [`Error::DifferentUnits`] if the garment does not lie on the body;
+    /// [`Error::Misplaced`] if the garment does not lie on the body;
     /// [`Error::Skin`] or [`Error::Untangle`] for a garment too degenerate to be smoothed.
     pub fn bind(self, body: &Body) -> Result<BoundGarment, Error> {
         let bounds = |mesh: &TriMesh| Bounds::of_faces(mesh.positions(), mesh.faces());
         let garment_bounds = bounds(self.mesh()).ok_or(MeshError::NoFaces)?;
         let body_bounds = bounds(body.rest()).ok_or(MeshError::NoFaces)?;
-        let (garment_size, body_size) = (garment_bounds.diagonal(), body_bounds.diagonal());
-        let ratio = garment_size / body_size.max(f32::MIN_POSITIVE);
-        if !(SIZE_RATIO[0]..=SIZE_RATIO[1]).contains(&ratio) {
-            return Err(Error::DifferentUnits {
-                garment_size,
-                body_size,
-            });
-        }
+        check_sizes(&garment_bounds, &body_bounds, Frame::OURS)?;
         let cloth = self.cloth.bind(body)?;
-        let squared = cloth.skin().iter().map(|skin| skin.distance_squared);
-        let distance = squared.fold(f32::INFINITY, f32::min).sqrt();
-        if distance > MAX_DISTANCE {
-            return Err(Error::NotOnBody {
-                distance,
-                garment: garment_bounds,
-                body: body_bounds,
-            });
-        }
+        let pairs = cloth.rest().iter().zip(cloth.skin());
+        let offsets: Vec<_> = pairs.map(|(node, skin)| node - skin.point).collect();
+        check_offsets(&offsets, &body_bounds)?;
         let binding = Binding::new(&cloth)?;
         Ok(BoundGarment { cloth, binding })
     }

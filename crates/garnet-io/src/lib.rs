@@ -1,4 +1,5 @@
-//! Files of meshes and scenes: OBJ in and lossless out, rigs, poses, motions.
+//! Files of meshes and scenes: OBJ in and lossless out, rigs, poses, motions; and
+//! [`Scene::load`], which brings the files of a drape together.
 //!
 //! Readers tell formats by their content, check every number where it enters, and give metres with
 //! Y up wherever the format says what it is in.
@@ -18,11 +19,13 @@ mod motion;
 mod npy;
 mod npz;
 mod obj;
+mod placement;
 mod pose_json;
 mod read_rig;
 mod rig_json;
 mod rig_npz;
 mod scene;
+mod scene_json;
 mod units;
 mod weights_json;
 
@@ -32,9 +35,15 @@ pub use motion::{MotionError, MotionProblem, Take, TakeError};
 pub use npy::{ArrayProblem, NpyArray, NpyValues};
 pub use npz::NpzFile;
 pub use obj::{ObjElement, ObjError, ObjFile, ObjLineProblem, ObjParseError, write_obj};
+pub use placement::{Misplaced, check_offsets, check_sizes};
 pub use pose_json::read_pose;
 pub use read_rig::read_rig;
 pub use rig_npz::{WriteRigError, read_rig_npz, stage_rig_npz, write_rig_npz};
-pub use scene::Scene;
+pub use scene::{
+    Aim, Frame, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource, Posing,
+    RestSource, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem, SceneUnits, Target,
+    largest_distance, rig_beside,
+};
+pub use scene_json::SceneJson;
 pub use units::{guess_body_unit, guess_garment_units, guess_up_axis};
 pub use weights_json::read_weights;

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::{
     FileError, FileProblem,
     json::{self, Frame},
-    scene::rigid_transforms,
+    scene_json::rigid_transforms,
 };
 
 /// How far the norm of a quaternion may be from 1 and still be rounding.

@@ -10,7 +10,7 @@ use super::{
     gltf::{self, read_rig_gltf},
     json, rig_json,
     rig_npz::read_rig_npz,
-    scene::Scene,
+    scene_json::SceneJson,
 };
 
 /// The fields that tell JSON files apart.
@@ -63,7 +63,7 @@ pub fn read_rig(path: impl AsRef<Path>) -> Result<Rig, FileError> {
             .schema
             .is_some_and(|schema| schema.starts_with("drape-scene/"))
         {
-            scene = Some(Scene::parse(bytes, folder)?);
+            scene = Some(SceneJson::parse(bytes, folder)?);
             return Ok(None);
         }
         if peek.asset.is_some() {

@@ -8,7 +8,7 @@ use std::{
     time::Instant,
 };
 
-use garnet_io::{ObjFile, Scene, read_pose, read_rig};
+use garnet_io::{ObjFile, SceneJson, read_pose, read_rig};
 use garnet_skin::{
     Body, Method, Point3, Pose, RecoveredPose, recover_pose, skin_dual_quaternion, skin_linear,
 };
@@ -115,7 +115,7 @@ fn poses_of_scenes_are_recovered() {
         "07_skirt_step",
     ];
     for name in names {
-        let scene = Scene::read(assets.join(format!("scenes/{name}/scene.json"))).unwrap();
+        let scene = SceneJson::read(assets.join(format!("scenes/{name}/scene.json"))).unwrap();
         let body = scene.rig().unwrap().into_body().unwrap();
         let target = positions(&scene.target_body);
         let given = scene.posed_from_rest.as_ref().unwrap();

@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use garnet_io::{Scene, read_pose, read_rig, read_weights, write_obj};
+use garnet_io::{SceneJson, read_pose, read_rig, read_weights, write_obj};
 use garnet_skin::{Point3, Pose, Skeleton, Vector3};
 use nalgebra::{Isometry3, UnitQuaternion};
 use proptest::prelude::*;
@@ -90,7 +90,7 @@ fn a_rig_json_in_centimetres_is_read_in_metres() {
 fn a_scene_gives_paths_transforms_and_a_rig() {
     let (folder, _, scene) = folder();
     let path = written(folder.path(), "scene.json", &scene);
-    let scene = Scene::read(&path).unwrap();
+    let scene = SceneJson::read(&path).unwrap();
     assert_eq!(scene.garment, folder.path().join("shirt.obj"));
     let from_pose = scene
         .rest_skeleton
@@ -306,6 +306,6 @@ proptest! {
         prop_assert!(read_rig(&path).is_err());
         prop_assert!(read_pose(&path, None, &skeleton()).is_err());
         prop_assert!(read_weights(&path).is_err());
-        prop_assert!(Scene::read(&path).is_err());
+        prop_assert!(SceneJson::read(&path).is_err());
     }
 }

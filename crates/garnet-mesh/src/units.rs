@@ -41,6 +41,16 @@ impl Unit {
             Self::Millimetre => 0.001,
         }
     }
+
+    /// Its name in the plural: `metres`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Metre => "metres",
+            Self::Decimetre => "decimetres",
+            Self::Centimetre => "centimetres",
+            Self::Millimetre => "millimetres",
+        }
+    }
 }
 
 impl fmt::Display for Unit {

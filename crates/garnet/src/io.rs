@@ -3,9 +3,12 @@
 use std::path::Path;
 
 pub use garnet_io::{
-    ArrayProblem, FileError, FileProblem, MotionError, MotionProblem, ObjError, ObjFile,
-    ObjLineProblem, ObjParseError, Scene, Take, TakeError, WriteRigError, guess_body_unit,
-    guess_garment_units, guess_up_axis, read_pose, read_rig, write_obj, write_rig_npz,
+    Aim, ArrayProblem, FileError, FileProblem, Frame, Misplaced, MotionError, MotionProblem,
+    NamedPose, ObjError, ObjFile, ObjLineProblem, ObjParseError, OwnBody, PoseError, PoseNote,
+    PoseProblem, PoseSource, Posing, RestSource, Scene, SceneError, SceneFiles, SceneGarment,
+    SceneJson, SceneProblem, SceneUnits, Take, TakeError, Target, WriteRigError, guess_body_unit,
+    guess_garment_units, guess_up_axis, largest_distance, read_pose, read_rig, rig_beside,
+    write_obj, write_rig_npz,
 };
 pub use garnet_mesh::{WriteError, remove_stale_temporaries, write_atomically};
 

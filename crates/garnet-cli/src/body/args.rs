@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use garnet::shape::{BodyParameters, Measure};
-
-use crate::posing::PoseSource;
+use garnet::{
+    io::PoseSource,
+    shape::{BodyParameters, Measure},
+};
 
 /// Arguments of `body`.
 #[derive(Debug, Args)]

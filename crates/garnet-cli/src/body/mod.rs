@@ -1,7 +1,6 @@
 //! `garnet body`: bodies from measures, at rest or in poses.
 
 mod args;
-pub(crate) mod own;
 mod report;
 
 use std::{
@@ -12,7 +11,10 @@ use std::{
 use anyhow::Context;
 use garnet::{
     Body, Method, Point3, Rig, TriMesh,
-    io::{write_obj, write_rig_npz},
+    io::{
+        Frame, NamedPose, ObjFile, OwnBody, PoseError, PoseSource, Posing, rig_beside, write_obj,
+        write_rig_npz,
+    },
     motion::FrameRange,
     shape::{BodyParameters, ParametricBody, Population},
 };
@@ -25,8 +27,6 @@ use crate::{
     console::{Console, print_document},
     failure::{ExitStatus, Hint},
     output,
-    posing::{NamedPose, PoseSource, Posing, of_rig},
-    sidecar::rig_beside,
 };
 
 /// How many bodies are built at a time while others are written.
@@ -54,8 +54,12 @@ pub(crate) fn run(args: &BodyArgs, console: &Console) -> anyhow::Result<ExitStat
         output::write(&args.output.join("measures.csv"), table.as_bytes())?;
     } else {
         let outputs = Outputs::new(args, is_several, None);
-        write_subject(&subject(args)?, source.as_ref(), &outputs, &mut report)
-            .map_err(|error| of_rig(error, &rig_of(args)))?;
+        write_subject(&subject(args)?, source.as_ref(), &outputs, &mut report).map_err(
+            |error| match error.downcast::<PoseError>() {
+                Ok(error) => error.of_rig(&rig_of(args)).into(),
+                Err(error) => error,
+            },
+        )?;
     }
     report.seconds = start.elapsed().as_secs_f64();
     publish(&report, args, console)?;
@@ -67,7 +71,7 @@ struct Subject {
     body: Body,
     tape: Option<Tape>,
     /// An own body's OBJ.
-    file: Option<own::FramedFile>,
+    file: Option<(ObjFile, Frame)>,
 }
 
 impl Subject {
@@ -89,7 +93,7 @@ fn subject(args: &BodyArgs) -> anyhow::Result<Subject> {
     let Some(path) = &args.own else {
         return Subject::built(&args.parameters());
     };
-    let (body, file) = own::read(path, args.rig.as_deref())?;
+    let OwnBody { body, file, .. } = OwnBody::read(path, args.rig.as_deref())?;
     Ok(Subject {
         body,
         tape: None,
@@ -221,6 +225,7 @@ fn write_subject(
     };
     let of_tape = subject.tape.iter().filter(|_| outputs.number.is_none());
     let of_tape = of_tape.flat_map(Tape::conflicts);
+    let notes = notes.iter().map(ToString::to_string);
     for note in of_tape.chain(notes) {
         if !report.notes.contains(&note) {
             report.notes.push(note);

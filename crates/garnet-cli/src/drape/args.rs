@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use anyhow::ensure;
 use clap::{Args, ValueEnum};
 use garnet::{
-    DrapeOptions, Unit, UnitError, UntangleOptions, UpAxis, Warp,
-    io::ObjFile,
+    DrapeOptions, UnitError, UntangleOptions, UpAxis, Warp,
+    io::{ObjFile, PoseSource, SceneFiles, SceneUnits},
     package::{GarmentPackage, Quality, StoredFabric},
 };
 
@@ -14,7 +14,6 @@ use crate::{
     failure::{Hint, refused},
     output,
     parse::{millimetres, milliseconds, settle_frames, tolerance},
-    posing::PoseSource,
 };
 
 /// Arguments of `drape`.
@@ -92,7 +91,7 @@ pub(crate) struct InputArgs {
     pose: Option<PoseSource>,
     /// Unit of the OBJ files: m, dm, cm, mm or auto; or two, of garment and bodies: `cm,m`.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = units)]
-    units: UnitsTaken,
+    units: SceneUnits,
     /// Axis of the OBJ files that points up.
     #[arg(long, value_name = "AXIS", default_value = "auto")]
     up: UpName,
@@ -156,14 +155,7 @@ pub(crate) enum UpName {
     Z,
 }
 
-/// Units that the user names, if any.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct UnitsTaken {
-    pub(crate) garment: Option<Unit>,
-    pub(crate) body: Option<Unit>,
-}
-
-pub(crate) fn units(text: &str) -> Result<UnitsTaken, String> {
+pub(crate) fn units(text: &str) -> Result<SceneUnits, String> {
     let unit = |name: &str| match name {
         "auto" => Ok(None),
         _ => name
@@ -172,7 +164,7 @@ pub(crate) fn units(text: &str) -> Result<UnitsTaken, String> {
             .map_err(|error: UnitError| format!("{error}, `auto`, or two of them as `cm,m`")),
     };
     let (garment, body) = text.split_once(',').unwrap_or((text, text));
-    Ok(UnitsTaken {
+    Ok(SceneUnits {
         garment: unit(garment)?,
         body: unit(body)?,
     })
@@ -228,17 +220,9 @@ pub(crate) enum Source {
 /// The files of a drape without a scene.
 #[derive(Debug)]
 pub(crate) struct SourceFiles {
-    pub(crate) garment: PathBuf,
     /// The package that the garment is from.
     pub(crate) package: Option<PathBuf>,
-    /// The body that the garment of the package lies on.
-    pub(crate) own_rig: Option<PathBuf>,
-    pub(crate) bodies: Vec<PathBuf>,
-    pub(crate) rig: Option<PathBuf>,
-    pub(crate) rest_body: Option<PathBuf>,
-    pub(crate) pose: Option<PoseSource>,
-    pub(crate) units: UnitsTaken,
-    pub(crate) up: Option<UpAxis>,
+    pub(crate) scene: SceneFiles,
 }
 
 impl Job {
@@ -345,33 +329,19 @@ impl InputArgs {
             // Told before what else is missing.
             ObjFile::read(&garment)?;
         }
-        let files = match &package {
-            Some(folder) => {
-                let manifest = GarmentPackage::read_manifest(folder)?;
-                SourceFiles {
-                    garment: GarmentPackage::template_at(folder),
-                    own_rig: Some(folder.join(&manifest.rest_body.rig)),
-                    rig: self.rig,
-                    package,
-                    bodies: self.bodies,
-                    rest_body: self.rest_body,
-                    pose: self.pose,
-                    units: self.units,
-                    up: self.up.axis(),
-                }
-            }
-            None => SourceFiles {
-                garment,
-                package,
-                own_rig: None,
-                bodies: self.bodies,
-                rig: self.rig,
-                rest_body: self.rest_body,
-                pose: self.pose,
-                units: self.units,
-                up: self.up.axis(),
-            },
-        };
+        let mut scene = SceneFiles::new(garment);
+        if let Some(folder) = &package {
+            let manifest = GarmentPackage::read_manifest(folder)?;
+            scene.garment = GarmentPackage::template_at(folder);
+            scene.own_rig = Some(folder.join(&manifest.rest_body.rig));
+        }
+        scene.rig = self.rig;
+        scene.bodies = self.bodies;
+        scene.rest_body = self.rest_body;
+        scene.pose = self.pose;
+        scene.units = self.units;
+        scene.up = self.up.axis();
+        let files = SourceFiles { package, scene };
         files.check()?;
         Ok(Source::Files(files))
     }
@@ -379,15 +349,16 @@ impl InputArgs {
 
 impl SourceFiles {
     fn check(&self) -> anyhow::Result<()> {
-        if self.bodies.is_empty() {
-            let rest = [&self.rig, &self.own_rig, &self.rest_body];
+        let scene = &self.scene;
+        if scene.bodies.is_empty() {
+            let rest = [&scene.rig, &scene.own_rig, &scene.rest_body];
             let can_pose = rest.into_iter().any(Option::is_some);
-            ensure_posed(self.pose.is_some() && can_pose)?;
+            ensure_posed(scene.pose.is_some() && can_pose)?;
         }
-        if self.pose.is_some() && self.bodies.len() > 1 {
+        if scene.pose.is_some() && scene.bodies.len() > 1 {
             return Err(refused(
                 "`--pose` poses one body",
-                format!("{} bodies are given", self.bodies.len()),
+                format!("{} bodies are given", scene.bodies.len()),
                 "drape them one by one, or give posed bodies without `--pose`",
             ));
         }
@@ -448,11 +419,13 @@ impl UpName {
 
 #[cfg(test)]
 mod tests {
+    use garnet::Unit;
+
     use super::*;
 
     #[test]
     fn units_are_one_for_all_or_one_for_each() {
-        let both = |garment, body| Ok(UnitsTaken { garment, body });
+        let both = |garment, body| Ok(SceneUnits { garment, body });
         assert_eq!(units("auto"), both(None, None));
         assert_eq!(
             units("cm"),

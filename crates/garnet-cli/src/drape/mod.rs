@@ -2,15 +2,10 @@
 
 mod args;
 mod choice;
-mod files;
-mod frame;
 mod learned;
 mod outputs;
-mod placement;
 mod prepared;
 mod report;
-mod rest_body;
-mod rest_mesh;
 mod settled;
 mod simulated;
 mod summary;
@@ -22,24 +17,24 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use garnet::{
     Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, Moment, Point3, PosedBody, Refit,
-    TriMesh, Warp, data::SceneReport, edge_stretch, io, package::Settling,
+    TriMesh, Warp,
+    data::SceneReport,
+    edge_stretch,
+    io::{self, Frame, PoseSource, RestSource, Target},
+    package::Settling,
 };
 
 pub(crate) use args::DrapeArgs;
-pub(crate) use args::{InputArgs, Job, Simulation, Source, SourceFiles, UnitsTaken, UpName, units};
+pub(crate) use args::{InputArgs, Job, Simulation, Source, SourceFiles, UpName, units};
 use choice::ChoiceReport;
-pub(crate) use frame::Frame;
 use learned::{Found, Learned, Unbound};
 use outputs::{body_out_of, check_outputs, outputs_on};
 pub(crate) use prepared::Prepared;
-use prepared::{RestBody, Target};
 pub(crate) use report::WarningReport;
 use report::{
     BodyReport, DrapeOutput, DrapeReport, DrapeSeconds, GarmentReport, OnceSeconds,
     PenetrationReport, PoseReport, RepeatedSeconds, Stretch,
 };
-pub(crate) use rest_body::{largest_distance, rest_body_of};
-pub(crate) use rest_mesh::{Frames, RestMesh};
 use settled::Settler;
 use simulated::Teaching;
 use timing::timed;
@@ -146,9 +141,9 @@ struct Bound {
     /// Edges of the polygons of the garment.
     edges: Vec<[u32; 2]>,
     body: Body,
-    rest: RestBody,
+    rest: RestSource,
     targets: Vec<Target>,
-    pose: Option<crate::posing::PoseSource>,
+    pose: Option<PoseSource>,
     /// The simulation, if that is the method.
     teacher: Option<Teaching>,
     /// The network, if one drapes.
@@ -462,7 +457,7 @@ fn drape_timed(
 }
 
 /// Writes a posed body with the text of the rest body's OBJ, or plainly if there is none.
-fn write_body(path: &Path, rest: &RestBody, posed: &PosedBody) -> anyhow::Result<()> {
+fn write_body(path: &Path, rest: &RestSource, posed: &PosedBody) -> anyhow::Result<()> {
     let positions = rest.file_frame.to_file(posed.skin().positions().to_vec());
     if let Some(file) = &rest.file {
         file.write_with_positions(path, &positions)?;

@@ -6,10 +6,11 @@ use std::{
 };
 
 use anyhow::Context;
+use garnet::io::Target;
 
 use super::{
     args::{Job, Source},
-    prepared::{Prepared, Target},
+    prepared::Prepared,
 };
 use crate::output;
 

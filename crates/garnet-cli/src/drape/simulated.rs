@@ -11,7 +11,7 @@ use anyhow::Context;
 use garnet::{
     BodyAtHome, Warped,
     data::SceneReport,
-    io::remove_stale_temporaries,
+    io::{Target, remove_stale_temporaries},
     package::{BodyPath, GarmentPackage, Quality, StoredFabric, Teacher, quality_name},
     sim::{Event, Fabric, RestShape},
 };
@@ -19,7 +19,6 @@ use garnet::{
 use super::{
     Bound,
     args::{Simulation, Source},
-    prepared::Target,
     report::SimulationReport,
 };
 use crate::{console::Console, output};

@@ -3,10 +3,13 @@
 use std::path::PathBuf;
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, Subcommand, error::ErrorKind};
-use garnet::pattern::{GarmentKind, ParameterSpec, ParameterUnit, Parameters, PatternError, Size};
+use garnet::{
+    io::SceneUnits,
+    pattern::{GarmentKind, ParameterSpec, ParameterUnit, Parameters, PatternError, Size},
+};
 
 use crate::{
-    drape::{UnitsTaken, UpName, units},
+    drape::{UpName, units},
     hints::for_pattern,
 };
 
@@ -86,7 +89,7 @@ pub(crate) struct OwnArgs {
     /// Unit of the OBJ files: m, dm, cm, mm or auto; or two, of garment and body: `cm,m`. Packages are in
     /// metres.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = units)]
-    pub(crate) units: UnitsTaken,
+    pub(crate) units: SceneUnits,
     /// Axis of the OBJ files that points up. In packages it is y.
     #[arg(long, value_name = "AXIS", default_value = "auto")]
     pub(crate) up: UpName,

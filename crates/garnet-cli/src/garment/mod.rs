@@ -14,6 +14,7 @@ use std::{
 
 use garnet::{
     data::{Tailor, default_rest_body, usual_fabric, wearer_of},
+    io::rig_beside,
     package::{GarmentPackage, MANIFEST_FILE, StoredFabric, StoredParameters},
     shape::ParametricBody,
     sim::{FABRIC_NAMES, Fabric},
@@ -28,7 +29,6 @@ use crate::{
     drape::WarningReport,
     failure::{ExitStatus, Hint, refused},
     output,
-    sidecar::rig_beside,
 };
 
 /// A package, and what may be wrong with it.

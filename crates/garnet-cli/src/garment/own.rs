@@ -3,7 +3,7 @@
 use anyhow::Context;
 use garnet::{
     Garment, diagnose,
-    io::ObjFile,
+    io::{Frame, ObjFile, SceneFiles},
     package::{GarmentPackage, PackageParts, Teacher},
     sim::RestShape,
 };
@@ -14,7 +14,7 @@ use super::{
     fabric,
 };
 use crate::{
-    drape::{Frame, Prepared, Source, SourceFiles, warnings_of},
+    drape::{Prepared, Source, SourceFiles, warnings_of},
     failure::{Hint, refused},
 };
 
@@ -33,6 +33,11 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
         Some(name) => name.clone(),
         None => of_file(own)?,
     };
+    let mut scene = SceneFiles::new(&own.garment);
+    scene.rig.clone_from(&own.rig);
+    scene.rest_body.clone_from(&own.rest_body);
+    scene.units = own.units;
+    scene.up = own.up.axis();
     let Prepared {
         garment_file,
         garment_frame,
@@ -41,15 +46,8 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
         rest,
         ..
     } = Prepared::read(&Source::Files(SourceFiles {
-        garment: own.garment.clone(),
         package: None,
-        own_rig: None,
-        bodies: Vec::new(),
-        rig: own.rig.clone(),
-        rest_body: own.rest_body.clone(),
-        pose: None,
-        units: own.units,
-        up: own.up.axis(),
+        scene,
     }))?;
     let path = garment_file.path().to_path_buf();
     let cannot = || format!("cannot make a package of `{}`", path.display());

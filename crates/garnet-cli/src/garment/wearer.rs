@@ -5,16 +5,11 @@ use std::path::Path;
 use anyhow::Context;
 use garnet::{
     Body, TriMesh,
-    io::{ObjFile, read_rig},
+    io::{Frame, ObjFile, OwnBody, largest_distance, read_rig, rig_beside},
     shape::{ParametricBody, Recognized, recognized},
 };
 
-use crate::{
-    body::own,
-    drape::{Frame, largest_distance},
-    failure::refused,
-    sidecar::rig_beside,
-};
+use crate::failure::refused;
 
 /// A vertex of a body at rest is no farther than this from its place in the rig, in metres.
 const SAME: f32 = 2e-3;
@@ -26,7 +21,7 @@ pub(super) fn read(path: &Path) -> anyhow::Result<Body> {
     if is_obj && !beside.is_file() {
         check_known(path)?;
     }
-    let (body, _) = own::read(path, None)?;
+    let body = OwnBody::read(path, None)?.body;
     if is_obj && beside.is_file() {
         check_rest(path, &beside, &body)?;
     }

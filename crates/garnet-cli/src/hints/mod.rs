@@ -2,6 +2,7 @@
 
 mod data;
 mod pattern;
+mod scene;
 mod train;
 
 use std::{error::Error as StdError, io, path::Path};
@@ -27,7 +28,10 @@ pub(crate) use train::{CONFIG_HINT, advised};
 /// The advice of the innermost cause that has one.
 pub(crate) fn for_error(error: &anyhow::Error) -> Option<String> {
     let links: Vec<&(dyn StdError + 'static)> = error.chain().collect();
-    let hint = |link| for_pattern_link(link).or_else(|| for_link(link).map(str::to_owned));
+    let hint = |link| {
+        let own = for_pattern_link(link).or_else(|| scene::for_link(link));
+        own.or_else(|| for_link(link).map(str::to_owned))
+    };
     links.into_iter().rev().find_map(hint)
 }
 
@@ -95,13 +99,7 @@ fn for_garnet(error: &Error) -> Option<&'static str> {
         Error::Skin(error) => for_skin(error),
         Error::Weights(error) => for_weights(error),
         Error::Package(error) => for_package(error),
-        Error::NotOnBody { .. } => Some(
-            "the garment must lie on the rest body; `garnet info` shows both boxes; `--units` and \
-             `--up` override what was detected",
-        ),
-        Error::DifferentUnits { .. } => {
-            Some("`garnet info` shows both boxes; `--units GARMENT,BODY` names the units of both")
-        }
+        Error::Misplaced(problem) => Some(scene::for_misplaced(problem)),
         _ => None,
     }
 }

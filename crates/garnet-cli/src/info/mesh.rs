@@ -5,14 +5,15 @@ use std::path::Path;
 use anyhow::Context;
 use garnet::{
     Bounds, MeshDiagnosis, Rig, TriMesh, diagnose,
-    io::{ObjFile, guess_body_unit, guess_garment_units, guess_up_axis, read_rig},
+    io::{
+        Frame, ObjFile, guess_body_unit, guess_garment_units, guess_up_axis, read_rig, rig_beside,
+    },
     is_inside_out,
     shape::{Recognized, recognized},
 };
 use serde::Serialize;
 
 use super::{rig::tape, table::Table};
-use crate::{drape::Frame, sidecar::rig_beside};
 
 /// What is in a mesh and what is unusual about it. Lengths are in the unit of the file.
 #[derive(Debug, Serialize)]

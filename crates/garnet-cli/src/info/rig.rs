@@ -4,7 +4,7 @@ use std::path::Path;
 
 use garnet::{
     Rig, Skeleton,
-    io::{Scene, read_rig},
+    io::{SceneJson, read_rig},
     shape::tape_measures,
 };
 use serde::Serialize;
@@ -132,7 +132,7 @@ pub(crate) struct SceneInfo {
 
 impl SceneInfo {
     pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
-        let scene = Scene::read(path)?;
+        let scene = SceneJson::read(path)?;
         let shown = |path: &Path| path.display().to_string();
         Ok(Self {
             garment: shown(&scene.garment),

@@ -7,13 +7,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use garnet::{Bounds, TriMesh, Unit, UpAxis, io::ObjFile};
+use garnet::{
+    Bounds, TriMesh, Unit, UpAxis,
+    io::{Frame, ObjFile},
+};
 use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
 use rayon::prelude::*;
 
 use crate::{
     console::{Console, print_document},
-    drape::Frame,
     failure::{ExitStatus, refused},
     output,
 };

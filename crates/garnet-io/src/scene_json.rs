@@ -20,9 +20,9 @@ pub(super) const MATRIX_TOLERANCE: f64 = 1e-3;
 /// A `drape-scene/1` file: paths of the meshes, the skeletons, the weights and the target pose.
 ///
 /// Positions and translations are in metres; the meshes are in the unit of the file, of which
-/// [`Scene::metres_per_unit`] makes metres.
+/// [`SceneJson::metres_per_unit`] makes metres.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scene {
+pub struct SceneJson {
     /// Name of the scene; empty if the file has none.
     pub name: String,
     /// The garment, lying on the rest body.
@@ -46,7 +46,7 @@ pub struct Scene {
 }
 
 #[derive(Debug, Deserialize)]
-struct SceneJson {
+struct Fields {
     schema: String,
     name: Option<String>,
     units: Option<String>,
@@ -76,7 +76,7 @@ struct ScenePoseJson {
     joint_transforms_row_major_4x4: Option<Vec<Vec<f64>>>,
 }
 
-impl Scene {
+impl SceneJson {
     /// Reads a `drape-scene/1` file and its weights; the meshes must be there and are not read.
     ///
     /// Paths in the file are relative to it.
@@ -92,7 +92,7 @@ impl Scene {
     }
 
     pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Self, FileProblem> {
-        let file: SceneJson = json::parse(bytes)?;
+        let file: Fields = json::parse(bytes)?;
         if file.schema != "drape-scene/1" {
             return Err(FileProblem::Field {
                 field: "schema".to_owned(),

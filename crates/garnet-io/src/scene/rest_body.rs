@@ -2,39 +2,38 @@
 
 use std::path::Path;
 
-use anyhow::Context;
-use garnet::{
-    Body, Bounds, Isometry3, Joint, Kinship, Method, Point3, Pose, Quaternion, Rig, Skeleton,
-    TriMesh, Unit, UnitQuaternion, UpAxis, Vector3, kinship,
-};
+use garnet_mesh::{Bounds, Kinship, Point3, TriMesh, Unit, UpAxis, Vector3, kinship};
+use garnet_skin::{Body, Joint, Method, Pose, Rig, Skeleton, SkinError};
+use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 
 use super::{
-    frame::{Frame, detected_up, name, shorter},
+    SceneError, SceneProblem,
+    frame::{Frame, detected_up, shorter},
     rest_mesh::{Frames, RestMesh, other_topology},
 };
-use crate::failure::Hint;
 
 /// The rest body, and the body in the pose zero of the rig if garments lie on it in another.
 #[derive(Debug)]
-pub(crate) struct RestBodies {
-    pub(crate) rest: Body,
-    pub(crate) zero: Option<Zero>,
+pub(super) struct RestBodies {
+    pub(super) rest: Body,
+    pub(super) zero: Option<Zero>,
 }
 
 /// A body in the pose zero of its rig, and the way from there to the rest body.
 #[derive(Debug)]
-pub(crate) struct Zero {
-    pub(crate) body: Body,
-    pub(crate) rest_from_zero: Vec<Isometry3<f32>>,
+pub(super) struct Zero {
+    pub(super) body: Body,
+    pub(super) rest_from_zero: Vec<Isometry3<f32>>,
 }
 
-pub(crate) fn rest_body_of(
+pub(super) fn rest_body_of(
     rig: Rig,
     taken: &RestMesh,
     frames: &Frames,
     rig_path: &Path,
-) -> anyhow::Result<RestBodies> {
-    let fits = || does_not_fit(rig_path, &taken.path);
+) -> Result<RestBodies, SceneError> {
+    let unfit = |problem| unfit(rig_path, &taken.path, problem);
+    let of_skin = |error: SkinError| unfit(error.into());
     let mut rig_frame = frames.rig;
     let mut zero_mesh = None;
     if let Some(mesh) = &rig.rest {
@@ -43,10 +42,9 @@ pub(crate) fn rest_body_of(
             let Kinship::Scaled { decades } = kin else {
                 return Err(other_topology(
                     &taken.path,
-                    format!(
-                        "its vertices are in another order than in `{}`",
-                        rig_path.display()
-                    ),
+                    SceneProblem::VertexOrderOfRig {
+                        rig: rig_path.to_path_buf(),
+                    },
                 ));
             };
             rig_frame = Frame {
@@ -58,14 +56,14 @@ pub(crate) fn rest_body_of(
     } else {
         rig_frame = Frame::OURS;
     }
-    let skeleton = placed(&rig.skeleton, rig_frame).with_context(fits)?;
+    let skeleton = placed(&rig.skeleton, rig_frame).map_err(of_skin)?;
     let mesh = in_metres(taken.mesh.clone(), frames.rest)?;
-    check_joints(&skeleton, &mesh).with_context(fits)?;
+    check_joints(&skeleton, &mesh).map_err(unfit)?;
     let rest_pose = rig.rest_pose.map(|pose| turned(&pose, rig_frame));
     if let (Some(pose), Some(zero_mesh)) = (rest_pose, zero_mesh) {
         let zero = Body::new(zero_mesh, skeleton.clone(), rig.weights.clone());
-        let zero = zero.with_context(fits)?;
-        let rest_from_zero = zero.skeleton().transforms(&pose).with_context(fits)?;
+        let zero = zero.map_err(of_skin)?;
+        let rest_from_zero = zero.skeleton().transforms(&pose).map_err(of_skin)?;
         let positions = zero.transformed_positions(&rest_from_zero, Method::Linear);
         let is_zero = largest_distance(mesh.positions(), zero.rest().positions())
             < largest_distance(mesh.positions(), &positions);
@@ -73,10 +71,11 @@ pub(crate) fn rest_body_of(
             let mesh = if taken.is_obj {
                 mesh
             } else {
-                mesh.with_positions(positions)?
+                mesh.with_positions(positions)
+                    .map_err(|error| unfit(error.into()))?
             };
-            let skeleton = moved(&skeleton, &rest_from_zero).with_context(fits)?;
-            let rest = Body::new(mesh, skeleton, rig.weights).with_context(fits)?;
+            let skeleton = moved(&skeleton, &rest_from_zero).map_err(of_skin)?;
+            let rest = Body::new(mesh, skeleton, rig.weights).map_err(of_skin)?;
             return Ok(RestBodies {
                 rest,
                 zero: Some(Zero {
@@ -86,23 +85,26 @@ pub(crate) fn rest_body_of(
             });
         }
     }
-    let rest = Body::new(mesh, skeleton, rig.weights).with_context(fits)?;
+    let rest = Body::new(mesh, skeleton, rig.weights).map_err(of_skin)?;
     Ok(RestBodies { rest, zero: None })
 }
 
-pub(crate) fn does_not_fit(rig: &Path, rest: &Path) -> String {
-    format!(
-        "the rig `{}` does not fit the rest body `{}`",
-        rig.display(),
-        rest.display()
-    )
+/// A rig that is not of the rest body.
+pub(super) fn unfit(rig: &Path, rest: &Path, problem: SceneProblem) -> SceneError {
+    SceneError::UnfitRig {
+        rig: rig.to_path_buf(),
+        rest: rest.to_path_buf(),
+        problem,
+    }
 }
 
-/// Joints are as far as this outside the box of their body at most, over the size of the box: those at the tips of hands and feet.
+/// Joints are as far as this outside the box of their body at most, over the size of the box: those
+/// at the tips of hands and feet.
 const JOINT_MARGIN: f32 = 0.1;
 
-/// Refuses a skeleton most of which lies outside the body: rig and mesh are in two places, or of two sizes.
-fn check_joints(skeleton: &Skeleton, mesh: &TriMesh) -> anyhow::Result<()> {
+/// Refuses a skeleton most of which lies outside the body: rig and mesh are in two places, or of two
+/// sizes.
+fn check_joints(skeleton: &Skeleton, mesh: &TriMesh) -> Result<(), SceneProblem> {
     let Some(Bounds { min, max }) = Bounds::of_faces(mesh.positions(), mesh.faces()) else {
         return Ok(());
     };
@@ -117,17 +119,14 @@ fn check_joints(skeleton: &Skeleton, mesh: &TriMesh) -> anyhow::Result<()> {
     if 2 * num_outside <= joints.len() {
         return Ok(());
     }
-    let cause = format!(
-        "{num_outside} of its {} joints lie outside the body",
-        joints.len()
-    );
-    Err(anyhow::anyhow!(cause)).hint(|| {
-        "export rig and rest body from one scene, in one place and unit, or name the unit with `--units`".to_owned()
+    Err(SceneProblem::JointsOutside {
+        num_outside,
+        num_joints: joints.len(),
     })
 }
 
 /// A skeleton in metres with y up.
-fn placed(skeleton: &Skeleton, frame: Frame) -> Result<Skeleton, garnet::SkinError> {
+fn placed(skeleton: &Skeleton, frame: Frame) -> Result<Skeleton, SkinError> {
     if frame == Frame::OURS {
         return Ok(skeleton.clone());
     }
@@ -139,10 +138,7 @@ fn placed(skeleton: &Skeleton, frame: Frame) -> Result<Skeleton, garnet::SkinErr
 }
 
 /// A skeleton whose joints were moved.
-fn moved(
-    skeleton: &Skeleton,
-    transforms: &[Isometry3<f32>],
-) -> Result<Skeleton, garnet::SkinError> {
+fn moved(skeleton: &Skeleton, transforms: &[Isometry3<f32>]) -> Result<Skeleton, SkinError> {
     let joints = skeleton.joints().iter().zip(transforms);
     let joint = |(joint, transform): (&Joint, &Isometry3<f32>)| Joint {
         rest_position: transform * joint.rest_position,
@@ -172,7 +168,8 @@ fn turned(pose: &Pose, frame: Frame) -> Pose {
     }
 }
 
-pub(crate) fn largest_distance<'a>(
+/// The largest distance between two lists of points.
+pub fn largest_distance<'a>(
     a: impl IntoIterator<Item = &'a Point3>,
     b: impl IntoIterator<Item = &'a Point3>,
 ) -> f32 {
@@ -180,15 +177,13 @@ pub(crate) fn largest_distance<'a>(
     distances.fold(0.0, f32::max)
 }
 
-pub(crate) fn in_metres(mesh: TriMesh, frame: Frame) -> anyhow::Result<TriMesh> {
+/// A mesh of a file, in metres with y up.
+pub(super) fn in_metres(mesh: TriMesh, frame: Frame) -> Result<TriMesh, SceneError> {
     if frame == Frame::OURS {
         return Ok(mesh);
     }
     let (positions, faces) = mesh.into_parts();
-    TriMesh::new(frame.to_metres(positions), faces).hint(|| {
-        format!(
-            "it was read in {}; `--units` overrides this",
-            name(frame.unit)
-        )
-    })
+    let unit = frame.unit;
+    TriMesh::new(frame.to_metres(positions), faces)
+        .map_err(|source| SceneError::OutOfRange { unit, source })
 }

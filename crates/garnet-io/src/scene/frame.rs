@@ -1,24 +1,27 @@
 //! Units and axes of files, and the way from them to metres with y up and back.
 
-use garnet::io::{guess_body_unit, guess_up_axis};
-use garnet::{Bounds, Point3, TriMesh, Unit, UpAxis, Vector3};
+use garnet_mesh::{Bounds, Point3, TriMesh, Unit, UpAxis, Vector3};
+
+use crate::{guess_body_unit, guess_up_axis};
 
 /// Unit of length and up axis of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Frame {
-    pub(crate) unit: Unit,
-    pub(crate) up: UpAxis,
+pub struct Frame {
+    /// The unit.
+    pub unit: Unit,
+    /// The axis that points up.
+    pub up: UpAxis,
 }
 
 impl Frame {
     /// The frame in which everything is computed.
-    pub(crate) const OURS: Self = Self {
+    pub const OURS: Self = Self {
         unit: Unit::Metre,
         up: UpAxis::Y,
     };
 
     /// The frame of a body, by its height.
-    pub(crate) fn detected(mesh: &TriMesh) -> Self {
+    pub fn detected(mesh: &TriMesh) -> Self {
         Self {
             unit: detected_unit(mesh),
             up: detected_up(mesh),
@@ -26,7 +29,7 @@ impl Frame {
     }
 
     /// Positions of the file, in metres with y up.
-    pub(crate) fn to_metres(self, positions: Vec<Point3>) -> Vec<Point3> {
+    pub fn to_metres(self, positions: Vec<Point3>) -> Vec<Point3> {
         if self == Self::OURS {
             return positions;
         }
@@ -35,7 +38,7 @@ impl Frame {
     }
 
     /// A position of the file, in metres with y up.
-    pub(crate) fn point_to_metres(self, point: &Point3) -> Point3 {
+    pub fn point_to_metres(self, point: &Point3) -> Point3 {
         let metres = self.unit.in_metres();
         match self.up {
             UpAxis::Y => point * metres,
@@ -44,7 +47,7 @@ impl Frame {
     }
 
     /// Positions in metres with y up, as the file has them.
-    pub(crate) fn to_file(self, positions: Vec<Point3>) -> Vec<Point3> {
+    pub fn to_file(self, positions: Vec<Point3>) -> Vec<Point3> {
         if self == Self::OURS {
             return positions;
         }
@@ -58,12 +61,12 @@ impl Frame {
 }
 
 /// The up axis of a rest body: the longer of y and z, and y in doubt.
-pub(crate) fn detected_up(mesh: &TriMesh) -> UpAxis {
+pub(super) fn detected_up(mesh: &TriMesh) -> UpAxis {
     guess_up_axis(extent(mesh)).unwrap_or(UpAxis::Y)
 }
 
 /// The unit in which a rest body has the height of a body; metres in doubt.
-pub(crate) fn detected_unit(mesh: &TriMesh) -> Unit {
+pub(super) fn detected_unit(mesh: &TriMesh) -> Unit {
     let extent = extent(mesh);
     guess_body_unit(extent.y.max(extent.z)).unwrap_or(Unit::Metre)
 }
@@ -74,25 +77,15 @@ fn extent(mesh: &TriMesh) -> Vector3 {
 }
 
 /// The unit `decades` powers of ten shorter, if there is one.
-pub(crate) fn shorter(unit: Unit, decades: i32) -> Option<Unit> {
+pub(super) fn shorter(unit: Unit, decades: i32) -> Option<Unit> {
     let place = Unit::ALL.iter().position(|&other| other == unit)?;
     let place = i32::try_from(place).ok()?.checked_add(decades)?;
     Unit::ALL.get(usize::try_from(place).ok()?).copied()
 }
 
-/// The name of a unit in the plural.
-pub(crate) fn name(unit: Unit) -> &'static str {
-    match unit {
-        Unit::Metre => "metres",
-        Unit::Decimetre => "decimetres",
-        Unit::Centimetre => "centimetres",
-        Unit::Millimetre => "millimetres",
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use garnet::primitives::icosphere;
+    use garnet_mesh::primitives::icosphere;
 
     use super::*;
 

@@ -1,0 +1,118 @@
+//! Advice for scenes and poses that cannot be read.
+
+use std::error::Error as StdError;
+
+use garnet::{
+    io::{Misplaced, PoseError, PoseProblem, SceneError, SceneProblem},
+    poses::key_poses,
+};
+
+use super::{for_file, for_mesh, for_motion, for_obj, for_retarget, for_skin};
+
+/// The advice for a link of a chain of errors, if it is one of a scene or a pose.
+pub(super) fn for_link(link: &(dyn StdError + 'static)) -> Option<String> {
+    if let Some(error) = link.downcast_ref::<SceneError>() {
+        return for_scene(error);
+    }
+    if let Some(problem) = link.downcast_ref::<SceneProblem>() {
+        return for_scene_problem(problem).map(str::to_owned);
+    }
+    link.downcast_ref::<PoseError>().and_then(for_pose)
+}
+
+fn for_scene(error: &SceneError) -> Option<String> {
+    let hint = match error {
+        SceneError::Obj(error) => for_obj(error)?,
+        SceneError::File(error) => for_file(&error.problem)?,
+        SceneError::Skin(error) => for_skin(error)?,
+        SceneError::Pose(error) => return for_pose(error),
+        SceneError::OutOfRange { unit, .. } => {
+            return Some(format!(
+                "it was read in {}; `--units` overrides this",
+                unit.name()
+            ));
+        }
+        SceneError::NoBody { .. } => "give the OBJ of the body, and this file with `--rig`",
+        SceneError::NoRig { .. } => {
+            "give the skeleton and weights of the body with `--rig FILE` (npz, GLB, glTF or JSON), and \
+             the body on which the garment lies with `--rest-body OBJ` if the rig does not hold it"
+        }
+        SceneError::NoRestBody { .. } => {
+            "give the body on which the garment lies with `--rest-body OBJ`"
+        }
+        SceneError::OtherTopology { .. } => {
+            "export the posed body from the same mesh, with the order of its vertices kept; or give \
+             its own `--rig` and `--rest-body`, or the rest body itself with `--pose`"
+        }
+        SceneError::OtherSize { .. } => "export both in the same unit, or name it with `--units`",
+        SceneError::NotAtRest { .. } => {
+            "`--pose` poses the rest body: give the rest body itself, or a posed body without \
+             `--pose`"
+        }
+        SceneError::Misplaced {
+            body_unit, problem, ..
+        } => {
+            if let Misplaced::Unit { garment, .. } = problem {
+                return Some(format!(
+                    "if so, `--units {garment},{body_unit}` reads the garment in {} and the bodies \
+                     in {}",
+                    garment.name(),
+                    body_unit.name()
+                ));
+            }
+            for_misplaced(problem)
+        }
+        _ => return None,
+    };
+    Some(hint.to_owned())
+}
+
+fn for_scene_problem(problem: &SceneProblem) -> Option<&'static str> {
+    match problem {
+        SceneProblem::JointsOutside { .. } => Some(
+            "export rig and rest body from one scene, in one place and unit, or name the unit with `--units`",
+        ),
+        SceneProblem::Mesh(error) => for_mesh(error),
+        SceneProblem::Skin(error) => for_skin(error),
+        _ => None,
+    }
+}
+
+pub(super) fn for_misplaced(problem: &Misplaced) -> &'static str {
+    match problem {
+        Misplaced::Unit { .. } => {
+            "`garnet info` shows both boxes; `--units GARMENT,BODY` names the units of both"
+        }
+        Misplaced::Axis { .. } => {
+            "export both with the same axis up; `--up` overrides what was detected for both"
+        }
+        Misplaced::Aside { .. } => {
+            "let the garment lie on the body in its rest pose; `garnet info` shows the boxes of both"
+        }
+        _ => {
+            "`garnet info` shows the boxes of both; `--units GARMENT,BODY` and `--up` override what \
+             was detected"
+        }
+    }
+}
+
+fn for_pose(error: &PoseError) -> Option<String> {
+    let hint = match error {
+        PoseError::Motion(error) => for_motion(&error.problem)?,
+        PoseError::Frames(error) => for_retarget(error)?,
+        PoseError::Skin(error) => for_skin(error)?,
+        PoseError::BadFrames { problem, .. } => match problem {
+            PoseProblem::OfLibrary => "leave out what follows the colon",
+            _ => "frames are one, as 12, or FIRST:END:STEP, as 0:100:5, with a step of 1 at least",
+        },
+        PoseError::Unknown { .. } => {
+            let names: Vec<&str> = key_poses().map(|pose| pose.name).collect();
+            return Some(format!(
+                "the poses of the library are: {}",
+                names.join(", ")
+            ));
+        }
+        _ => return None,
+    };
+    Some(hint.to_owned())
+}

@@ -1,0 +1,376 @@
+//! A scene read from files: a garment on a body at rest, and the bodies that it goes to.
+//!
+//! [`Scene::load`] reads the files that are named, finds the rig, detects units and axes, and brings
+//! all to metres with y up. What was detected is part of the scene.
+
+mod error;
+mod files;
+mod frame;
+mod own_body;
+mod pose;
+mod rest_body;
+mod rest_mesh;
+mod rig_search;
+
+use std::path::{Path, PathBuf};
+
+use garnet_mesh::{Bounds, KnownMesh, Point3, TriMesh, Unit, UpAxis};
+use garnet_skin::{Body, Method, Pose, PosedBody, Rig};
+use nalgebra::Isometry3;
+
+pub use error::{SceneError, SceneProblem};
+pub use files::{SceneFiles, SceneUnits};
+pub use frame::Frame;
+pub use own_body::OwnBody;
+pub use pose::{NamedPose, PoseError, PoseNote, PoseProblem, PoseSource, Posing};
+pub use rest_body::largest_distance;
+pub use rig_search::rig_beside;
+
+use crate::{ObjFile, check_sizes};
+use files::{BodyFile, NamedFiles, ReadFiles};
+use rest_body::{RestBodies, Zero, in_metres, rest_body_of, unfit};
+use rest_mesh::{Frames, RestMesh, check_target, mesh_of};
+
+/// A garment on a body at rest and the bodies that it goes to, in metres with y up.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Scene {
+    /// The garment.
+    pub garment: SceneGarment,
+    /// The body that the garment lies on, if that is another than [`Scene::body`]: the garment is
+    /// then to be brought to that first.
+    pub own: Option<Body>,
+    /// The rest body.
+    pub body: Body,
+    /// Where the rest body came from.
+    pub rest: RestSource,
+    /// What the garment goes to.
+    pub targets: Vec<Target>,
+    /// What was taken for granted while poses were read.
+    pub notes: Vec<PoseNote>,
+}
+
+/// A garment as read.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct SceneGarment {
+    /// The text of its file.
+    pub file: ObjFile,
+    /// Unit and up axis of the file: as named, or as detected of the rest body.
+    pub frame: Frame,
+    /// The mesh, in metres with y up.
+    pub mesh: TriMesh,
+}
+
+/// Where a rest body came from.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct RestSource {
+    /// The file with its mesh.
+    pub path: PathBuf,
+    /// The file with its skeleton and weights.
+    pub rig_path: PathBuf,
+    /// Unit and up axis of the mesh.
+    pub frame: Frame,
+    /// The OBJ in which a posed body is written; none if the mesh came from the rig alone.
+    pub file: Option<ObjFile>,
+    /// Unit and up axis of that OBJ, and of what is written beside it.
+    pub file_frame: Frame,
+}
+
+/// A body that a garment goes to.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Target {
+    /// The file that tells its pose.
+    pub path: PathBuf,
+    /// What outputs are called, if it is one frame of several.
+    pub stem: Option<String>,
+    /// What is known of it.
+    pub aim: Aim,
+}
+
+/// What is known of a target.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Aim {
+    /// Where its vertices are.
+    Vertices(Vec<Point3>),
+    /// Where its vertices are, and how each joint moved.
+    Transforms(Vec<Point3>, Vec<Isometry3<f32>>),
+    /// The pose of the rest body.
+    Pose(Pose),
+}
+
+impl Target {
+    /// The rest body in the pose and shape of the target.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError::Unfitted`] if the body cannot take the pose.
+    pub fn posed(&self, body: &Body) -> Result<PosedBody, SceneError> {
+        let posed = match &self.aim {
+            Aim::Vertices(positions) => body.fitted(positions),
+            Aim::Transforms(positions, transforms) => body.fitted_by(positions, transforms.clone()),
+            Aim::Pose(pose) => body.posed(pose),
+        };
+        posed.map_err(|source| SceneError::Unfitted {
+            path: self.path.clone(),
+            source,
+        })
+    }
+}
+
+/// A target whose vertices are as near as this to those of the rest body is the rest body, in
+/// metres.
+const SAME: f32 = 2e-3;
+
+/// Relative rounding of the length of a unit.
+const UNIT_ROUNDING: f32 = 1e-3;
+
+impl Scene {
+    /// Reads the files of a scene and brings them together.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`]: a file that cannot be read, a body without rig, files that are not of one
+    /// body, or a garment that does not lie on it.
+    ///
+    /// # Examples
+    ///
+    /// ```no_run
+    /// use garnet_io::{Scene, SceneFiles};
+    ///
+    /// let mut files = SceneFiles::new("shirt.obj");
+    /// files.bodies = vec!["body.obj".into()];
+    /// files.pose = Some("wave".into());
+    /// let scene = Scene::load(&files)?;
+    /// println!("the garment is in {}", scene.garment.frame.unit.name());
+    /// # Ok::<(), garnet_io::SceneError>(())
+    /// ```
+    pub fn load(files: &SceneFiles) -> Result<Self, SceneError> {
+        Self::of_files(files, ReadFiles::read(files)?)
+    }
+
+    /// Reads a `drape-scene/1` file and all that it names.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`]: a file that cannot be read, or files that are not of one body.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let NamedFiles {
+            scene,
+            garment,
+            rig,
+            target,
+        } = NamedFiles::read(path)?;
+        let metres = scene.metres_per_unit as f32;
+        let unit = Unit::ALL
+            .into_iter()
+            .find(|unit| (unit.in_metres() / metres - 1.0).abs() < UNIT_ROUNDING);
+        let frame = Frame {
+            unit: unit.unwrap_or(Unit::Metre),
+            up: UpAxis::Y,
+        };
+        let mesh = mesh_of(&garment)?;
+        let body = rig.into_body();
+        let body = body.map_err(|error| unfit(path, &scene.rest_body, error.into()))?;
+        let positions = frame.to_metres(target.positions().to_vec());
+        check_target(
+            &scene.target_body,
+            &positions,
+            &target.polygon_edges(),
+            &KnownMesh::of(body.rest()),
+        )?;
+        let aim = match scene.posed_from_rest {
+            Some(transforms) => Aim::Transforms(positions, transforms),
+            None => Aim::Vertices(positions),
+        };
+        Ok(Self {
+            garment: SceneGarment {
+                mesh: in_metres(mesh, frame)?,
+                file: garment,
+                frame,
+            },
+            own: None,
+            body,
+            rest: RestSource {
+                path: scene.rest_body,
+                rig_path: path.to_path_buf(),
+                frame,
+                file: None,
+                file_frame: frame,
+            },
+            targets: vec![Target {
+                path: scene.target_body,
+                stem: None,
+                aim,
+            }],
+            notes: Vec::new(),
+        })
+    }
+
+    fn of_files(files: &SceneFiles, read: ReadFiles) -> Result<Self, SceneError> {
+        let ReadFiles {
+            garment,
+            mut bodies,
+            rest_body,
+            rig,
+            rig_path,
+            own,
+        } = read;
+        let is_posed = files.pose.is_some();
+        let first = bodies.first_mut();
+        let rest_obj = rest_body.or_else(|| {
+            // An unposed body stands for the rest body, and its text for the output.
+            first.filter(|_| is_posed).and_then(|body| body.file.take())
+        });
+        let taken = RestMesh::taken(rest_obj.as_ref(), &rig, &rig_path, files)?;
+        let frames = taken.frames(&bodies, files)?;
+        let body = rest_body_of(rig, &taken, &frames, &rig_path)?;
+        let mesh = mesh_of(&garment)?;
+        let frame = Frame {
+            unit: files.units.garment.unwrap_or(frames.obj.unit),
+            up: frames.obj.up,
+        };
+        // A garment with a body of its own is in metres, whatever the bodies are in.
+        let mesh = match files.own_rig {
+            Some(_) => mesh,
+            None => placed(
+                files,
+                mesh,
+                frame,
+                (&body.rest, &taken.path, frames.obj.unit),
+            )?,
+        };
+        let own = own.map(Rig::into_body).transpose()?;
+        let own = own.filter(|own| !is_same(own, &body.rest));
+        let (targets, notes) = match &files.pose {
+            Some(pose) => posed_targets(pose, &body, &bodies, &frames, &rig_path)?,
+            None => (mesh_targets(bodies, &body.rest, &frames)?, Vec::new()),
+        };
+        Ok(Self {
+            garment: SceneGarment {
+                file: garment,
+                frame,
+                mesh,
+            },
+            own,
+            rest: RestSource {
+                path: match &rest_obj {
+                    Some(file) => file.path().to_path_buf(),
+                    None => taken.path,
+                },
+                rig_path,
+                frame: frames.rest,
+                file: rest_obj,
+                file_frame: frames.obj,
+            },
+            body: body.rest,
+            targets,
+            notes,
+        })
+    }
+}
+
+/// A garment in metres with y up, once its size and place are those of one on the body.
+fn placed(
+    files: &SceneFiles,
+    mesh: TriMesh,
+    frame: Frame,
+    (body, path, body_unit): (&Body, &Path, Unit),
+) -> Result<TriMesh, SceneError> {
+    let mesh = in_metres(mesh, frame)?;
+    let bounds = |mesh: &TriMesh| Bounds::of_faces(mesh.positions(), mesh.faces());
+    if let (Some(garment), Some(body)) = (bounds(&mesh), bounds(body.rest())) {
+        check_sizes(&garment, &body, frame).map_err(|problem| SceneError::Misplaced {
+            garment: files.garment.clone(),
+            body: path.to_path_buf(),
+            frame,
+            body_unit,
+            problem,
+        })?;
+    }
+    Ok(mesh)
+}
+
+/// Whether a garment that lies on one body lies on the other.
+fn is_same(own: &Body, other: &Body) -> bool {
+    let (own, other) = (own.rest(), other.rest());
+    own.faces() == other.faces() && largest_distance(own.positions(), other.positions()) < SAME
+}
+
+fn mesh_targets(
+    bodies: Vec<BodyFile>,
+    rest: &Body,
+    frames: &Frames,
+) -> Result<Vec<Target>, SceneError> {
+    let mut targets = Vec::with_capacity(bodies.len());
+    let known = KnownMesh::of(rest.rest());
+    for (body, frame) in bodies.into_iter().zip(&frames.bodies) {
+        let positions = frame.to_metres(body.positions);
+        check_target(&body.path, &positions, &body.edges, &known)?;
+        targets.push(Target {
+            path: body.path,
+            stem: None,
+            aim: Aim::Vertices(positions),
+        });
+    }
+    Ok(targets)
+}
+
+fn posed_targets(
+    source: &PoseSource,
+    bodies: &RestBodies,
+    given: &[BodyFile],
+    frames: &Frames,
+    rig: &Path,
+) -> Result<(Vec<Target>, Vec<PoseNote>), SceneError> {
+    let rest = &bodies.rest;
+    for (body, frame) in given.iter().zip(&frames.bodies) {
+        let positions = frame.to_metres(body.positions.clone());
+        let from_zero = bodies.zero.iter().map(|zero| zero.body.rest());
+        let rests = std::iter::once(rest.rest()).chain(from_zero);
+        let found = || rest.of_skin(&positions);
+        let distances = rests.map(|mesh| largest_distance(rest.of_skin(mesh.positions()), found()));
+        let distance = distances.fold(f32::INFINITY, f32::min);
+        if distance > SAME {
+            return Err(SceneError::NotAtRest {
+                path: body.path.clone(),
+                problem: SceneProblem::Moved { distance },
+            });
+        }
+    }
+    let posed = bodies.zero.as_ref().map_or(rest, |zero| &zero.body);
+    let Posing { poses, notes } = source.read(posed).map_err(|error| error.of_rig(rig))?;
+    let mut targets = Vec::with_capacity(poses.len());
+    for named in poses {
+        let aim = match &bodies.zero {
+            None => Aim::Pose(named.pose),
+            Some(zero) => from_zero(zero, &named.pose)?,
+        };
+        let is_several = source.is_several();
+        targets.push(Target {
+            path: if is_several {
+                named.label.into()
+            } else {
+                source.path.clone()
+            },
+            stem: is_several.then_some(named.stem),
+            aim,
+        });
+    }
+    Ok((targets, notes))
+}
+
+/// A pose of the body that the rig has in its pose zero.
+fn from_zero(zero: &Zero, pose: &Pose) -> Result<Aim, SceneError> {
+    let posed_from_zero = zero.body.skeleton().transforms(pose)?;
+    let positions = zero
+        .body
+        .transformed_positions(&posed_from_zero, Method::DualQuaternion);
+    let pairs = posed_from_zero.iter().zip(&zero.rest_from_zero);
+    let posed_from_rest = pairs.map(|(posed, rest)| posed * rest.inverse()).collect();
+    Ok(Aim::Transforms(positions, posed_from_rest))
+}

@@ -1,0 +1,419 @@
+//! Poses that are named: one of the library, a frame of a file, or several frames.
+
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+};
+
+use garnet_body::{
+    motion::{
+        FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, lowest_points,
+        put_on_ground,
+    },
+    poses::{BodyAngles, Poser, SelfContact, SeparationOptions, key_pose, turn},
+    shape::tape_measures,
+};
+use garnet_mesh::Vector3;
+use garnet_skin::{Body, Pose, SkinError};
+
+use super::SceneError;
+use crate::{MotionError, Take, TakeError};
+
+/// Where poses come from: a name of the library, or a file and the frames in it.
+///
+/// From a text it is `NAME`, `FILE`, `FILE:FRAME` or `FILE:FIRST:END[:STEP]`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PoseSource {
+    /// The file, or the name.
+    pub path: PathBuf,
+    /// The frames in the file, from 0; the first without it.
+    pub frames: Option<FrameRange>,
+}
+
+/// A pose and what to call it.
+#[derive(Debug, Clone)]
+pub struct NamedPose {
+    /// For messages: the name or the file, and the frame in it.
+    pub label: String,
+    /// For outputs: like the label, without folder and extension.
+    pub stem: String,
+    /// The pose.
+    pub pose: Pose,
+}
+
+/// About so many frames of a motion tell where its ground is.
+const GROUND_FRAMES: usize = 2000;
+
+/// How deep parts of a body may run into each other in a motion, in metres: half of what poses of
+/// the library may have. Less of it leaves more room for cloth and changes motions more.
+const TOUCH: f32 = 0.005;
+
+/// Turns of arms that are told of, in radians.
+const TOLD_TURN: f32 = 0.01;
+
+/// Poses, and what was taken for granted while they were read.
+#[derive(Debug, Clone, Default)]
+pub struct Posing {
+    /// The poses, in the order of their frames.
+    pub poses: Vec<NamedPose>,
+    /// What was taken for granted.
+    pub notes: Vec<PoseNote>,
+}
+
+/// Something that was taken for granted while poses were read.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum PoseNote {
+    /// What the reader of a motion file says.
+    Motion(String),
+    /// Arms were kept out of other parts of the body.
+    ArmsTurned {
+        /// The largest turn, in degrees.
+        degrees: f32,
+        /// In how many frames arms were turned.
+        num_turned: usize,
+        /// Of how many.
+        num_frames: usize,
+    },
+    /// No frame was named: the first one is taken.
+    FirstFrame {
+        /// The file.
+        path: PathBuf,
+        /// How many frames it has.
+        num_frames: usize,
+    },
+    /// The body runs through itself in a pose of the library.
+    ThroughItself {
+        /// The pose.
+        name: String,
+    },
+}
+
+impl fmt::Display for PoseNote {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Motion(text) => formatter.write_str(text),
+            Self::ArmsTurned {
+                degrees,
+                num_turned,
+                num_frames,
+            } => write!(
+                formatter,
+                "arms are kept out of other parts of the body: turned by {degrees:.0} degrees at \
+                 most, in {num_turned} of {num_frames} frames"
+            ),
+            Self::FirstFrame { path, num_frames } => {
+                let path = path.display();
+                write!(
+                    formatter,
+                    "of the {num_frames} frames of `{path}` frame 0 is taken: `{path}:FRAME` names \
+                     another one, `{path}:FIRST:END:STEP` several"
+                )
+            }
+            Self::ThroughItself { name } => {
+                write!(
+                    formatter,
+                    "in the pose `{name}` this body runs through itself"
+                )
+            }
+        }
+    }
+}
+
+/// Why a pose cannot be read.
+///
+/// The text says what does not go; [`std::error::Error::source`] says why.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PoseError {
+    /// A motion file cannot be read.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// A motion cannot be carried over to the body.
+    #[error(transparent)]
+    Take(#[from] TakeError),
+    /// A frame is not there.
+    #[error(transparent)]
+    Frames(#[from] RetargetError),
+    /// What stands for frames names none.
+    #[error("cannot read frames of `{of}`")]
+    BadFrames {
+        /// The file, or the pose of the library.
+        of: String,
+        /// What is wrong with the frames.
+        #[source]
+        problem: PoseProblem,
+    },
+    /// There is no such pose.
+    #[error("there is no pose `{name}`")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// Where it was looked for.
+        #[source]
+        problem: PoseProblem,
+    },
+    /// The body cannot take a pose of the library.
+    #[error("cannot take the pose `{name}`")]
+    Library {
+        /// The pose.
+        name: String,
+        /// What is wrong with the body.
+        source: RetargetError,
+    },
+    /// A pose is impossible.
+    #[error(transparent)]
+    Skin(#[from] SkinError),
+}
+
+/// The cause of a [`PoseError`].
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PoseProblem {
+    /// A pose of the library has no frames.
+    #[error("a pose of the library has none")]
+    OfLibrary,
+    /// The text is no range of frames.
+    #[error("`{text}` names none")]
+    NoFrames {
+        /// The text.
+        text: String,
+    },
+    /// The text is neither a file nor a name.
+    #[error("it is neither a file nor a pose of the library")]
+    Neither,
+}
+
+impl PoseError {
+    /// The error with the name of the rig, if its joints are at fault.
+    pub fn of_rig(self, rig: &Path) -> SceneError {
+        let is_of_body = match &self {
+            Self::Take(TakeError::Retarget { problem, .. }) => problem.is_of_body(),
+            Self::Frames(problem)
+            | Self::Library {
+                source: problem, ..
+            } => problem.is_of_body(),
+            _ => false,
+        };
+        if is_of_body {
+            SceneError::Unposable {
+                rig: rig.to_path_buf(),
+                source: self,
+            }
+        } else {
+            SceneError::Pose(self)
+        }
+    }
+}
+
+impl From<&str> for PoseSource {
+    /// Splits `FILE:FRAMES` at the first colon after a file that there is, or after which nothing but
+    /// frames follows; a file whose own name ends like this comes first.
+    fn from(text: &str) -> Self {
+        let whole = Self {
+            path: text.into(),
+            frames: None,
+        };
+        if whole.path.exists() {
+            return whole;
+        }
+        let colons = text.match_indices(':').filter(|&(place, _)| place > 0);
+        let mut split = colons.map(|(place, _)| (&text[..place], &text[place + 1..]));
+        let on_disk = split.clone().find(|(path, _)| Path::new(path).is_file());
+        let found = match on_disk {
+            Some((path, frames)) => frames.parse().ok().map(|frames| (path, frames)),
+            None => split.find_map(|(path, frames)| Some((path, frames.parse().ok()?))),
+        };
+        match found {
+            Some((path, frames)) => Self {
+                path: path.into(),
+                frames: Some(frames),
+            },
+            None => whole,
+        }
+    }
+}
+
+impl PoseSource {
+    /// Whether it may stand for more than one pose.
+    pub fn is_several(&self) -> bool {
+        self.frames.is_some_and(|frames| !frames.is_single())
+    }
+
+    /// The poses, on a body.
+    ///
+    /// Those of motions are carried over to its skeleton and put on the ground.
+    ///
+    /// # Errors
+    ///
+    /// [`PoseError`]: a name or frames that there are not, a file that cannot be read, or a body
+    /// that is no human figure.
+    pub fn read(&self, body: &Body) -> Result<Posing, PoseError> {
+        if !self.path.exists() {
+            let name = self.path.to_string_lossy();
+            if let Some(pose) = key_pose(&name) {
+                if self.frames.is_some() {
+                    return Err(PoseError::BadFrames {
+                        of: name.into_owned(),
+                        problem: PoseProblem::OfLibrary,
+                    });
+                }
+                return of_library(&name, &pose.angles, body);
+            }
+            let colons = name.match_indices(':');
+            let mut split = colons.map(|(place, _)| (&name[..place], &name[place + 1..]));
+            if let Some((file, frames)) = split.find(|(file, _)| Path::new(file).is_file()) {
+                return Err(PoseError::BadFrames {
+                    of: file.to_owned(),
+                    problem: PoseProblem::NoFrames {
+                        text: frames.to_owned(),
+                    },
+                });
+            }
+            if self.path.extension().is_none() {
+                return Err(PoseError::Unknown {
+                    name: name.into_owned(),
+                    problem: PoseProblem::Neither,
+                });
+            }
+        }
+        let skeleton = body.skeleton();
+        let take = Take::read(&self.path, &ReadOptions::default())?;
+        let range = self.frames.unwrap_or(FrameRange::single(0));
+        let options = RetargetOptions::default();
+        let frames = range.of(take.num_frames())?;
+        let of_motion = take.notes(skeleton).into_iter();
+        let mut notes: Vec<PoseNote> = of_motion.map(PoseNote::Motion).collect();
+        let mut poses = take.poses_of(skeleton, &frames, &options)?;
+        let is_motion = take.motion().is_some();
+        if is_motion && tape_measures(body).is_some() {
+            notes.extend(keep_apart(body, &take, &frames, &mut poses)?);
+        }
+        if is_motion && range.is_single() {
+            put_on_ground(body, &mut poses, Ground::EachPose)?;
+        } else if is_motion {
+            // Where the ground is does not depend on which frames are asked for.
+            let step = take.num_frames().div_ceil(GROUND_FRAMES);
+            let clip = take.poses(skeleton, FrameRange::every(step), &options)?;
+            let lowest = lowest_points(body, &clip)?.into_iter();
+            let ground = lowest.fold(f32::INFINITY, f32::min);
+            for pose in poses.iter_mut().filter(|_| ground.is_finite()) {
+                pose.root_translation.y -= ground;
+            }
+        }
+        let num_frames = take.num_frames();
+        if self.frames.is_none() && num_frames > 1 {
+            notes.push(PoseNote::FirstFrame {
+                path: self.path.clone(),
+                num_frames,
+            });
+        }
+        let named = frames
+            .into_iter()
+            .zip(poses)
+            .map(|(frame, pose)| NamedPose {
+                label: format!("{}:{frame}", self.path.display()),
+                stem: format!("{}_{frame:04}", stem(&self.path)),
+                pose,
+            });
+        Ok(Posing {
+            poses: named.collect(),
+            notes,
+        })
+    }
+}
+
+/// Turns arms of a built-in body away from what they run into in frames of a motion, and tells of
+/// it. Other bodies go as the motion says: they may have to match what another program makes of it.
+fn keep_apart(
+    body: &Body,
+    take: &Take,
+    frames: &[usize],
+    poses: &mut [Pose],
+) -> Result<Option<PoseNote>, PoseError> {
+    let contact = SelfContact::new(body)?;
+    let options = SeparationOptions {
+        max_depth: TOUCH,
+        legs_give_way: false,
+        ..SeparationOptions::default()
+    };
+    let easing = take.easing(&contact, frames, &options)?;
+    let largest = |turns: &[Vector3]| turns.iter().map(Vector3::norm).fold(0.0, f32::max);
+    let largest: Vec<f32> = easing.iter().map(|turns| largest(turns)).collect();
+    for (pose, turns) in poses.iter_mut().zip(&easing) {
+        turn(pose, turns);
+    }
+    let num_turned = largest.iter().filter(|&&angle| angle > TOLD_TURN).count();
+    let most = largest.into_iter().fold(0.0, f32::max).to_degrees();
+    Ok((num_turned > 0).then(|| PoseNote::ArmsTurned {
+        degrees: most,
+        num_turned,
+        num_frames: frames.len(),
+    }))
+}
+
+/// A pose of the library, with the parts of the body apart and the lowest vertex on the ground.
+fn of_library(name: &str, angles: &BodyAngles, body: &Body) -> Result<Posing, PoseError> {
+    let cannot = |source| PoseError::Library {
+        name: name.to_owned(),
+        source,
+    };
+    let poser = Poser::new(body.skeleton()).map_err(cannot)?;
+    let pose = poser.pose(angles);
+    let contact = SelfContact::new(body).map_err(cannot)?;
+    let mut notes = Vec::new();
+    let separated = contact.separated(&pose, &SeparationOptions::default())?;
+    let mut poses = if let Some(separated) = separated {
+        vec![separated.pose]
+    } else {
+        notes.push(PoseNote::ThroughItself {
+            name: name.to_owned(),
+        });
+        vec![pose]
+    };
+    put_on_ground(body, &mut poses, Ground::EachPose)?;
+    let named = poses.into_iter().map(|pose| NamedPose {
+        label: name.to_owned(),
+        stem: name.to_owned(),
+        pose,
+    });
+    Ok(Posing {
+        poses: named.collect(),
+        notes,
+    })
+}
+
+fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    stem.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn split(text: &str) -> (PathBuf, Option<String>) {
+        let source = PoseSource::from(text);
+        (source.path, source.frames.map(|frames| frames.to_string()))
+    }
+
+    #[test]
+    fn frames_follow_a_colon() {
+        assert_eq!(
+            split("walk.json:12"),
+            ("walk.json".into(), Some("12".to_owned()))
+        );
+        assert_eq!(
+            split("walk.bvh:0:9:2"),
+            ("walk.bvh".into(), Some("0:9:2".to_owned()))
+        );
+        assert_eq!(
+            split("walk.bvh:3:"),
+            ("walk.bvh".into(), Some("3::1".to_owned()))
+        );
+        assert_eq!(split("a:b/walk.json"), ("a:b/walk.json".into(), None));
+        assert_eq!(split(":3"), (":3".into(), None));
+        assert!(PoseSource::from("walk.bvh:0:9").is_several());
+        assert!(!PoseSource::from("walk.bvh:9").is_several());
+    }
+}

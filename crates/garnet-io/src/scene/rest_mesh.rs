@@ -1,0 +1,160 @@
+//! The mesh of the rest body, and units and axes of the files of a body.
+
+use std::path::{Path, PathBuf};
+
+use garnet_mesh::{Kinship, KnownMesh, Point3, TriMesh, kinship};
+use garnet_skin::Rig;
+
+use super::{
+    SceneError, SceneFiles, SceneProblem,
+    files::BodyFile,
+    frame::{Frame, detected_unit, detected_up, shorter},
+};
+use crate::ObjFile;
+
+/// The mesh of the rest body, in the unit of its file.
+#[derive(Debug)]
+pub(super) struct RestMesh {
+    pub(super) mesh: TriMesh,
+    pub(super) path: PathBuf,
+    pub(super) is_obj: bool,
+}
+
+/// Units and axes of the files of a body.
+#[derive(Debug)]
+pub(super) struct Frames {
+    /// Of the OBJ files.
+    pub(super) obj: Frame,
+    /// Of the rest mesh.
+    pub(super) rest: Frame,
+    /// Of the rig.
+    pub(super) rig: Frame,
+    /// Of each body.
+    pub(super) bodies: Vec<Frame>,
+}
+
+impl RestMesh {
+    pub(super) fn taken(
+        obj: Option<&ObjFile>,
+        rig: &Rig,
+        rig_path: &Path,
+        files: &SceneFiles,
+    ) -> Result<Self, SceneError> {
+        // With a rest mesh in the rig, an unposed BODY is compared with it and not needed.
+        let is_needed = files.rest_body.is_some() || rig.rest.is_none();
+        match (obj.filter(|_| is_needed), &rig.rest) {
+            (Some(file), _) => Ok(Self {
+                mesh: mesh_of(file)?,
+                path: file.path().to_path_buf(),
+                is_obj: true,
+            }),
+            (None, Some(mesh)) => Ok(Self {
+                mesh: mesh.clone(),
+                path: rig_path.to_path_buf(),
+                is_obj: false,
+            }),
+            (None, None) => Err(SceneError::NoRestBody {
+                problem: SceneProblem::SkeletonAlone {
+                    rig: rig_path.to_path_buf(),
+                },
+            }),
+        }
+    }
+
+    pub(super) fn frames(
+        &self,
+        bodies: &[BodyFile],
+        files: &SceneFiles,
+    ) -> Result<Frames, SceneError> {
+        let mut decades = Vec::with_capacity(bodies.len());
+        for body in bodies {
+            decades.push(self.decades(&body.path, &body.positions)?);
+        }
+        let first = decades.first().copied().unwrap_or_default();
+        let detected = detected_unit(&self.mesh);
+        let unit = match (files.units.body, self.is_obj) {
+            (None, _) => detected,
+            (Some(unit), true) => unit,
+            (Some(unit), false) => shorter(unit, -first).unwrap_or(unit),
+        };
+        let up = detected_up(&self.mesh);
+        let obj_up = files.up.unwrap_or(up);
+        let rest = Frame {
+            unit,
+            up: if self.is_obj { obj_up } else { up },
+        };
+        let of_bodies = bodies.iter().zip(decades).map(|(body, decades)| {
+            let unit = shorter(unit, decades).ok_or_else(|| SceneError::OtherSize {
+                path: body.path.clone(),
+                problem: SceneProblem::Decades { decades },
+            })?;
+            Ok(Frame { unit, up: obj_up })
+        });
+        let of_bodies = of_bodies.collect::<Result<Vec<Frame>, SceneError>>()?;
+        let obj_unit = match (self.is_obj, of_bodies.first()) {
+            (false, Some(body)) => body.unit,
+            _ => unit,
+        };
+        Ok(Frames {
+            obj: Frame {
+                unit: obj_unit,
+                up: obj_up,
+            },
+            rig: rest,
+            rest,
+            bodies: of_bodies,
+        })
+    }
+
+    /// How much longer the edges of another mesh of this topology are, as a power of ten.
+    fn decades(&self, path: &Path, positions: &[Point3]) -> Result<i32, SceneError> {
+        let (found, expected) = (positions.len(), self.mesh.num_vertices());
+        if found != expected {
+            return Err(other_topology(
+                path,
+                SceneProblem::VertexCount {
+                    found,
+                    expected,
+                    rest: self.path.clone(),
+                },
+            ));
+        }
+        match kinship(self.mesh.positions(), positions, self.mesh.faces()) {
+            Kinship::Scaled { decades } => Ok(decades),
+            Kinship::Stranger => Err(other_topology(
+                path,
+                SceneProblem::VertexOrder {
+                    rest: self.path.clone(),
+                },
+            )),
+        }
+    }
+}
+
+/// A mesh that is not the rest body in another pose and shape.
+pub(super) fn other_topology(path: &Path, problem: SceneProblem) -> SceneError {
+    SceneError::OtherTopology {
+        path: path.to_path_buf(),
+        problem,
+    }
+}
+
+/// Refuses a target that is not the rest body in another pose and shape, whose vertices are at
+/// `positions`, in metres, and whose polygons have `edges`.
+pub(super) fn check_target(
+    path: &Path,
+    positions: &[Point3],
+    edges: &[[u32; 2]],
+    rest: &KnownMesh<'_>,
+) -> Result<(), SceneError> {
+    let checked = rest.check(positions, edges).map(|_| ());
+    checked.map_err(|difference| other_topology(path, SceneProblem::Difference(difference)))
+}
+
+/// The mesh of an OBJ.
+pub(super) fn mesh_of(file: &ObjFile) -> Result<TriMesh, SceneError> {
+    file.mesh().map_err(|source| SceneError::Mesh {
+        path: file.path().to_path_buf(),
+        source,
+    })
+}
