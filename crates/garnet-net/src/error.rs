@@ -12,7 +12,7 @@ use garnet_mesh::{Fingerprint, MeshError, WriteError};
 #[non_exhaustive]
 pub enum NetError {
     /// A number of the configuration is not usable.
-    #[error("`{field}` of the network is `{value}`, but has to be from {min} to {max}")]
+    #[error("`{field}` of the network is `{}`, but has to be from {min} to {max}", short(*value))]
     Config {
         /// Which number.
         field: &'static str,
@@ -24,7 +24,7 @@ pub enum NetError {
         max: f64,
     },
     /// A weight or constant of the loss is not usable.
-    #[error("`{field}` of the loss is `{value}`, but has to be from {min} to {max}")]
+    #[error("`{field}` of the loss is `{}`, but has to be from {min} to {max}", short(*value))]
     Loss {
         /// Which number.
         field: &'static str,
@@ -103,6 +103,14 @@ pub enum NetError {
     /// Neighbors cannot be searched.
     #[error(transparent)]
     Knn(#[from] KnnError),
+}
+
+/// A number as messages have it: hundreds of digits say less than its power of ten.
+fn short(value: f64) -> String {
+    if value.is_finite() && value.abs() >= 1e15 {
+        return format!("{value:e}");
+    }
+    value.to_string()
 }
 
 /// Why a weight file cannot be read or written.

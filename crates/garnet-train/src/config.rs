@@ -61,6 +61,31 @@ pub struct TrainConfig {
     pub network: toml::Table,
 }
 
+/// A number of a configuration, and the range that it has to be in.
+struct Number {
+    field: &'static str,
+    value: f64,
+    min: f64,
+    max: f64,
+}
+
+impl Number {
+    fn check(&self, value: f64) -> Result<(), TrainError> {
+        let &Self {
+            field, min, max, ..
+        } = self;
+        if (min..=max).contains(&value) {
+            return Ok(());
+        }
+        Err(TrainError::Config {
+            field,
+            value,
+            min,
+            max,
+        })
+    }
+}
+
 /// What the best epoch is chosen by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -132,12 +157,30 @@ impl TrainConfig {
     ///
     /// # Errors
     ///
-    /// [`TrainError::ConfigText`] with the line.
+    /// [`TrainError::ConfigText`] with the line, or [`TrainError::Config`] for a number that its field cannot hold.
     pub fn parse(text: &str) -> Result<Self, TrainError> {
-        toml::from_str(text).map_err(|source| TrainError::ConfigText {
-            path: None,
-            reason: toml_problem(text, &source),
+        toml::from_str(text).map_err(|source| {
+            Self::out_of_range(text).unwrap_or_else(|| TrainError::ConfigText {
+                path: None,
+                reason: toml_problem(text, &source),
+            })
         })
+    }
+
+    /// The first number of a text that is out of range: those that are too small or too large for the type of their
+    /// field never come to it.
+    fn out_of_range(text: &str) -> Option<TrainError> {
+        let table: toml::Table = toml::from_str(text).ok()?;
+        let wrong = |number: &Number| {
+            let mut names = number.field.split('.');
+            let first = table.get(names.next()?)?;
+            let value = names.try_fold(first, |value, name| value.get(name))?;
+            let value = value
+                .as_float()
+                .or(value.as_integer().map(|whole| whole as f64))?;
+            number.check(value).err()
+        };
+        Self::default().numbers().iter().find_map(wrong)
     }
 
     /// The same as a TOML text.
@@ -159,45 +202,8 @@ impl TrainConfig {
     /// [`TrainError::Config`] with the first number out of range, [`TrainError::NoLoss`] if no term of the loss has a
     /// weight, [`TrainError::Net`] for a loss or a network that cannot be, and as [`TrainConfig::network_config`].
     pub fn validate(&self) -> Result<(), TrainError> {
-        let numbers = [
-            ("epochs", f64::from(self.epochs), 1.0, 1e6),
-            ("accumulate", f64::from(self.accumulate), 1.0, 1e4),
-            ("learning_rate", self.learning_rate, 1e-9, 1.0),
-            ("max_gradient", self.max_gradient, 0.0, 1e9),
-            (
-                "pose_space.shapes",
-                f64::from(self.pose_space.shapes),
-                1.0,
-                1024.0,
-            ),
-            (
-                "pose_space.scenes",
-                f64::from(self.pose_space.scenes),
-                1.0,
-                2e4,
-            ),
-            (
-                "pose_space.searched",
-                f64::from(self.pose_space.searched),
-                1.0,
-                2e4,
-            ),
-            (
-                "pose_space.rounds",
-                f64::from(self.pose_space.rounds),
-                0.0,
-                1e3,
-            ),
-        ];
-        for (field, value, min, max) in numbers {
-            if !(min..=max).contains(&value) {
-                return Err(TrainError::Config {
-                    field,
-                    value,
-                    min,
-                    max,
-                });
-            }
+        for number in self.numbers() {
+            number.check(number.value)?;
         }
         self.loss.check()?;
         if self.loss.is_nothing() {
@@ -206,7 +212,41 @@ impl TrainConfig {
         let mut network = self.network_config()?;
         // How many there are depends on the body.
         network.num_body_parameters = network.num_body_parameters.max(1);
-        Ok(network.validate()?)
+        Ok(network.check_size()?)
+    }
+
+    /// All numbers but those of the loss and of the network, which have ranges of their own. Any seed will do.
+    fn numbers(&self) -> [Number; 15] {
+        let number = |field, value, min, max| Number {
+            field,
+            value,
+            min,
+            max,
+        };
+        let whole = |field, value: u32, min, max| number(field, f64::from(value), min, max);
+        let space = &self.pose_space;
+        [
+            whole("epochs", self.epochs, 1.0, 1e6),
+            whole("accumulate", self.accumulate, 1.0, 1e4),
+            number("learning_rate", self.learning_rate, 1e-9, 1.0),
+            whole("warm_up", self.warm_up, 0.0, 1e9),
+            number("max_gradient", self.max_gradient, 0.0, 1e9),
+            whole("patience", self.patience, 0.0, 1e9),
+            whole("save_every", self.save_every, 0.0, 1e9),
+            whole("pose_space.shapes", space.shapes, 1.0, 1024.0),
+            whole("pose_space.scenes", space.scenes, 1.0, 2e4),
+            whole("pose_space.searched", space.searched, 1.0, 2e4),
+            whole("pose_space.rounds", space.rounds, 0.0, 1e3),
+            whole("pose_space.region_shapes", space.region_shapes, 1.0, 1024.0),
+            whole(
+                "pose_space.region_searched",
+                space.region_searched,
+                1.0,
+                2e4,
+            ),
+            whole("pose_space.hidden", space.hidden, 1.0, 4096.0),
+            whole("pose_space.passes", space.passes, 1.0, 1e5),
+        ]
     }
 
     /// The preset, with what differs; without what a garment decides.
@@ -224,9 +264,11 @@ impl TrainConfig {
         let mut table =
             toml::Table::try_from(&preset).map_err(|error| unusable(error.to_string()))?;
         overlay(&mut table, &self.network);
-        table
-            .try_into()
-            .map_err(|error: toml::de::Error| unusable(error.message().to_owned()))
+        table.try_into().map_err(|error: toml::de::Error| {
+            // With the field, on a line of its own.
+            let text = error.to_string();
+            unusable(text.trim_end().replace('\n', " "))
+        })
     }
 }
 

@@ -68,7 +68,7 @@ pub enum TrainError {
         reason: String,
     },
     /// A number of the configuration is out of range.
-    #[error("`{field}` is `{value}`, but has to be from {min} to {max}")]
+    #[error("`{field}` is `{}`, but has to be from {min} to {max}", short(*value))]
     Config {
         /// Which number.
         field: &'static str,
@@ -377,6 +377,14 @@ impl std::fmt::Display for Trouble {
             }
         }
     }
+}
+
+/// A number as messages have it: hundreds of digits say less than its power of ten.
+fn short(value: f64) -> String {
+    if value.is_finite() && value.abs() >= 1e15 {
+        return format!("{value:e}");
+    }
+    value.to_string()
 }
 
 const fn plural(count: usize) -> &'static str {

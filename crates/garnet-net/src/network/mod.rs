@@ -44,6 +44,9 @@ pub struct GarNet {
     workspace: Arc<Workspace>,
 }
 
+/// Most weights of a network: a training keeps four numbers for each, of which these take 1.6 GB.
+const MAX_WEIGHTS: u64 = 100_000_000;
+
 impl GarNetConfig {
     /// Makes a network with random weights from a seed; it leaves the warp as it is.
     ///
@@ -51,16 +54,38 @@ impl GarNetConfig {
     ///
     /// [`NetError::Config`].
     pub fn init(&self, seed: u64, device: &Device) -> Result<GarNet, NetError> {
-        self.made_of(&mut WeightSource::new(seed, device))
+        self.check_size()?;
+        Ok(self.made_of(&mut WeightSource::new(seed, device)))
     }
 
     /// Makes a network of shapes alone, to be filled.
     pub(crate) fn blank(&self, device: &Device) -> Result<GarNet, NetError> {
-        self.made_of(&mut WeightSource::blank(device))
+        self.validate()?;
+        let mut source = WeightSource::blank(device);
+        let network = self.made_of(&mut source);
+        let found = source.num_weights();
+        if found <= MAX_WEIGHTS {
+            return Ok(network);
+        }
+        Err(NetError::Config {
+            field: "weights",
+            value: found as f64,
+            min: 1.0,
+            max: MAX_WEIGHTS as f64,
+        })
     }
 
-    fn made_of(&self, source: &mut WeightSource) -> Result<GarNet, NetError> {
-        self.validate()?;
+    /// Checks that memory has room for a network: widths that are in their ranges may together ask for too many weights.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError::Config`] of the field `weights`, or as [`GarNetConfig::validate`].
+    pub fn check_size(&self) -> Result<(), NetError> {
+        self.blank(&Device::flex()).map(drop)
+    }
+
+    /// Of a configuration whose numbers are in their ranges.
+    fn made_of(&self, source: &mut WeightSource) -> GarNet {
         let parameters = (self.has_body_parameters())
             .then(|| SharedMlp::new(self.num_body_parameters, &self.body.parameters, source));
         let mut body_global = 0;
@@ -80,7 +105,7 @@ impl GarNetConfig {
         if self.has_local_pooling() {
             fused += self.body.second.last().copied().unwrap_or(0);
         }
-        Ok(GarNet {
+        GarNet {
             body: self
                 .has_body_stream()
                 .then(|| BodyStream::new(self, source)),
@@ -89,7 +114,7 @@ impl GarNetConfig {
             fusion: Fusion::new(fused, &self.fusion, source),
             config: self.clone(),
             workspace: Arc::default(),
-        })
+        }
     }
 }
 

@@ -12,6 +12,8 @@ pub(crate) struct WeightSource {
     random: Option<ChaCha8Rng>,
     device: Device,
     num_made: u64,
+    /// All numbers of the weights that were asked for.
+    num_weights: u64,
 }
 
 impl WeightSource {
@@ -21,6 +23,7 @@ impl WeightSource {
             random: Some(ChaCha8Rng::seed_from_u64(seed)),
             device: device.clone(),
             num_made: 0,
+            num_weights: 0,
         }
     }
 
@@ -31,7 +34,13 @@ impl WeightSource {
             random: None,
             device: device.clone(),
             num_made: 0,
+            num_weights: 0,
         }
+    }
+
+    /// How many weights were asked for.
+    pub(crate) const fn num_weights(&self) -> u64 {
+        self.num_weights
     }
 
     /// Independent normal numbers of the given deviation.
@@ -56,6 +65,7 @@ impl WeightSource {
         values: Option<Vec<f32>>,
     ) -> Param<Tensor<D>> {
         self.num_made += 1;
+        self.num_weights += shape.iter().product::<usize>() as u64;
         let id = ParamId::from(self.num_made);
         let make = move |device: &Device, require_grad| {
             let tensor = match values {

@@ -5,5 +5,6 @@
 mod bad_input;
 mod evaluation;
 mod invented;
+mod numbers;
 mod pose_space;
 mod training;

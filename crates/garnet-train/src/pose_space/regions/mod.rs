@@ -155,7 +155,7 @@ impl<'a> Ground<'a> {
             features,
             numbers,
             offsets,
-            searched: evenly(samples, asked.searched as usize),
+            searched: evenly(samples, asked.region_searched as usize),
         })
     }
 
