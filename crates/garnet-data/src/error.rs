@@ -8,7 +8,7 @@ use std::{
 use garnet_body::{motion::RetargetError, shape::ShapeError};
 use garnet_drape::PackageError;
 use garnet_io::{FileError, ObjError};
-use garnet_mesh::{MeshDifference, MeshError, WriteError};
+use garnet_mesh::{Fingerprint, MeshDifference, MeshError, WriteError};
 use garnet_pattern::PatternError;
 use garnet_sim::SimError;
 use garnet_skin::SkinError;
@@ -74,6 +74,16 @@ pub enum DataError {
         path: PathBuf,
         /// What was expected and found, with line and column.
         reason: String,
+    },
+    /// A file is not the one that was written.
+    #[error("`{}` was altered or damaged: its checksum is {found}, and was {expected} when it was written", path.display())]
+    Altered {
+        /// The file.
+        path: PathBuf,
+        /// The checksum of what it holds.
+        found: Fingerprint,
+        /// The one that was written down.
+        expected: String,
     },
     /// A file belongs to something else or to another version.
     #[error("`{}` does not belong here: {what}", path.display())]
@@ -280,6 +290,18 @@ impl DataError {
             path: path.to_path_buf(),
             reason: source.to_string(),
         }
+    }
+
+    /// Refuses the file `path` if its checksum is not the expected one.
+    pub(crate) fn check(path: &Path, found: Fingerprint, expected: &str) -> Result<(), Self> {
+        if found.to_string() == expected {
+            return Ok(());
+        }
+        Err(Self::Altered {
+            path: path.to_path_buf(),
+            found,
+            expected: expected.to_owned(),
+        })
     }
 
     pub(crate) fn foreign(path: &Path, read_as: ReadAs, what: impl Into<String>) -> Self {

@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
-use garnet_mesh::{Point3, Vector3};
+use garnet_mesh::{Fingerprint, Point3, Vector3};
 use nalgebra::{Quaternion, UnitQuaternion};
+use rayon::prelude::*;
 use safetensors::{Dtype, SafeTensorError, SafeTensors, View, serialize};
 
 /// Key under which the text of a file is kept. There is one key alone, because the format does not
@@ -89,8 +90,13 @@ impl View for &Bytes<'_> {
     }
 }
 
-/// The bytes of a file with these arrays and this text. Equal contents give equal bytes.
-pub fn to_bytes(arrays: &[(&str, &Array)], text: String) -> Result<Vec<u8>, SafeTensorError> {
+/// The bytes of a file with these arrays and the text that `signed` makes of their [checksum](Contents::checksum) with
+/// `text`. Equal contents give equal bytes.
+pub fn to_bytes(
+    arrays: &[(&str, &Array)],
+    text: &str,
+    signed: impl FnOnce(Fingerprint) -> String,
+) -> Result<Vec<u8>, SafeTensorError> {
     let bytes = |array: &Array| -> Vec<u8> {
         let values = array.values.iter();
         values.flat_map(|value| value.to_le_bytes()).collect()
@@ -102,11 +108,26 @@ pub fn to_bytes(arrays: &[(&str, &Array)], text: String) -> Result<Vec<u8>, Safe
             (*name, Bytes { shape, data })
         })
         .collect();
+    let mut parts: Vec<(&str, &[usize], &[u8])> = (views.iter())
+        .map(|(name, view)| (*name, view.shape, view.data.as_slice()))
+        .collect();
+    let text = signed(checksum(text, &mut parts));
     let metadata = HashMap::from([(TEXT_KEY.to_owned(), text)]);
     serialize(
         views.iter().map(|(name, view)| (*name, view)),
         Some(metadata),
     )
+}
+
+/// Of a text, and of names, shapes and bytes of arrays in the order of their names.
+fn checksum(text: &str, arrays: &mut [(&str, &[usize], &[u8])]) -> Fingerprint {
+    arrays.sort_unstable_by_key(|(name, ..)| *name);
+    let sums = arrays.par_iter().map(|(name, shape, bytes)| {
+        let numbers = Fingerprint::of_bytes(bytes);
+        format!("{name}{shape:?}{numbers}")
+    });
+    let sums: Vec<String> = sums.collect();
+    Fingerprint::of_bytes((text.to_owned() + &sums.concat()).as_bytes())
 }
 
 /// Arrays and text of a file.
@@ -125,6 +146,25 @@ impl<'a> Contents<'a> {
         let text = texts.and_then(|texts| texts.get(TEXT_KEY)).cloned();
         let tensors = SafeTensors::deserialize(bytes)?;
         Ok(text.map(|text| Self { tensors, text }))
+    }
+
+    /// The checksum of its arrays with `text`.
+    pub fn checksum(&self, text: &str) -> Fingerprint {
+        let views: Vec<_> = self.tensors.iter().collect();
+        let mut parts: Vec<(&str, &[usize], &[u8])> = (views.iter())
+            .map(|(name, view)| (*name, view.shape(), view.data()))
+            .collect();
+        checksum(text, &mut parts)
+    }
+
+    /// An array that is not of `names`, or does not hold `f32`, if there is one.
+    pub fn foreign(&self, names: &[&str]) -> Option<String> {
+        let mut foreign: Vec<String> = (self.tensors.iter())
+            .filter(|(name, view)| !names.contains(name) || view.dtype() != Dtype::F32)
+            .map(|(name, _)| name.to_owned())
+            .collect();
+        foreign.sort();
+        foreign.into_iter().next()
     }
 
     /// An array of a name; none if there is none, or if it does not hold `f32`.

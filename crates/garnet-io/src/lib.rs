@@ -38,7 +38,7 @@ pub use obj::{ObjElement, ObjError, ObjFile, ObjLineProblem, ObjParseError, writ
 pub use placement::{Misplaced, check_offsets, check_sizes};
 pub use pose_json::read_pose;
 pub use read_rig::read_rig;
-pub use rig_npz::{WriteRigError, read_rig_npz, stage_rig_npz, write_rig_npz};
+pub use rig_npz::{WriteRigError, read_rig_npz, rig_npz, write_rig_npz};
 pub use scene::{
     Aim, Frame, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource, Posing,
     RestSource, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem, SceneUnits, Target,

@@ -5,7 +5,7 @@ use std::{
     path::Path,
 };
 
-use garnet_mesh::{StagedFile, TriMesh, WriteError};
+use garnet_mesh::{TriMesh, WriteError, write_atomically};
 use garnet_skin::{Joint, Point3, Pose, Rig, Skeleton, SkinError, SkinWeights, Vector3};
 use nalgebra::UnitQuaternion;
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
@@ -206,15 +206,17 @@ pub enum WriteRigError {
 /// [`WriteRigError`] if the rig has no rest mesh, its parts do not fit together, or the system
 /// refuses.
 pub fn write_rig_npz(path: impl AsRef<Path>, rig: &Rig) -> Result<(), WriteRigError> {
-    Ok(stage_rig_npz(path, rig)?.put()?)
+    let path = path.as_ref();
+    let packed = rig_npz(path, rig)?;
+    Ok(write_atomically(path, |writer| writer.write_all(&packed))?)
 }
 
-/// Writes what [`write_rig_npz`] writes beside its place, into which it is still to be put.
+/// The bytes that [`write_rig_npz`] writes into the file `path`.
 ///
 /// # Errors
 ///
 /// [`WriteRigError`] as [`write_rig_npz`].
-pub fn stage_rig_npz(path: impl AsRef<Path>, rig: &Rig) -> Result<StagedFile, WriteRigError> {
+pub fn rig_npz(path: impl AsRef<Path>, rig: &Rig) -> Result<Vec<u8>, WriteRigError> {
     let mesh = rig.rest.as_ref().ok_or(SkinError::NoRestMesh)?;
     rig.weights.check_joints(&rig.skeleton)?;
     if rig.weights.num_vertices() != mesh.num_vertices() {
@@ -224,12 +226,11 @@ pub fn stage_rig_npz(path: impl AsRef<Path>, rig: &Rig) -> Result<StagedFile, Wr
         }
         .into());
     }
-    let (path, packed) = (path.as_ref(), packed(mesh, rig));
-    let packed = packed.map_err(|source| WriteError::Io {
-        path: path.to_path_buf(),
+    let packed = packed(mesh, rig).map_err(|source| WriteError::Io {
+        path: path.as_ref().to_path_buf(),
         source,
     })?;
-    Ok(StagedFile::new(path, |writer| writer.write_all(&packed))?)
+    Ok(packed)
 }
 
 fn packed(mesh: &TriMesh, rig: &Rig) -> io::Result<Vec<u8>> {

@@ -3,8 +3,11 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
-use burn::optim::{AdamConfig, ModuleOptimizer};
-use burn::tensor::{Bytes, Device};
+use burn::module::{Module, ModuleVisitor, Param};
+use burn::optim::{AdamConfig, ModuleOptimizer, OptimizerRecord};
+use burn::store::RecordError;
+use burn::tensor::{Bytes, Device, Tensor};
+use burn_pack::{DType, Reader};
 use garnet_mesh::{Fingerprint, write_atomically};
 use garnet_net::losses::LossValue;
 use garnet_net::{Checkpoint, GarNet, Precision};
@@ -20,17 +23,27 @@ const SCHEMA: &str = "garnet.training/1";
 /// The metadata key of the JSON text.
 const KEY: &str = "garnet";
 
+/// How a text without its checksum says so.
+const UNSIGNED: &str = r#""checksum":"""#;
+
+/// The parts of a file: what the optimizer knows, and two weight files.
+const PARTS: [&str; 3] = ["adam", "best", "model"];
+
 /// Where a training is, apart from its numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Progress {
     pub(crate) schema: String,
+    /// Checksum of this text without it, and of the parts of the file; empty in states of earlier versions.
+    #[serde(default)]
+    checksum: String,
     /// The variant that is trained.
     pub(crate) name: String,
     /// How.
     pub(crate) config: TrainConfig,
     /// Fingerprint of the data set.
     pub(crate) dataset: String,
-    /// The weights that it started from; none for random ones.
+    /// The weights that it started from, by the name of their file and their checksum; none for random ones.
     pub(crate) base: Option<String>,
     /// Checksum of the pose-space deformation that it starts from, if it starts from one.
     #[serde(default)]
@@ -120,15 +133,21 @@ impl State {
             checkpoint.to_bytes(&path, Precision::F32)
         };
         let (model, best) = (weights(&self.model)?, weights(&self.best)?);
-        let adam = self.optimizer.into_bytes();
+        let adam = canonical(&self.optimizer);
         let adam = adam.map_err(|error| unsound(error.to_string()))?;
+        let parts: [&[u8]; 3] = [&adam, &best, &model];
         let mut views = Vec::new();
-        for (name, bytes) in [("adam", &adam[..]), ("best", &best), ("model", &model)] {
+        for (name, bytes) in PARTS.into_iter().zip(parts) {
             let view = TensorView::new(Dtype::U8, vec![bytes.len()], bytes);
             views.push((name, view.map_err(|error| unsound(error.to_string()))?));
         }
-        let text = serde_json::to_string(&self.progress);
+        let unsigned = Progress {
+            checksum: String::new(),
+            ..self.progress.clone()
+        };
+        let text = serde_json::to_string(&unsigned);
         let text = text.map_err(|error| unsound(error.to_string()))?;
+        let text = text.replacen(UNSIGNED, &signed(checksum(&text, parts)), 1);
         let bytes = safetensors::serialize(views, Some(HashMap::from([(KEY.to_owned(), text)])));
         let bytes = bytes.map_err(|error| unsound(error.to_string()))?;
         Ok(write_atomically(&path, |writer| writer.write_all(&bytes))?)
@@ -138,27 +157,21 @@ impl State {
     pub(crate) fn load(folder: &Path, device: &Device) -> Result<Self, TrainError> {
         let path = state_file(folder);
         let bytes = read(&path)?;
-        let progress = parse(&path, &bytes)?;
+        let (progress, [adam, best, model]) = sound(&path, &bytes)?;
         let unsound = |reason: String| TrainError::State {
             path: path.clone(),
             reason,
         };
-        let tensors = SafeTensors::deserialize(&bytes);
-        let tensors = tensors.map_err(|error| unsound(error.to_string()))?;
-        let part = |name: &str| {
-            let view = tensors
-                .tensor(name)
-                .map_err(|error| unsound(error.to_string()))?;
-            Ok::<_, TrainError>(view.data().to_vec())
-        };
-        let model = Checkpoint::from_bytes(&path, part("model")?, device)?.model;
-        let best = Checkpoint::from_bytes(&path, part("best")?, device)?.model;
-        let adam = adam().from_bytes(Bytes::from_bytes_vec(part("adam")?));
+        let weights = |bytes: &[u8]| Checkpoint::from_bytes(&path, bytes.to_vec(), device);
+        let (model, best) = (weights(model)?.model, weights(best)?.model);
+        if model.config() != best.config() {
+            return Err(unsound("its two networks differ".to_owned()));
+        }
         Ok(Self {
+            optimizer: optimizer_of(&model, adam).map_err(unsound)?,
             progress,
             model,
             best,
-            optimizer: adam.map_err(|error| unsound(error.to_string()))?,
         })
     }
 
@@ -168,7 +181,8 @@ impl State {
         if !path.exists() {
             return Ok(None);
         }
-        parse(&path, &read(&path)?).map(Some)
+        let bytes = read(&path)?;
+        Ok(Some(sound(&path, &bytes)?.0))
     }
 
     /// The first state of a training from these weights.
@@ -194,7 +208,8 @@ fn read(path: &Path) -> Result<Vec<u8>, TrainError> {
     })
 }
 
-fn parse(path: &Path, bytes: &[u8]) -> Result<Progress, TrainError> {
+/// What a file tells of its progress and its parts, if they are those that were written.
+fn sound<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Progress, [&'a [u8]; 3]), TrainError> {
     let unsound = |reason: String| TrainError::State {
         path: path.to_path_buf(),
         reason,
@@ -210,7 +225,102 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Progress, TrainError> {
         let found = schema.unwrap_or("none");
         return Err(unsound(format!("its schema is `{found}`, not `{SCHEMA}`")));
     }
-    serde_json::from_value(any).map_err(|error| unsound(error.to_string()))
+    let progress: Progress =
+        serde_json::from_value(any).map_err(|error| unsound(error.to_string()))?;
+    let tensors = SafeTensors::deserialize(bytes);
+    let tensors = tensors.map_err(|error| unsound(error.to_string()))?;
+    let mut parts = [&bytes[..0]; 3];
+    for (part, name) in parts.iter_mut().zip(PARTS) {
+        let view = tensors.tensor(name);
+        *part = view.map_err(|error| unsound(error.to_string()))?.data();
+    }
+    if !progress.checksum.is_empty() {
+        let found = checksum(
+            &text.replacen(&signed(&progress.checksum), UNSIGNED, 1),
+            parts,
+        );
+        if found.to_string() != progress.checksum {
+            let expected = &progress.checksum;
+            let reason = format!("its checksum is {found}, and was {expected} when it was written");
+            return Err(unsound(reason));
+        }
+    }
+    if progress.epoch == 0 || (progress.scene > 0 && progress.step == 0) {
+        return Err(unsound(
+            "it says how far it is in no way that can be".to_owned(),
+        ));
+    }
+    Ok((progress, parts))
+}
+
+/// How a text says its checksum.
+fn signed(checksum: impl std::fmt::Display) -> String {
+    format!(r#""checksum":"{checksum}""#)
+}
+
+/// Of the unsigned text and of the parts.
+fn checksum(text: &str, parts: [&[u8]; 3]) -> Fingerprint {
+    let sums = parts.map(|part| Fingerprint::of_bytes(part).to_string());
+    Fingerprint::of_bytes((text.to_owned() + &sums.concat()).as_bytes())
+}
+
+/// The bytes of what an optimizer knows, weight by weight in the order of their names: the optimizer itself has them in
+/// the order of a table that differs from run to run.
+fn canonical(optimizer: &ModuleOptimizer) -> Result<Bytes, RecordError> {
+    OptimizerRecord::from_bytes(optimizer.into_bytes()?)?.into_bytes()
+}
+
+/// The optimizer of a model, with what the bytes tell of its weights.
+///
+/// What is told of weights that the model does not have, or in another form, would be left out without a word, or end
+/// the program.
+fn optimizer_of(model: &GarNet, bytes: &[u8]) -> Result<ModuleOptimizer, String> {
+    let mut shapes = Shapes::default();
+    model.visit(&mut shapes);
+    let ours = || Bytes::from_bytes_vec(bytes.to_vec());
+    let reader = Reader::from_bytes(ours()).map_err(|error| error.to_string())?;
+    for name in reader.scalars().keys() {
+        let number = name.split('.').next().and_then(|id| id.parse().ok());
+        let shape = number.and_then(|number| shapes.0.get(&number));
+        let Some(shape) = shape else {
+            return Err(format!("`{name}` is of no weight of the network"));
+        };
+        let rank = usize::try_from(reader.scalars()[name]);
+        if name.ends_with(RANK) && rank.ok() != Some(shape.len()) {
+            return Err(format!("`{name}` is not that of its weight"));
+        }
+    }
+    for tensor in reader.into_tensors().map_err(|error| error.to_string())? {
+        let parts = tensor.into_parts().map_err(|error| error.to_string())?;
+        let (name, dtype, shape, number, _) = parts;
+        let is_named = number.is_some_and(|number| name.starts_with(&format!("{number}.")));
+        let expected = number.and_then(|number| shapes.0.get(&number));
+        if !is_named || dtype != DType::F32 || expected.is_none_or(|dims| dims[..] != shape[..]) {
+            return Err(format!("`{name}` is of no weight of the network"));
+        }
+    }
+    let optimizer = adam().from_bytes(ours());
+    let optimizer = optimizer.map_err(|error| error.to_string())?;
+    let told = OptimizerRecord::from_bytes(ours()).and_then(OptimizerRecord::into_bytes);
+    let told = told.map_err(|error| error.to_string())?;
+    let kept = canonical(&optimizer).map_err(|error| error.to_string())?;
+    if kept[..] != told[..] {
+        return Err("what it tells of the optimizer is not complete".to_owned());
+    }
+    Ok(optimizer)
+}
+
+/// How the name ends of how many axes a weight has.
+const RANK: &str = ".__rank";
+
+/// The shape of each weight, by its number.
+#[derive(Default)]
+struct Shapes(BTreeMap<u64, Vec<usize>>);
+
+impl ModuleVisitor for Shapes {
+    fn visit_float<const D: usize>(&mut self, param: &Param<Tensor<D>>) {
+        self.0.insert(param.id.val(), param.dims().to_vec());
+    }
 }
 
 impl Progress {
@@ -218,6 +328,7 @@ impl Progress {
     pub(crate) fn new(name: &str, config: &TrainConfig, dataset: Fingerprint) -> Self {
         Self {
             schema: SCHEMA.to_owned(),
+            checksum: String::new(),
             name: name.to_owned(),
             config: config.clone(),
             dataset: dataset.to_string(),
@@ -248,7 +359,9 @@ mod tests {
         let data = Fingerprint::of_bytes(b"data");
         let progress = Progress::new("local", &TrainConfig::default(), data);
         let mut before = serde_json::to_value(&progress).unwrap();
-        before.as_object_mut().unwrap().remove("first_terms");
+        for field in ["first_terms", "checksum"] {
+            before.as_object_mut().unwrap().remove(field);
+        }
         let found: Progress = serde_json::from_value(before).unwrap();
         assert_eq!(found, progress);
     }

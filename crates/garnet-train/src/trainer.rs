@@ -95,13 +95,13 @@ pub fn train(
     if let Some(state) = &state {
         check_same(&state.progress, job, data, &folder)?;
     }
-    let (base, base_name) = match &state {
-        Some(_) => (None, None),
+    let base = match &state {
+        Some(_) => None,
         None => base_of(job, &stage, &device)?,
     };
     let network = match (&state, &base) {
         (Some(state), _) => state.model.config().clone(),
-        (None, Some(base)) => base.model.config().clone(),
+        (None, Some(base)) => base.checkpoint.model.config().clone(),
         (None, None) => new_network(&job.config, &stage)?,
     };
     let subject = Subject::new(&stage, network, &job.config.loss)?;
@@ -112,22 +112,20 @@ pub fn train(
     {
         return Err(other_training(&folder, "pose-space deformation"));
     }
-    if base
-        .as_ref()
-        .is_some_and(|base| base.pose_space != start_name)
-    {
-        let base = base_name.unwrap_or_default();
+    let other = (base.as_ref()).filter(|base| base.checkpoint.pose_space != start_name);
+    if let Some(other) = other {
+        let base = other.path.display().to_string();
         return Err(TrainError::OtherStart { base });
     }
     let state = if let Some(state) = state {
         state
     } else {
+        let mut progress = Progress::new(&job.recipe.name, &job.config, data);
+        progress.base = base.as_ref().map(|base| base.name.clone());
         let model = match base {
-            Some(base) => base.model,
+            Some(base) => base.checkpoint.model,
             None => subject.config.init(job.config.seed, &device)?,
         };
-        let mut progress = Progress::new(&job.recipe.name, &job.config, data);
-        progress.base = base_name;
         progress.pose_space = start_name;
         State::new(progress, model)
     };
@@ -203,6 +201,9 @@ fn check_same(
     dataset: Fingerprint,
     folder: &Path,
 ) -> Result<(), TrainError> {
+    if progress.name != job.recipe.name {
+        return Err(other_training(folder, "name"));
+    }
     if progress.dataset != dataset.to_string() {
         return Err(other_training(folder, "data set"));
     }
@@ -219,31 +220,38 @@ fn other_training(folder: &Path, what: &'static str) -> TrainError {
     }
 }
 
-/// The weights that are fine-tuned, and where they are from.
-fn base_of(
-    job: &TrainJob,
-    stage: &Stage,
-    device: &Device,
-) -> Result<(Option<Checkpoint>, Option<String>), TrainError> {
+/// Weights that are started from.
+struct Base {
+    checkpoint: Checkpoint,
+    path: PathBuf,
+    /// The name of the file and the checksum of what is in it: the same wherever the package is.
+    name: String,
+}
+
+/// The weights that are fine-tuned.
+fn base_of(job: &TrainJob, stage: &Stage, device: &Device) -> Result<Option<Base>, TrainError> {
     let path = match (&job.base, &job.recipe.fine_tuned) {
         (Some(path), _) => path.clone(),
         (None, Some((name, _))) => stage.package.manifest.weights_of(&job.package, name)?,
-        (None, None) => return Ok((None, None)),
+        (None, None) => return Ok(None),
     };
     let checkpoint = Checkpoint::load(&path, device)?;
     checkpoint.accepts(&stage.template().graph)?;
-    let (base, found) = (
-        path.display().to_string(),
-        checkpoint.model.config().variant,
-    );
+    let found = checkpoint.model.config().variant;
     if job.recipe.kind.is_some_and(|kind| kind != found) {
         return Err(TrainError::OtherKind {
             name: job.recipe.name.clone(),
-            base,
+            base: path.display().to_string(),
             found: kind_name(found),
         });
     }
-    Ok((Some(checkpoint), Some(base)))
+    let file = path.file_name().unwrap_or_default().display();
+    let name = format!("{file} {}", Checkpoint::header(&path)?.checksum);
+    Ok(Some(Base {
+        checkpoint,
+        path,
+        name,
+    }))
 }
 
 /// A training under way.

@@ -332,6 +332,7 @@ impl InputArgs {
         let mut scene = SceneFiles::new(garment);
         if let Some(folder) = &package {
             let manifest = GarmentPackage::read_manifest(folder)?;
+            manifest.check_rig(folder)?;
             scene.garment = GarmentPackage::template_at(folder);
             scene.own_rig = Some(folder.join(&manifest.rest_body.rig));
         }

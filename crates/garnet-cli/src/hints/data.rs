@@ -59,6 +59,7 @@ fn hint_for(error: &DataError) -> Option<String> {
             "copy it again, or make the data set anew in another folder"
         }
         DataError::Tensors { path, .. }
+        | DataError::Altered { path, .. }
         | DataError::MisnamedShard { path, .. }
         | DataError::Text { path, .. }
             if path.extension().is_some_and(|name| name == "safetensors") =>

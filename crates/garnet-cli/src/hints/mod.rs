@@ -148,6 +148,7 @@ fn for_data(error: &DataError) -> Option<&'static str> {
             Some("copy it again, or make the data set anew in another folder")
         }
         DataError::Tensors { path, .. }
+        | DataError::Altered { path, .. }
         | DataError::MisnamedShard { path, .. }
         | DataError::Text { path, .. }
             if is_shard(path) =>
@@ -157,7 +158,9 @@ fn for_data(error: &DataError) -> Option<&'static str> {
                  same arguments, which makes what is missing",
             )
         }
-        DataError::Tensors { .. } => Some("copy the file again from where it came from"),
+        DataError::Tensors { .. } | DataError::Altered { .. } => {
+            Some("copy the file again from where it came from")
+        }
         _ => None,
     }
 }
@@ -181,7 +184,9 @@ fn for_package(error: &PackageError) -> Option<&'static str> {
             "copy the file again from where the package came from; a package of a changed garment \
              is made with `garnet garment from-obj`",
         ),
-        PackageError::Tensors { .. } => Some("copy the file again from where it came from"),
+        PackageError::Tensors { .. } | PackageError::Altered { .. } => {
+            Some("copy the file again from where it came from, or make the package anew")
+        }
         PackageError::InsideAtStart { .. } => Some(
             "the garment may belong to another body: let it lie on the skin of this one, not in it",
         ),

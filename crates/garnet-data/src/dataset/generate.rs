@@ -163,12 +163,10 @@ pub fn generate(
 
 impl DatasetManifest {
     fn asked(package: &GarmentPackage, options: &DatasetOptions) -> Self {
-        let mut garment = package.manifest.clone();
-        garment.variants.clear();
         Self {
             schema: DATASET_SCHEMA.to_owned(),
             generator: env!("CARGO_PKG_VERSION").to_owned(),
-            garment,
+            garment: package.manifest.of_garment(),
             seed: options.seed,
             bodies: options.bodies,
             poses: options.poses,

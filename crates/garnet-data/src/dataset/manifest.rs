@@ -97,9 +97,10 @@ fn end_of_simulation<'de, D: Deserializer<'de>>(reader: D) -> Result<Moment, D::
 impl DatasetManifest {
     /// The hash that ties shards to their data set.
     pub fn fingerprint(&self) -> Fingerprint {
-        let mut manifest = self.clone();
-        // Variants that are trained later do not change the data.
-        manifest.garment.variants.clear();
+        let manifest = Self {
+            garment: self.garment.of_garment(),
+            ..self.clone()
+        };
         let text = serde_json::to_string(&manifest).unwrap_or_default();
         Fingerprint::of_bytes(text.as_bytes())
     }

@@ -14,6 +14,20 @@ use crate::{DataError, ReadAs, SceneReport};
 /// What this version writes and reads.
 const SCHEMA: &str = "garnet.shard/1";
 
+/// How a text without its checksum says so.
+const UNSIGNED: &str = concat!(r#""checksum":"#, r#""""#);
+
+/// The tensors that a shard may have, and the axes of each.
+const TENSORS: [(&str, usize); 7] = [
+    ("garment", 3),
+    ("arrived", 3),
+    ("midway", 3),
+    ("rotations", 3),
+    ("root_translation", 2),
+    ("worn", 3),
+    ("body", 3),
+];
+
 /// Places of a garment that a scene may have.
 type PlacesOf = fn(&SceneRecord) -> Option<&[Point3]>;
 
@@ -31,8 +45,9 @@ type PlacesOf = fn(&SceneRecord) -> Option<&[Point3]>;
 /// | `worn` | `[b, V, 3]` | the garment cut for each body, on the body at rest, metres |
 /// | `body` | `[n, B, 3]` | posed bodies made elsewhere, metres |
 ///
-/// The text of the file is JSON: schema, fingerprint of the data set, split, bodies, scenes and
-/// rejected scenes.
+/// The text of the file is JSON: schema, checksum, fingerprint of the data set, split, bodies, scenes and
+/// rejected scenes. The checksum is that of the text without it and of the tensors; shards of earlier versions have
+/// none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shard {
     /// The split.
@@ -46,8 +61,11 @@ pub struct Shard {
 }
 
 #[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Text {
     schema: String,
+    #[serde(default)]
+    checksum: String,
     dataset: String,
     split: Split,
     bodies: Vec<BodyText>,
@@ -56,6 +74,7 @@ struct Text {
 }
 
 #[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct BodyText {
     number: u32,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -65,6 +84,7 @@ struct BodyText {
 }
 
 #[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct SceneText {
     body: u32,
     pose: u32,
@@ -115,6 +135,7 @@ impl Shard {
     fn to_bytes(&self, path: &Path, dataset: Fingerprint) -> Result<Vec<u8>, DataError> {
         let text = Text {
             schema: SCHEMA.to_owned(),
+            checksum: String::new(),
             dataset: dataset.to_string(),
             split: self.split,
             bodies: self.bodies.iter().map(BodyText::from).collect(),
@@ -175,14 +196,15 @@ impl Shard {
         }
         let arrays: Vec<(&str, &Array)> =
             arrays.iter().map(|(name, array)| (*name, array)).collect();
-        to_bytes(&arrays, text).map_err(|source| DataError::tensors(path, source))
+        let signed = |checksum: Fingerprint| text.replacen(UNSIGNED, &signed(checksum), 1);
+        to_bytes(&arrays, &text, signed).map_err(|source| DataError::tensors(path, source))
     }
 
     /// Reads the file of a data set.
     ///
     /// # Errors
     ///
-    /// [`DataError`] that names the file: it cannot be read, is cut off or damaged, is of another
+    /// [`DataError`] that names the file: it cannot be read, is cut off, altered or damaged, is of another
     /// version or of another data set.
     pub fn read(path: &Path, dataset: Fingerprint) -> Result<Self, DataError> {
         let bytes = std::fs::read(path).map_err(|source| DataError::read(path, source))?;
@@ -194,6 +216,14 @@ impl Shard {
             .map_err(|source| DataError::json(path, &source))?;
         if text.schema != SCHEMA {
             let what = format!("its schema is `{}`, not `{SCHEMA}`", text.schema);
+            return Err(DataError::foreign(path, ReadAs::Shard, what));
+        }
+        if !text.checksum.is_empty() {
+            let unsigned = (contents.text).replacen(&signed(&text.checksum), UNSIGNED, 1);
+            DataError::check(path, contents.checksum(&unsigned), &text.checksum)?;
+        }
+        if let Some(name) = contents.foreign(&TENSORS.map(|(name, _)| name)) {
+            let what = format!("its tensor `{name}` is none of a shard");
             return Err(DataError::foreign(path, ReadAs::Shard, what));
         }
         if text.dataset != dataset.to_string() {
@@ -221,6 +251,11 @@ impl Shard {
         }
         Ok(shard)
     }
+}
+
+/// How a text says its checksum.
+fn signed(checksum: impl std::fmt::Display) -> String {
+    format!(r#""checksum":"{checksum}""#)
 }
 
 /// A file that is being read.
@@ -284,12 +319,14 @@ impl Reading<'_> {
         })
     }
 
-    /// An array, checked for the lengths of its first and last axis.
+    /// An array, checked for its number of axes and the lengths of the first and last one.
     fn array(&self, name: &str, len: usize, last: usize) -> Result<Option<Array>, DataError> {
         let Some(array) = self.contents.array(name) else {
             return Ok(None);
         };
-        if array.len() == len && array.shape.last() == Some(&last) {
+        let axes = TENSORS.iter().find(|(known, _)| *known == name);
+        let has_axes = axes.is_some_and(|&(_, axes)| axes == array.shape.len());
+        if has_axes && array.len() == len && array.shape.last() == Some(&last) {
             return Ok(Some(array));
         }
         let shape = &array.shape;

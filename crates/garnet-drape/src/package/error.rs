@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use garnet_io::{FileError, ObjError, WriteRigError};
-use garnet_mesh::{MeshError, WriteError};
+use garnet_mesh::{Fingerprint, MeshError, WriteError};
 use garnet_sim::SimError;
 use garnet_skin::SkinError;
 
@@ -54,6 +54,16 @@ pub enum PackageError {
         path: PathBuf,
         /// The constant, its value and its range.
         source: SimError,
+    },
+    /// A file is not the one that was written.
+    #[error("`{}` was altered or damaged: its checksum is {found}, and was {expected} when it was written", path.display())]
+    Altered {
+        /// The file.
+        path: PathBuf,
+        /// The checksum of what it holds.
+        found: Fingerprint,
+        /// The one that was written down.
+        expected: String,
     },
     /// A file belongs to another package or to another version.
     #[error("`{}` does not belong here: {what}", path.display())]
@@ -148,6 +158,18 @@ impl PackageError {
             path: path.to_path_buf(),
             reason: toml_problem(text, source),
         }
+    }
+
+    /// Refuses the file `path` if its checksum is not the expected one.
+    pub(crate) fn check(path: &Path, found: Fingerprint, expected: &str) -> Result<(), Self> {
+        if found.to_string() == expected {
+            return Ok(());
+        }
+        Err(Self::Altered {
+            path: path.to_path_buf(),
+            found,
+            expected: expected.to_owned(),
+        })
     }
 
     pub(crate) fn foreign(path: &Path, what: impl Into<String>) -> Self {

@@ -50,6 +50,16 @@ impl Manifest {
         }
     }
 
+    /// The garment alone, as data sets keep it: without variants, which are trained later, and without the checksum of a
+    /// file, which may be packed anew.
+    #[must_use]
+    pub fn of_garment(&self) -> Self {
+        let mut garment = self.clone();
+        garment.variants.clear();
+        garment.rest_body.checksum = None;
+        garment
+    }
+
     /// Whether a mesh is the template that this was written for, to the last bit of each position: variants have
     /// learned that one, in its place on its body.
     ///
@@ -69,6 +79,20 @@ impl Manifest {
             return Err(PackageError::foreign(path, what));
         }
         Ok(())
+    }
+
+    /// Refuses the rig of a package in `folder` that is not the one that was written with it.
+    ///
+    /// # Errors
+    ///
+    /// [`PackageError::Read`], or [`PackageError::Altered`].
+    pub fn check_rig(&self, folder: &Path) -> Result<(), PackageError> {
+        let Some(expected) = &self.rest_body.checksum else {
+            return Ok(());
+        };
+        let path = folder.join(&self.rest_body.rig);
+        let bytes = std::fs::read(&path).map_err(|source| PackageError::read(&path, source))?;
+        PackageError::check(&path, Fingerprint::of_bytes(&bytes), expected)
     }
 
     /// The variant of a name.
@@ -194,6 +218,9 @@ pub struct StoredPattern {
 pub struct StoredRestBody {
     /// File with mesh, skeleton and weights, in the package.
     pub rig: String,
+    /// Fingerprint of its bytes, as text; none in packages of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub checksum: Option<String>,
     /// Parameters, if it is a built-in body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameters: Option<StoredParameters>,

@@ -9,7 +9,7 @@ mod together;
 
 use std::path::{Path, PathBuf};
 
-use garnet_io::{ObjFile, read_rig, stage_rig_npz};
+use garnet_io::{ObjFile, read_rig, rig_npz};
 use garnet_mesh::{Fingerprint, RestEdge, StagedFile, TriMesh};
 use garnet_sim::{Cloth, RestShape};
 use garnet_skin::{Body, Rig};
@@ -85,6 +85,7 @@ impl GarmentPackage {
             pattern: parts.pattern,
             rest_body: StoredRestBody {
                 rig: BODY_FILE.to_owned(),
+                checksum: None,
                 parameters: parts.parameters,
             },
             variants: Vec::new(),
@@ -143,6 +144,7 @@ impl GarmentPackage {
             Some(_) => rest_file::read(&folder.join(REST_FILE), mesh.num_faces())?,
             None => RestShape::Worn(mesh.positions().to_vec()),
         };
+        manifest.check_rig(folder)?;
         let body = read_rig(folder.join(&manifest.rest_body.rig))?.into_body()?;
         Ok(Self {
             manifest,
@@ -228,7 +230,10 @@ impl GarmentPackage {
         let (template, body, rest) = (path(TEMPLATE_FILE), path(BODY_FILE), path(REST_FILE));
         let source = self.template.source();
         let of_template = StagedFile::new(&template, |writer| writer.write_all(source))?;
-        let of_body = stage_rig_npz(&body, &Rig::from(self.body.clone()))?;
+        let rig = rig_npz(&body, &Rig::from(self.body.clone()))?;
+        let of_body = StagedFile::new(&body, |writer| writer.write_all(&rig))?;
+        let mut manifest = self.manifest.clone();
+        manifest.rest_body.checksum = Some(Fingerprint::of_bytes(&rig).to_string());
         let mut parts = vec![(template, of_template), (body, of_body)];
         let mut surplus = None;
         match rest_file::stage(&rest, &self.rest)? {
@@ -239,7 +244,7 @@ impl GarmentPackage {
         Ok(Together {
             parts,
             surplus,
-            manifest: Self::staged_manifest(folder, &self.manifest)?,
+            manifest: Self::staged_manifest(folder, &manifest)?,
         })
     }
 

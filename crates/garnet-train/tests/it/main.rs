@@ -7,4 +7,5 @@ mod evaluation;
 mod invented;
 mod numbers;
 mod pose_space;
+mod states;
 mod training;

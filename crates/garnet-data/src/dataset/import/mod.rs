@@ -238,8 +238,6 @@ fn described(
     places: &[Place],
     manifest: &ImportManifest,
 ) -> DatasetManifest {
-    let mut garment = package.manifest.clone();
-    garment.variants.clear();
     let most = places.iter().map(|place| place.pose + 1).max();
     let [train, valid, test] = Split::ALL.map(|split| {
         let of_split = places.iter().filter(|place| place.split == split);
@@ -252,7 +250,7 @@ fn described(
     DatasetManifest {
         schema: DATASET_SCHEMA.to_owned(),
         generator: env!("CARGO_PKG_VERSION").to_owned(),
-        garment,
+        garment: package.manifest.of_garment(),
         seed: 0,
         bodies: Counts { train, valid, test },
         poses: most.unwrap_or(0),
