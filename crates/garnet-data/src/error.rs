@@ -244,6 +244,7 @@ impl From<PackageError> for DataError {
     fn from(error: PackageError) -> Self {
         match error {
             PackageError::Stopped => Self::Stopped,
+            PackageError::InUse { folder, process } => Self::InUse { folder, process },
             PackageError::Mesh(error) => Self::Mesh(error),
             PackageError::Obj(error) => Self::Obj(error),
             PackageError::Rig(error) => Self::Rig(error),

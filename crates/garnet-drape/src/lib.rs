@@ -8,6 +8,7 @@ mod body_path;
 mod draper;
 mod error;
 mod garment;
+mod lock;
 mod network;
 mod package;
 mod packaged;
@@ -23,6 +24,7 @@ pub use body_path::BodyPath;
 pub use draper::{Drape, DrapeOptions, Draper, Warped};
 pub use error::Error;
 pub use garment::{BoundGarment, Garment};
+pub use lock::{Attempt, FileLock};
 pub use garnet_sim::Moment;
 pub use network::{Moved, Network};
 pub use package::{

@@ -168,9 +168,7 @@ pub(crate) fn add_variant(
 ) -> Result<Option<f64>, TrainError> {
     let add = |variant: Variant| -> Result<(), TrainError> {
         // Another training may have added a variant meanwhile.
-        let mut manifest = GarmentPackage::read_manifest(folder)?;
-        manifest.add(variant);
-        GarmentPackage::write_manifest(folder, &manifest)?;
+        GarmentPackage::change_manifest(folder, |manifest| manifest.add(variant))?;
         Ok(())
     };
     add(variant.clone())?;

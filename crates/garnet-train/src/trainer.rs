@@ -73,7 +73,8 @@ pub fn training_folder(package: &Path, name: &str) -> PathBuf {
 ///
 /// # Errors
 ///
-/// [`TrainError`]: an old checkpoint and an old state stay as they were.
+/// [`TrainError`]: an old checkpoint and an old state stay as they were. While another run trains the variant, or writes
+/// the package, that is [`DataError::InUse`](garnet_data::DataError::InUse).
 pub fn train(
     job: &TrainJob,
     observer: &mut dyn FnMut(TrainEvent),
@@ -81,6 +82,8 @@ pub fn train(
 ) -> Result<Trained, TrainError> {
     job.config.validate()?;
     let folder = training_folder(&job.package, &job.recipe.name);
+    GarmentPackage::read_manifest(&job.package)?;
+    let _lock = GarmentPackage::lock_variant(&job.package, &job.recipe.name, &folder)?;
     check_begin(job, &folder)?;
     let stage = stage_of(job)?;
     if let Some(moment) = job.recipe.pose_space() {

@@ -46,6 +46,7 @@ pub(crate) fn run(args: &GarmentArgs, console: &Console) -> anyhow::Result<ExitS
     };
     output::check_folder(folder)?;
     check_free(folder)?;
+    GarmentPackage::check_unused(folder)?;
     if let GarmentSource::Own(args) = &args.source {
         check_apart(folder, args)?;
     }

@@ -161,9 +161,13 @@ fn for_data(error: &DataError) -> Option<&'static str> {
         DataError::Tensors { .. } | DataError::Altered { .. } => {
             Some("copy the file again from where it came from")
         }
+        DataError::InUse { .. } => Some(WAIT),
         _ => None,
     }
 }
+
+/// What helps while another run has a folder.
+const WAIT: &str = "wait until that process ends, or end it; what it leaves holds nobody up";
 
 fn for_package(error: &PackageError) -> Option<&'static str> {
     match error {
@@ -187,6 +191,7 @@ fn for_package(error: &PackageError) -> Option<&'static str> {
         PackageError::Tensors { .. } | PackageError::Altered { .. } => {
             Some("copy the file again from where it came from, or make the package anew")
         }
+        PackageError::InUse { .. } => Some(WAIT),
         PackageError::InsideAtStart { .. } => Some(
             "the garment may belong to another body: let it lie on the skin of this one, not in it",
         ),

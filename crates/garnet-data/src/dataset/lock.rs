@@ -1,17 +1,14 @@
 //! One run at a time makes a shard.
 
-use std::{
-    fs::{self, File, TryLockError},
-    io::{self, Read, Write},
-    path::{Path, PathBuf},
-};
+use std::{fs, path::PathBuf};
 
+use garnet_drape::{Attempt, FileLock};
 use garnet_mesh::remove_stale_temporaries;
 
 use super::shard::Layout;
 use crate::DataError;
 
-/// How often the file is made anew, because the run before has just removed it.
+/// How often the folder is made anew, because the run before has just removed it.
 const TRIES: u32 = 100;
 
 /// A part of a data set that this run alone writes, until the value is dropped.
@@ -20,9 +17,8 @@ const TRIES: u32 = 100;
 /// Parts of other numbers that share shards exclude each other, too.
 #[derive(Debug)]
 pub(super) struct Lock {
-    /// Kept open, since closing it unlocks it.
-    _file: File,
-    path: PathBuf,
+    /// None once it is given back.
+    file: Option<FileLock>,
     folder: PathBuf,
 }
 
@@ -37,25 +33,13 @@ impl Lock {
         let path = folder.join(name(part));
         for _ in 0..TRIES {
             fs::create_dir_all(&folder).map_err(|source| DataError::folder(&folder, source))?;
-            let mut options = File::options();
-            let opened = options.create(true).truncate(false).write(true).open(&path);
-            let mut file = match opened {
-                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
-                opened => opened.map_err(|source| DataError::folder(&path, source))?,
+            let file = match FileLock::attempt(&path)? {
+                Attempt::Taken(file) => file,
+                Attempt::Held(process) => return Err(in_use(layout, process)),
+                Attempt::Gone => continue,
             };
-            if !is_taken(&file, &path)? {
-                return Err(in_use(layout, &path));
-            }
-            // Whoever had it may have removed it after it was opened here.
-            if !path.exists() {
-                continue;
-            }
-            // For the message of another run alone.
-            let _ = file.set_len(0);
-            let _ = write!(file, "{}", std::process::id());
             let lock = Self {
-                _file: file,
-                path,
+                file: Some(file),
                 folder,
             };
             lock.check_others(layout, part)?;
@@ -64,25 +48,20 @@ impl Lock {
             }
             return Ok(lock);
         }
-        Err(in_use(layout, &path))
+        Err(in_use(layout, None))
     }
 
     /// Refuses a part that shares shards with one that is being made, and removes what killed runs have left.
     fn check_others(&self, layout: &Layout, part: (u32, u32)) -> Result<(), DataError> {
         let failed = |source| DataError::read(&self.folder, source);
+        let own = self.file.as_ref().map(FileLock::path);
         for entry in fs::read_dir(&self.folder).map_err(failed)? {
             let path = entry.map_err(failed)?.path();
             let other = path.file_name().and_then(|name| part_of(name.to_str()?));
-            if path == self.path || !other.is_some_and(|other| share_shards(part, other)) {
-                continue;
+            let is_other = own != Some(path.as_path());
+            if is_other && other.is_some_and(|other| share_shards(part, other)) {
+                FileLock::check(&path, &layout.folder)?;
             }
-            let Ok(file) = File::options().write(true).open(&path) else {
-                continue;
-            };
-            if !is_taken(&file, &path)? {
-                return Err(in_use(layout, &path));
-            }
-            let _ = fs::remove_file(&path);
         }
         Ok(())
     }
@@ -90,28 +69,16 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // Nobody can be told; a file that stays does no harm, nor does a folder that still has scenes in it.
-        let _ = fs::remove_file(&self.path);
+        self.file = None;
+        // Nobody can be told; a folder that still has scenes in it stays.
         let _ = fs::remove_dir(&self.folder);
     }
 }
 
-/// Whether a file could be locked. Where the system has no locks every file can.
-fn is_taken(file: &File, path: &Path) -> Result<bool, DataError> {
-    match file.try_lock() {
-        Ok(()) => Ok(true),
-        Err(TryLockError::WouldBlock) => Ok(false),
-        Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => Ok(true),
-        Err(TryLockError::Error(source)) => Err(DataError::folder(path, source)),
-    }
-}
-
-fn in_use(layout: &Layout, lock: &Path) -> DataError {
-    let mut text = String::new();
-    let read = File::open(lock).and_then(|mut file| file.read_to_string(&mut text));
+fn in_use(layout: &Layout, process: Option<u32>) -> DataError {
     DataError::InUse {
         folder: layout.folder.clone(),
-        process: read.ok().and_then(|_| text.parse().ok()),
+        process,
     }
 }
 
@@ -138,6 +105,8 @@ fn share_shards((a, num_a): (u32, u32), (b, num_b): (u32, u32)) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     fn layout(folder: &Path) -> Layout {

@@ -73,6 +73,14 @@ pub enum PackageError {
         /// What tells so.
         what: String,
     },
+    /// Another run writes the same.
+    #[error("`{}` is being written by another run{}", folder.display(), of_process(*process))]
+    InUse {
+        /// The folder of the package, or of a training in it.
+        folder: PathBuf,
+        /// The number of its process, if it is known.
+        process: Option<u32>,
+    },
     /// The package does not have the variant that is asked for.
     #[error("the package has no variant `{name}`; it has {known}")]
     NoVariant {
@@ -112,6 +120,10 @@ pub enum PackageError {
     /// A scene cannot be simulated.
     #[error(transparent)]
     Sim(#[from] SimError),
+}
+
+fn of_process(number: Option<u32>) -> String {
+    number.map_or_else(String::new, |number| format!(" (process {number})"))
 }
 
 /// What is wrong with a TOML `text`, in one line: line and column, both from 1, and what.

@@ -21,6 +21,7 @@ pub use manifest::{
 
 pub use stored_parameters::StoredParameters;
 
+use crate::FileLock;
 use before::Before;
 use together::Together;
 
@@ -30,6 +31,15 @@ pub const MANIFEST_FILE: &str = "garment.toml";
 const TEMPLATE_FILE: &str = "template.obj";
 const BODY_FILE: &str = "body.rig.npz";
 const REST_FILE: &str = "template.rest.safetensors";
+
+/// What a run has that writes a package.
+const PACKAGE_LOCK: &str = "package.lock";
+
+/// How the name of the file ends that a run has which trains a variant.
+const TRAINING_LOCK: &str = ".training.lock";
+
+/// What a run has for the moment in which it changes the manifest.
+const MANIFEST_LOCK: &str = "garment.toml.lock";
 
 /// A garment that lies on a body at rest, and all that a simulation or a network needs to know of it.
 ///
@@ -204,6 +214,59 @@ impl GarmentPackage {
         [TEMPLATE_FILE, BODY_FILE, REST_FILE, MANIFEST_FILE]
     }
 
+    /// Refuses a folder in which another run writes or trains.
+    ///
+    /// # Errors
+    ///
+    /// [`PackageError::InUse`] with the process, [`PackageError::Read`] or [`PackageError::Folder`].
+    pub fn check_unused(folder: &Path) -> Result<(), PackageError> {
+        Self::locked(folder).map(drop)
+    }
+
+    /// Takes a folder to write a package into, if it is there.
+    fn locked(folder: &Path) -> Result<Option<FileLock>, PackageError> {
+        if !folder.is_dir() {
+            return Ok(None);
+        }
+        let lock = FileLock::take(&folder.join(PACKAGE_LOCK), folder)?;
+        let failed = |source| PackageError::read(folder, source);
+        for entry in std::fs::read_dir(folder).map_err(failed)? {
+            let path = entry.map_err(failed)?.path();
+            if path.to_string_lossy().ends_with(TRAINING_LOCK) {
+                FileLock::check(&path, folder)?;
+            }
+        }
+        Ok(Some(lock))
+    }
+
+    /// Takes the variant of a package for a training, until the value is dropped.
+    ///
+    /// # Errors
+    ///
+    /// [`PackageError::InUse`] with `what`, the folder of the training, while another run trains that variant, or with
+    /// `folder` while one writes the package; [`PackageError::Folder`].
+    pub fn lock_variant(folder: &Path, name: &str, what: &Path) -> Result<FileLock, PackageError> {
+        let lock = FileLock::take(&folder.join(format!("{name}{TRAINING_LOCK}")), what)?;
+        FileLock::check(&folder.join(PACKAGE_LOCK), folder)?;
+        Ok(lock)
+    }
+
+    /// Changes the manifest of a package, and returns it; other runs that do so at the same time wait for each other.
+    ///
+    /// # Errors
+    ///
+    /// As [`GarmentPackage::read_manifest`] and [`GarmentPackage::write_manifest`], or [`PackageError::InUse`].
+    pub fn change_manifest(
+        folder: &Path,
+        change: impl FnOnce(&mut Manifest),
+    ) -> Result<Manifest, PackageError> {
+        let _lock = FileLock::wait(&folder.join(MANIFEST_LOCK), folder)?;
+        let mut manifest = Self::read_manifest(folder)?;
+        change(&mut manifest);
+        Self::write_manifest(folder, &manifest)?;
+        Ok(manifest)
+    }
+
     /// Writes the package into a folder that is there.
     ///
     /// All files are written under temporary names first. Then an older manifest is removed, the files come to their places one
@@ -214,8 +277,10 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`PackageError::Write`] or [`PackageError::WriteRig`]; [`PackageError::Read`] for a file that is there and cannot be read.
+    /// [`PackageError::Write`] or [`PackageError::WriteRig`]; [`PackageError::Read`] for a file that is there and cannot be read;
+    /// [`PackageError::InUse`] while another run writes or trains there.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, PackageError> {
+        let _lock = Self::locked(folder)?;
         let before = Before::of(Self::file_names().map(|name| folder.join(name)))?;
         let written = self.staged(folder)?.put();
         if written.is_err() {

@@ -137,7 +137,11 @@ fn check_folder(layout: &Layout, dataset: &DatasetManifest) -> Result<(), DataEr
         let read = Shard::read_named(path, dataset.fingerprint(), dataset.bodies_per_shard);
         match read {
             // What is damaged is written anew if it is one of those that are imported.
-            Err(DataError::Tensors { .. } | DataError::Altered { .. }) if is_among(path, dataset) => Ok(()),
+            Err(DataError::Tensors { .. } | DataError::Altered { .. })
+                if is_among(path, dataset) =>
+            {
+                Ok(())
+            }
             read => read.map(|_| ()),
         }
     })
