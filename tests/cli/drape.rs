@@ -258,15 +258,6 @@ fn several_bodies_go_to_a_folder() {
 }
 
 #[test]
-fn the_output_may_be_the_input() {
-    let fixture = Fixture::new();
-    let arguments = "drape sleeve.obj body.obj --pose bend.json -o";
-    reported(&fixture, &format!("{arguments} out.obj"));
-    reported(&fixture, &format!("{arguments} sleeve.obj"));
-    assert!(fixture.read("out.obj") == fixture.read("sleeve.obj"));
-}
-
-#[test]
 fn a_limit_that_is_exceeded_ends_with_one() {
     let fixture = Fixture::new();
     fixture.moved("sleeve.obj", "tight.obj", |p| {

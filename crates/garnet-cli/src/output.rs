@@ -29,6 +29,44 @@ pub(crate) fn check_file(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Refuses a mesh that cannot be written, or whose name says that it is of another format than is written.
+pub(crate) fn check_obj(path: &Path) -> anyhow::Result<()> {
+    check_named(path, "name a file")?;
+    check_kind(path, "meshes are written as OBJ", "obj")?;
+    check_file(path)
+}
+
+/// Refuses a picture that cannot be written, or whose name says that it is of another format than is written.
+pub(crate) fn check_png(path: &Path) -> anyhow::Result<()> {
+    check_named(path, "name a file")?;
+    check_kind(path, "pictures are PNG", "png")?;
+    check_file(path)
+}
+
+/// A name without an extension says nothing.
+fn check_kind(path: &Path, what: &str, kind: &str) -> anyhow::Result<()> {
+    let extension = path.extension().map(OsStr::to_string_lossy);
+    match extension {
+        Some(extension) if !extension.eq_ignore_ascii_case(kind) => Err(refused(
+            format!("cannot write `{}`", path.display()),
+            format!("{what}, not {extension}"),
+            format!("name a file that ends with .{kind}"),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Whether a name is that of a folder, be it there or not: it ends with a separator.
+pub(crate) fn names_folder(path: &Path) -> bool {
+    let text = path.as_os_str().to_string_lossy();
+    text.ends_with(std::path::is_separator)
+}
+
+/// Extensions of files that people may mean when a folder is needed.
+const KINDS_OF_FILES: [&str; 13] = [
+    "abc", "dae", "fbx", "glb", "gltf", "mdd", "obj", "pc2", "ply", "stl", "usd", "usda", "usdc",
+];
+
 /// Refuses what stands for stdout.
 fn check_named(path: &Path, advice: &str) -> anyhow::Result<()> {
     if path.as_os_str() != "-" {
@@ -44,6 +82,8 @@ fn check_named(path: &Path, advice: &str) -> anyhow::Result<()> {
 /// Refuses a folder that is a file, or that cannot be made because its own folder is missing.
 pub(crate) fn check_folder(folder: &Path) -> anyhow::Result<()> {
     check_named(folder, "name a folder")?;
+    // Without a separator at its end, with which a file looks as if it were not there.
+    let folder = folder.components().as_path();
     if folder.is_dir() {
         return Ok(());
     }
@@ -66,6 +106,23 @@ pub(crate) fn check_folder(folder: &Path) -> anyhow::Result<()> {
         ));
     }
     Ok(())
+}
+
+/// As [`check_folder`], and refuses a new folder whose name is that of a file, which was meant perhaps.
+pub(crate) fn check_output_folder(folder: &Path) -> anyhow::Result<()> {
+    let extension = folder.extension().map(OsStr::to_string_lossy);
+    let kind = extension.filter(|found| {
+        let mut kinds = KINDS_OF_FILES.into_iter();
+        kinds.any(|kind| found.eq_ignore_ascii_case(kind))
+    });
+    match kind {
+        Some(kind) if !folder.exists() && !names_folder(folder) => Err(refused(
+            format!("cannot write into `{}`", folder.display()),
+            format!("it has the name of a file ({kind}), and a folder is needed"),
+            "name a folder with `-o`, or end the name with `/`",
+        )),
+        _ => check_folder(folder),
+    }
 }
 
 /// Refuses outputs that would take the place of inputs, or of each other.
@@ -121,14 +178,21 @@ pub(crate) fn open_folder(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The OBJ in a folder that is named after an input.
+pub(crate) fn name_in(folder: &Path, input: &Path) -> PathBuf {
+    let mut name = input
+        .file_stem()
+        .unwrap_or(OsStr::new("body"))
+        .to_os_string();
+    name.push(".obj");
+    folder.join(name)
+}
+
 /// One output in `folder` for each input, named after it.
 pub(crate) fn names_in(folder: &Path, inputs: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     let mut outputs: Vec<PathBuf> = Vec::with_capacity(inputs.len());
     for input in inputs {
-        let stem = input.file_stem().unwrap_or(OsStr::new("body"));
-        let mut name = stem.to_os_string();
-        name.push(".obj");
-        let output = folder.join(name);
+        let output = name_in(folder, input);
         if let Some(other) = outputs.iter().position(|earlier| *earlier == output) {
             return Err(refused(
                 format!("two bodies lead to the output `{}`", output.display()),

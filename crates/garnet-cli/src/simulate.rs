@@ -17,7 +17,7 @@ use crate::{
 pub(crate) struct SimulateArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Where the simulated OBJ goes; a folder for several bodies.
+    /// Where the simulated OBJ goes; a folder for several bodies, or if it ends with `/`.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// How fine the steps are.

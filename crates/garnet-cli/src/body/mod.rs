@@ -37,10 +37,11 @@ pub(crate) fn run(args: &BodyArgs, console: &Console) -> anyhow::Result<ExitStat
     let start = Instant::now();
     let source = pose_source(args);
     let is_several = args.sample.is_some() || source.as_ref().is_some_and(PoseSource::is_several);
-    if is_several {
-        output::check_folder(&args.output)?;
+    let is_folder = is_several || output::names_folder(&args.output);
+    if is_folder {
+        output::check_output_folder(&args.output)?;
     } else {
-        output::check_file(&args.output)?;
+        output::check_obj(&args.output)?;
     }
     let mut report = BodyReport {
         schema: "garnet.body/1",
@@ -53,7 +54,7 @@ pub(crate) fn run(args: &BodyArgs, console: &Console) -> anyhow::Result<ExitStat
         let table = report::table_of(&report.bodies);
         output::write(&args.output.join("measures.csv"), table.as_bytes())?;
     } else {
-        let outputs = Outputs::new(args, is_several, None);
+        let outputs = Outputs::new(args, is_folder, None);
         write_subject(&subject(args)?, source.as_ref(), &outputs, &mut report).map_err(
             |error| match error.downcast::<PoseError>() {
                 Ok(error) => error.of_rig(&rig_of(args)).into(),

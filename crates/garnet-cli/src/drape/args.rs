@@ -22,7 +22,7 @@ use crate::{
 pub(crate) struct DrapeArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Where the draped OBJ goes; a folder for several bodies.
+    /// Where the draped OBJ goes; a folder for several bodies, or if it ends with `/`.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// With `--pose`: write the posed body, as OBJ; a folder for several.
@@ -180,6 +180,10 @@ pub(crate) struct Job {
     pub(crate) outputs: Vec<PathBuf>,
     /// The folder that the outputs go to, if there are several.
     pub(crate) folder: Option<PathBuf>,
+    /// Folders that single outputs go to.
+    pub(crate) new_folders: Vec<PathBuf>,
+    /// What a single output in a folder is named after.
+    stem: PathBuf,
     pub(crate) body_out: Option<PathBuf>,
     pub(crate) report: Option<PathBuf>,
     /// Whether the report goes to stdout.
@@ -229,11 +233,7 @@ impl Job {
     pub(crate) fn new(args: DrapeArgs) -> anyhow::Result<Self> {
         let mut job = Self::of_input(args.input, args.output)?;
         job.take_report(args.report)?;
-        match &args.body_out {
-            Some(folder) if job.folder.is_some() => output::check_folder(folder)?,
-            Some(path) => output::check_file(path)?,
-            None => {}
-        }
+        let body_out = args.body_out.map(|path| job.named(path)).transpose()?;
         job.options = DrapeOptions {
             warp: args.method.warp(),
             untangle: (!args.no_untangle).then(|| UntangleOptions {
@@ -263,7 +263,7 @@ impl Job {
             ));
         }
         job.settle = args.settle;
-        job.body_out = args.body_out;
+        job.body_out = body_out;
         job.max_penetration = args.max_penetration;
         job.repeat = args.repeat;
         Ok(job)
@@ -273,22 +273,20 @@ impl Job {
     pub(crate) fn of_input(input: InputArgs, output: PathBuf) -> anyhow::Result<Self> {
         let has_frames = input.pose.as_ref().is_some_and(PoseSource::is_several);
         let is_several = input.bodies.len() > 1 || has_frames;
-        let outputs = if is_several {
-            output::check_folder(&output)?;
-            if has_frames {
-                Vec::new()
-            } else {
-                output::names_in(&output, &input.bodies)?
+        let mut outputs = Vec::new();
+        if is_several {
+            output::check_output_folder(&output)?;
+            if !has_frames {
+                outputs = output::names_in(&output, &input.bodies)?;
             }
-        } else {
-            output::check_file(&output)?;
-            vec![output.clone()]
-        };
-        Ok(Self {
+        }
+        let mut job = Self {
             schema: "garnet.drape/1",
-            source: input.source()?,
+            stem: input.stem(),
+            source: Source::Scene(PathBuf::new()),
             outputs,
-            folder: is_several.then_some(output),
+            folder: is_several.then(|| output.clone()),
+            new_folders: Vec::new(),
             body_out: None,
             report: None,
             prints_report: false,
@@ -299,7 +297,28 @@ impl Job {
             settle: None,
             max_penetration: None,
             repeat: 1,
-        })
+        };
+        if !is_several {
+            job.outputs = vec![job.named(output)?];
+        }
+        job.source = input.source()?;
+        Ok(job)
+    }
+
+    /// Where the one output goes that `path` names, of a folder into that; several outputs have a folder of their own.
+    fn named(&mut self, path: PathBuf) -> anyhow::Result<PathBuf> {
+        if self.folder.is_some() {
+            output::check_output_folder(&path)?;
+            return Ok(path);
+        }
+        if !output::names_folder(&path) {
+            output::check_obj(&path)?;
+            return Ok(path);
+        }
+        output::check_output_folder(&path)?;
+        let name = output::name_in(&path, &self.stem);
+        self.new_folders.push(path);
+        Ok(name)
     }
 
     /// Where the report goes.
@@ -311,6 +330,13 @@ impl Job {
 }
 
 impl InputArgs {
+    /// What a single output in a folder is named after: the body, or else its pose, or the scene.
+    fn stem(&self) -> PathBuf {
+        let pose = self.pose.as_ref().map(|pose| &pose.path);
+        let named = self.bodies.first().or(pose).or(self.scene.as_ref());
+        named.cloned().unwrap_or_default()
+    }
+
     fn source(self) -> anyhow::Result<Source> {
         let garment = match (self.scene, self.garment) {
             (Some(scene), _) => return Ok(Source::Scene(scene)),

@@ -238,7 +238,7 @@ fn drape_all(
     outputs: &[PathBuf],
     console: &Console,
 ) -> anyhow::Result<Vec<DrapeOutput>> {
-    if let Some(folder) = &job.folder {
+    for folder in job.folder.iter().chain(&job.new_folders) {
         output::open_folder(folder)?;
     }
     let has_named = bound.targets.iter().any(|target| target.stem.is_some());

@@ -27,7 +27,7 @@ pub(super) fn outputs_on(targets: &[Target], job: &Job) -> Vec<PathBuf> {
     }
 }
 
-/// Refuses outputs that would take the place of a body, a rig, a pose or a part of a package that is read.
+/// Refuses outputs that would take the place of the garment, a scene, a body, a rig, a pose or a part of a package that is read.
 pub(super) fn check_outputs(
     prepared: &Prepared,
     outputs: &[PathBuf],
@@ -42,7 +42,11 @@ pub(super) fn check_outputs(
     };
     let in_package = in_package?;
     let rest = &prepared.rest;
-    let mut inputs = vec![rest.path.as_path(), &rest.rig_path];
+    let garment = prepared.garment_file.path();
+    let mut inputs = vec![garment, rest.path.as_path(), &rest.rig_path];
+    if let Source::Scene(scene) = &job.source {
+        inputs.push(scene);
+    }
     inputs.extend(prepared.targets.iter().map(|target| target.path.as_path()));
     inputs.extend(prepared.pose.iter().map(|pose| pose.path.as_path()));
     inputs.extend(in_package.iter().map(PathBuf::as_path));
@@ -54,12 +58,8 @@ pub(super) fn check_outputs(
         .map(PathBuf::as_path)
         .collect();
     let drapes = outputs.iter().map(PathBuf::as_path);
-    let all: Vec<&Path> = drapes.clone().chain(beside.iter().copied()).collect();
-    output::check_apart(&all, &inputs)?;
-    // A garment alone may be draped in its place.
-    let is_one = job.folder.is_none();
-    let others: Vec<&Path> = drapes.filter(|_| !is_one).chain(beside).collect();
-    output::check_apart(&others, &[prepared.garment_file.path()])
+    let all: Vec<&Path> = drapes.chain(beside).collect();
+    output::check_apart(&all, &inputs)
 }
 
 /// Where the posed bodies go.

@@ -44,7 +44,7 @@ pub(crate) fn run(args: &GarmentArgs, console: &Console) -> anyhow::Result<ExitS
         GarmentSource::Pattern(args) => &args.common.output,
         GarmentSource::Own(args) => &args.output,
     };
-    output::check_folder(folder)?;
+    output::check_output_folder(folder)?;
     check_free(folder)?;
     GarmentPackage::check_unused(folder)?;
     if let GarmentSource::Own(args) = &args.source {

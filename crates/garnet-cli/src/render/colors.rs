@@ -1,6 +1,9 @@
 //! Values for the vertices of a mesh, shown as colors.
 
-use std::{fs, path::PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 use anyhow::Context;
 use garnet::{Point3, Surface, io::ObjFile};
@@ -22,6 +25,19 @@ pub(crate) enum ColorBy {
     Displacement(PathBuf),
     /// Numbers in this file.
     File(PathBuf),
+}
+
+impl ColorBy {
+    /// The file that it is read from, if it is.
+    pub(super) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Nothing => None,
+            Self::Stretch(path)
+            | Self::Distance(path)
+            | Self::Displacement(path)
+            | Self::File(path) => Some(path),
+        }
+    }
 }
 
 pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {

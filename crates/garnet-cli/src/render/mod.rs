@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::{
     console::{Console, print_document},
-    failure::{ExitStatus, refused},
+    failure::ExitStatus,
     output,
 };
 use colors::{ColorBy, Heatmap};
@@ -67,9 +67,12 @@ const DEFAULT_SIZE: [u32; 2] = [600, 800];
 
 /// Reads the meshes, colors the first, draws, writes.
 pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitStatus> {
-    output::check_file(&args.output)?;
-    check_picture(&args.output)?;
+    output::check_png(&args.output)?;
     let paths: Vec<&PathBuf> = args.meshes.iter().chain(&args.body).collect();
+    let read: Vec<&Path> = (paths.iter().map(|path| path.as_path()))
+        .chain(args.color_by.file())
+        .collect();
+    output::check_apart(&[&args.output], &read)?;
     let up = args.up.axis();
     let files: Vec<anyhow::Result<ObjFile>> = paths
         .par_iter()
@@ -172,19 +175,4 @@ fn shown(paths: &[&PathBuf]) -> String {
         .iter()
         .map(|path| format!("`{}`", Path::display(path)));
     names.collect::<Vec<_>>().join(", ")
-}
-
-/// Refuses the name of a picture that says it is of another kind.
-fn check_picture(path: &Path) -> anyhow::Result<()> {
-    let extension = path
-        .extension()
-        .map(|extension| extension.to_string_lossy());
-    match extension {
-        Some(extension) if !extension.eq_ignore_ascii_case("png") => Err(refused(
-            format!("cannot write `{}`", path.display()),
-            format!("pictures are PNG, not {extension}"),
-            "name a file that ends with .png",
-        )),
-        _ => Ok(()),
-    }
 }

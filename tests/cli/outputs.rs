@@ -1,0 +1,123 @@
+//! Where outputs go: never over what is read, never under the name of another format, into folders that are named as such.
+
+use crate::fixtures::{Fixture, stderr};
+use crate::train::done;
+
+/// Runs a command that must be refused with all of `expected`, and change nothing.
+fn refused(fixture: &Fixture, arguments: &str, expected: &[&str]) {
+    let (names, garment) = (fixture.names(), fixture.read("sleeve.obj"));
+    let output = fixture.garnet(arguments);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
+    assert_eq!(text.matches("hint: ").count(), 1, "{arguments}: {text}");
+    for words in expected {
+        assert!(
+            text.contains(words),
+            "{arguments}: `{words}` is not in {text}"
+        );
+    }
+    assert_eq!(fixture.names(), names, "{arguments}");
+    assert!(fixture.read("sleeve.obj") == garment, "{arguments}");
+}
+
+const DRAPE: &str = "drape sleeve.obj body.obj --pose bend.json";
+const SIMULATE: &str = "simulate sleeve.obj bent.obj --rig body.rig.npz --quality fast";
+
+#[test]
+fn names_of_other_formats_are_refused() {
+    let fixture = Fixture::new();
+    for name in ["x.glb", "x.usd", "x.PLY", "x.obj.gz"] {
+        let kind = name.rsplit('.').next().unwrap();
+        for arguments in [
+            format!("{DRAPE} -o {name}"),
+            format!("{DRAPE} -o out.obj --body-out {name}"),
+            format!("{SIMULATE} -o {name}"),
+            format!("body -o {name}"),
+        ] {
+            refused(
+                &fixture,
+                &arguments,
+                &[
+                    &format!("cannot write `{name}`"),
+                    &format!("meshes are written as OBJ, not {kind}"),
+                    "ends with .obj",
+                ],
+            );
+        }
+        refused(
+            &fixture,
+            &format!("render body.obj -o {name}"),
+            &["pictures are PNG", "ends with .png"],
+        );
+    }
+    for arguments in [
+        "garment tshirt -o x.glb",
+        "drape sleeve.obj body.obj bent.obj --rig body.rig.npz -o x.glb",
+        "body --sample 2 -o x.obj",
+    ] {
+        let expected = ["the name of a file", "a folder is needed"];
+        refused(&fixture, arguments, &expected);
+    }
+    done(&fixture, &format!("{DRAPE} -o upper.OBJ -q"));
+    done(&fixture, &format!("{DRAPE} -o bare -q"));
+    assert!(fixture.read("upper.OBJ") == fixture.read("bare"));
+}
+
+#[test]
+fn what_is_read_is_not_written_over() {
+    let fixture = Fixture::new();
+    done(
+        &fixture,
+        "garment from-obj sleeve.obj --rest-body body.obj -o net -q",
+    );
+    let read = ["one of the files that are read", "write into another file"];
+    for arguments in [
+        format!("{DRAPE} -o sleeve.obj"),
+        format!("{DRAPE} -o net/../sleeve.obj"),
+        format!("{DRAPE} -o body.obj"),
+        format!("{DRAPE} -o out.obj --body-out sleeve.obj"),
+        format!("{DRAPE} -o out.obj --body-out body.obj"),
+        format!("{SIMULATE} -o sleeve.obj"),
+        format!("{SIMULATE} -o bent.obj"),
+        "drape net body.obj -o net/template.obj".to_owned(),
+        "drape sleeve.obj bent.obj --rest-body body.obj -o ./body.obj".to_owned(),
+        "body body.obj -o body.obj".to_owned(),
+    ] {
+        refused(&fixture, &arguments, &read);
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(fixture.path("sleeve.obj"), fixture.path("link.obj")).unwrap();
+        refused(&fixture, &format!("{DRAPE} -o link.obj"), &read);
+    }
+}
+
+#[test]
+fn a_separator_at_the_end_means_a_folder() {
+    let fixture = Fixture::new();
+    done(&fixture, &format!("{DRAPE} -o one.obj -q"));
+    done(
+        &fixture,
+        &format!("{DRAPE} -o draped/ --body-out posed/ -q"),
+    );
+    assert!(fixture.read("draped/body.obj") == fixture.read("one.obj"));
+    assert!(fixture.path("posed/body.obj").is_file());
+    done(
+        &fixture,
+        "drape sleeve.obj bent.obj --rest-body body.obj -o draped/ -q",
+    );
+    assert!(fixture.path("draped/bent.obj").is_file());
+    done(&fixture, "body --pose wave -o bodies/ -q");
+    assert!(fixture.path("bodies/wave.obj").is_file());
+    assert!(fixture.path("bodies/body.rig.npz").is_file());
+    refused(
+        &fixture,
+        &format!("{DRAPE} -o sleeve.obj/"),
+        &["it is a file, and a folder is needed"],
+    );
+    refused(
+        &fixture,
+        &format!("{DRAPE} -o missing/out/"),
+        &["the folder `missing` does not exist"],
+    );
+}
