@@ -271,6 +271,46 @@ fn a_limit_that_is_exceeded_ends_with_one() {
 }
 
 #[test]
+fn faces_that_cross_the_skin_are_a_limit_of_their_own() {
+    let fixture = Fixture::new();
+    fixture.moved("sleeve.obj", "tight.obj", |p| {
+        Point3::new(0.7 * p.x, p.y, 0.7 * p.z)
+    });
+    let arguments = "drape tight.obj bent.obj --rest-body body.obj -o out.obj --no-untangle";
+    let with = |limits: &str| {
+        let output = fixture.garnet(&format!("{arguments} --report report.json {limits}"));
+        let report: Value = serde_json::from_slice(&fixture.read("report.json")).unwrap();
+        (output.status.code(), stderr(&output), report)
+    };
+    let (status, _, report) = with("");
+    assert_eq!(status, Some(0));
+    assert!(report["max_crossing_faces"].is_null());
+    let found = report["drapes"][0]["penetration"]["crossing_faces"].as_u64();
+    let found = found.unwrap();
+    assert!(found > 0);
+
+    let (status, text, report) = with("--max-crossing 0");
+    assert_eq!(status, Some(1), "{text}");
+    let expected =
+        format!("cross the skin with more than 0 faces, the worst with {found} (`out.obj`)");
+    assert!(text.contains(&expected), "{text}");
+    assert_eq!(report["max_crossing_faces"], 0);
+
+    let (status, text, _) = with(&format!("--max-crossing {found}"));
+    assert_eq!(status, Some(0), "{text}");
+    // Both limits are told.
+    let (status, text, _) = with("--max-crossing 0 --max-penetration 1");
+    assert_eq!(
+        (status, text.matches("error: ").count()),
+        (Some(1), 2),
+        "{text}"
+    );
+    let free = fixture
+        .garnet("drape tight.obj bent.obj --rest-body body.obj -o out.obj --max-crossing 0 -q");
+    assert_eq!(free.status.code(), Some(0), "{}", stderr(&free));
+}
+
+#[test]
 fn unusual_meshes_are_accepted_with_a_warning() {
     let fixture = Fixture::new();
     let mut text = String::from_utf8(fixture.read("sleeve.obj")).unwrap();

@@ -55,6 +55,10 @@ pub(crate) struct DrapeArgs {
     /// End with 1 if cloth is deeper in the body than this, in millimetres.
     #[arg(long, value_name = "MM", value_parser = millimetres, allow_negative_numbers = true)]
     max_penetration: Option<f32>,
+    /// End with 1 if more faces of the garment than this cross the skin, as in `--max-crossing 0`; those at vertices
+    /// that are trapped where the body runs through itself do not count.
+    #[arg(long, value_name = "FACES", allow_negative_numbers = true)]
+    max_crossing: Option<usize>,
     /// Write the report as JSON; `-` is stdout.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -199,6 +203,8 @@ pub(crate) struct Job {
     pub(crate) settle: Option<u32>,
     /// In metres.
     pub(crate) max_penetration: Option<f32>,
+    /// Faces that may cross the skin.
+    pub(crate) max_crossing: Option<usize>,
     pub(crate) repeat: u32,
 }
 
@@ -265,6 +271,7 @@ impl Job {
         job.settle = args.settle;
         job.body_out = body_out;
         job.max_penetration = args.max_penetration;
+        job.max_crossing = args.max_crossing;
         job.repeat = args.repeat;
         Ok(job)
     }
@@ -296,6 +303,7 @@ impl Job {
             limit: None,
             settle: None,
             max_penetration: None,
+            max_crossing: None,
             repeat: 1,
         };
         if !is_several {

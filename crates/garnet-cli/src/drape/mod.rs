@@ -514,6 +514,8 @@ impl Bound {
             settle_frames: self.settler.as_ref().map_or(0, Settler::frames),
             untangled: untangle.is_some(),
             clearance_m: untangle.map(|options| options.clearance),
+            max_penetration_m: job.max_penetration,
+            max_crossing_faces: job.max_crossing,
             threads: rayon::current_num_threads(),
             repeat: job.repeat,
             drapes,
@@ -546,36 +548,49 @@ fn publish(report: &DrapeReport, job: &Job, console: &Console) -> anyhow::Result
     Ok(())
 }
 
-/// Whether the result is within the limit that the user set.
+/// Whether the result is within the limits that the user set.
 fn judge(report: &DrapeReport, job: &Job, console: &Console) -> ExitStatus {
     if let Some(choice) = report.choice.as_ref().filter(|choice| !choice.is_met) {
         console.exceeded(&choice.text);
         return ExitStatus::LimitExceeded;
     }
-    let Some(limit) = job.max_penetration else {
-        return ExitStatus::Done;
-    };
     let depth = |drape: &DrapeOutput| match (&drape.untangle, &drape.penetration) {
         (Some(untangle), _) => untangle.deepest_m,
         (None, Some(found)) => found.deepest_m,
         (None, None) => 0.0,
     };
-    let beyond: Vec<&DrapeOutput> = report
-        .drapes
-        .iter()
-        .filter(|drape| depth(drape) > limit)
-        .collect();
-    let worst = beyond.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)));
-    let Some(worst) = worst else {
-        return ExitStatus::Done;
+    let crossing = |drape: &DrapeOutput| match (&drape.untangle, &drape.penetration) {
+        (Some(untangle), _) => untangle.crossing_faces,
+        (None, Some(found)) => found.crossing_faces,
+        (None, None) => 0,
     };
-    console.exceeded(&format_args!(
-        "{} of {} drapes end deeper than {} mm in the body, the worst {:.1} mm (`{}`)",
-        beyond.len(),
-        report.drapes.len(),
-        1e3 * limit,
-        1e3 * depth(worst),
-        worst.output
-    ));
-    ExitStatus::LimitExceeded
+    let mut status = ExitStatus::Done;
+    let of = report.drapes.len();
+    let drapes = || report.drapes.iter();
+    let worst = drapes().max_by(|a, b| depth(a).total_cmp(&depth(b)));
+    if let (Some(limit), Some(worst)) = (job.max_penetration, worst)
+        && depth(worst) > limit
+    {
+        console.exceeded(&format_args!(
+            "{} of {of} drapes end deeper than {} mm in the body, the worst {:.1} mm (`{}`)",
+            drapes().filter(|drape| depth(drape) > limit).count(),
+            1e3 * limit,
+            1e3 * depth(worst),
+            worst.output
+        ));
+        status = ExitStatus::LimitExceeded;
+    }
+    let worst = drapes().max_by_key(|drape| crossing(drape));
+    if let (Some(limit), Some(worst)) = (job.max_crossing, worst)
+        && crossing(worst) > limit
+    {
+        console.exceeded(&format_args!(
+            "{} of {of} drapes cross the skin with more than {limit} faces, the worst with {} (`{}`)",
+            drapes().filter(|drape| crossing(drape) > limit).count(),
+            crossing(worst),
+            worst.output
+        ));
+        status = ExitStatus::LimitExceeded;
+    }
+    status
 }

@@ -35,6 +35,12 @@ pub(crate) struct DrapeReport {
     pub(crate) untangled: bool,
     /// Smallest distance asked for between cloth and skin; none without untangling.
     pub(crate) clearance_m: Option<f32>,
+    /// The depth that was asked not to be exceeded; none without `--max-penetration`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) max_penetration_m: Option<f32>,
+    /// The faces that were asked not to be exceeded; none without `--max-crossing`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) max_crossing_faces: Option<usize>,
     /// How many threads worked.
     pub(crate) threads: usize,
     /// How often each body was draped.
