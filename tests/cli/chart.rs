@@ -47,7 +47,7 @@ fn a_chart_leaves_pictures_and_numbers_and_goes_on_from_there() {
     assert_eq!(fixture.read("out/samples.json"), samples);
     done(
         &fixture,
-        "train net scenes --preset tiny --epochs 1 --variant more -q",
+        "train net scenes --preset tiny --epochs 1 --kind local --variant more -q",
     );
     done(&fixture, &format!("chart net scenes -o out {ASKED} -q"));
     let method = |bytes: &[u8], name: &str| -> Value {

@@ -48,7 +48,7 @@ fn a_training_reports_and_leaves_curves() {
     );
     let report = done(
         &fixture,
-        "train net scenes --config train.toml --variant mine --json",
+        "train net scenes --config train.toml --kind local --variant mine --json",
     );
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert_eq!(report["schema"], "garnet.train/1");
@@ -145,7 +145,8 @@ fn networks_are_chosen_by_error_and_by_time() {
     let fixture = prepared();
     for (variant, epochs) in [("short", 1), ("long", 30)] {
         let preset = "--preset tiny --precision f16 -q";
-        let train = format!("train net scenes --variant {variant} --epochs {epochs} {preset}");
+        let train =
+            format!("train net scenes --kind local --variant {variant} --epochs {epochs} {preset}");
         done(&fixture, &train);
     }
     let drape = |limit: &str| -> serde_json::Value {
@@ -381,11 +382,38 @@ fn what_cannot_be_followed_is_refused() {
     let ending = "fine-tunings of `local` end in -rq, -mc, -mcrq and -umc, not in -umx";
     train("local-umx", ending);
     train("local-umx --config tiny.toml", ending);
+    for (own, near) in [
+        ("locl", "`--variant local` may be meant; "),
+        (
+            "pose_space --config tiny.toml",
+            "`--variant pose-space` may",
+        ),
+        (
+            "mine-umx",
+            "it is no kind: those are naive, global, local, ",
+        ),
+        (
+            "my-shirt --preset tiny",
+            "as in `--kind local --variant my-shirt`",
+        ),
+        ("mine --kind lokal", "there is no kind `lokal`"),
+        (
+            "mine --kind lokal",
+            "hint: `local` may be meant; the kinds are naive",
+        ),
+    ] {
+        train(own, near);
+    }
+    let kind = "`--kind naive` is another kind of network";
+    train("mine --kind naive --config global.toml", kind);
     // What says what it is comes as far as its data.
     for own in [
         "local-tiny --config global.toml",
         "local-umx --from w.safetensors",
-        "mine-umx",
+        "mine-umx --kind local",
+        "mine --config global.toml",
+        "mine --kind pose-space",
+        "mine --kind naive --config tiny.toml",
         "global --config global.toml",
         "naive --config tiny.toml",
         "local-params --preset tiny",
@@ -443,6 +471,69 @@ fn damaged_data_sets_and_weights_have_a_hint() {
         "eval net scenes --model no.safetensors",
         &no_weights,
     );
+}
+
+#[test]
+fn the_best_on_validation_becomes_the_default_unless_another_is_asked_for() {
+    let fixture = prepared();
+    let train = |more: &str| -> serde_json::Value {
+        let arguments = format!("train net scenes --preset tiny {more} --json");
+        serde_json::from_str(&done(&fixture, &arguments)).unwrap()
+    };
+    let drapes_by = || {
+        let report = done(&fixture, "drape net bent.obj -o out.obj --report -");
+        let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+        report["method"].as_str().unwrap().to_owned()
+    };
+    let first = train("--epochs 1 --kind naive --variant first");
+    assert_eq!(first["default"]["variant"], "first");
+    assert_eq!(first["default"]["why"], "best");
+    let better = train("--epochs 30 --kind local --variant better");
+    let error = |report: &serde_json::Value| report["default"]["valid_error_m"].as_f64().unwrap();
+    assert!(error(&better) < error(&first));
+    assert_eq!(better["default"]["variant"], "better");
+    assert_eq!(drapes_by(), "better");
+    // A variant of the package is trained anew as what it is; a worse one leaves the default.
+    let again = train("--epochs 1 --variant first");
+    assert_eq!(again["default"]["variant"], "better");
+    let header = fixture.read("net/first.safetensors");
+    let header = String::from_utf8_lossy(&header[..4000]).into_owned();
+    assert!(header.contains("naive"), "{header}");
+    let asked = train("--epochs 1 --kind global --variant asked --default");
+    assert_eq!(
+        (&asked["default"]["variant"], &asked["default"]["why"]),
+        (&"asked".into(), &"asked".into())
+    );
+    assert_eq!(drapes_by(), "asked");
+}
+
+#[test]
+fn a_training_under_way_locks_its_variant_and_its_package() {
+    let fixture = prepared();
+    let lock = garnet::package::GarmentPackage::lock_variant(
+        &fixture.path("net"),
+        "naive",
+        &fixture.path("net/training/naive"),
+    );
+    let lock = lock.unwrap();
+    let process = format!(
+        "is being written by another run (process {})",
+        std::process::id()
+    );
+    let train = "train net scenes --preset tiny --epochs 1 --variant";
+    refused(
+        &fixture,
+        &format!("{train} naive"),
+        &[&process, "wait until that"],
+    );
+    let garment = "garment from-obj sleeve.obj --rest-body body.obj -o net";
+    refused(&fixture, garment, &["`net` ", &process]);
+    done(&fixture, &format!("{train} global -q"));
+    drop(lock);
+    done(&fixture, &format!("{train} naive -q"));
+    let names = fs::read_dir(fixture.path("net")).unwrap();
+    let mut names = names.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    assert!(names.all(|name| !name.contains("lock")));
 }
 
 #[test]

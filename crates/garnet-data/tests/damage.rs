@@ -6,9 +6,8 @@ mod common;
 
 use std::{collections::BTreeMap, collections::HashMap, fs, path::Path};
 
-use garnet_data::{
-    BodyRecord, DataError, GarmentPackage, MANIFEST_FILE, Posed, SceneRecord, Shard, Split,
-};
+use garnet_data::{BodyRecord, DataError, Posed, SceneRecord, Shard, Split};
+use garnet_drape::{GarmentPackage, MANIFEST_FILE, PackageError};
 use garnet_mesh::{Fingerprint, Point3};
 use garnet_skin::Pose;
 use safetensors::SafeTensors;
@@ -206,7 +205,7 @@ fn packages_of_earlier_versions_are_read_and_do_not_panic() {
         let renamed = rewritten(&before, str::to_owned, other);
         fs::write(path("template.rest.safetensors"), renamed).unwrap();
         let error = GarmentPackage::read(folder.path()).unwrap_err();
-        assert!(matches!(error, DataError::Foreign { .. }), "{error}");
+        assert!(matches!(error, PackageError::Foreign { .. }), "{error}");
     }
     fs::write(path("template.rest.safetensors"), &before).unwrap();
     let rig = fs::read(path("body.rig.npz")).unwrap();

@@ -85,6 +85,12 @@ pub enum TrainError {
         /// The name.
         name: String,
     },
+    /// Nothing of this kind can be trained.
+    #[error("there is no kind `{kind}` of network or deformation")]
+    UnknownKind {
+        /// The kind.
+        kind: String,
+    },
     /// A name of a variant means something else where drapes and tables name methods.
     #[error("`{name}` is no name for a variant: methods and tables have another meaning for it")]
     ReservedName {

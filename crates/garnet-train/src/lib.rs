@@ -20,6 +20,7 @@
 //!     config: TrainConfig::parse("preset = \"small\"\nepochs = 50")?,
 //!     base: None,
 //!     begin: Begin::Anew,
+//!     makes_default: false,
 //! };
 //! let mut distances = Vec::new();
 //! let mut observer = |event| {
@@ -75,8 +76,8 @@ pub use garnet_net::losses::{LossConfig, LossValue, Term};
 pub use garnet_net::{GarNetConfig, Moment, PRESET_NAMES, Precision, Variant};
 pub use percentiles::Percentiles;
 pub use pose_space::{PoseSpaceConfig, ToldBy};
-pub use publish::Trained;
-pub use recipe::{Recipe, kind_name};
+pub use publish::{DefaultVariant, Trained, WhyDefault};
+pub use recipe::{Recipe, kind_name, kind_names};
 pub use schedule::Schedule;
 pub use scores::{Scores, Tally};
 pub use stage::{Stage, StagedScene, Worn};

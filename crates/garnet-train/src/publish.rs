@@ -35,6 +35,30 @@ pub struct Trained {
     pub test: Option<Scores>,
     /// Mean distance to the teacher on the test split once the cloth has settled, in metres, if that is known.
     pub settled_error: Option<f64>,
+    /// What the package drapes with if no variant is asked for, now.
+    pub default: DefaultVariant,
+}
+
+/// The variant that drapes if none is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DefaultVariant {
+    /// Its name.
+    pub name: String,
+    /// Mean distance to the teacher on the validation split of what a drape with it gives, in metres, if that is known.
+    pub valid_error: Option<f64>,
+    /// Why it is the default.
+    pub why: WhyDefault,
+}
+
+/// Why a variant is the default of its package.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WhyDefault {
+    /// It was asked for.
+    Asked,
+    /// It is the best on validation, of those whose error there is known.
+    Best,
+    /// It was the default, and how good it is on validation is not known.
+    Unknown,
 }
 
 /// The file in a package that the weights of a variant are written to.
@@ -66,6 +90,8 @@ pub(crate) struct Job<'a> {
     pub(crate) subject: &'a Subject,
     /// What the network starts from, if not from the warp alone.
     pub(crate) start: Option<&'a PoseSpace>,
+    /// Whether it becomes the default, be it the best or not.
+    pub(crate) makes_default: bool,
 }
 
 /// Measures the best model on the test split, writes its weights, and adds it to the manifest.
@@ -81,6 +107,7 @@ pub(crate) fn publish(
         stage,
         subject,
         start,
+        makes_default,
     } = *job;
     let progress = &state.progress;
     let best = progress.best().cloned();
@@ -138,9 +165,15 @@ pub(crate) fn publish(
             .map(|test| test.distance),
         settled_error: None,
         settle_frames: None,
+        valid_error: (subject.moment.is_rest()).then_some(best.valid.distance),
         flop: Some(cost.flops as f64),
     };
-    let settled_error = add_variant(folder, stage, variant, test.is_some(), observer, stop)?;
+    let splits = HasSplits {
+        valid: true,
+        test: test.is_some(),
+    };
+    let settled_error = add_variant(folder, stage, variant, splits, observer, stop)?;
+    let default = choose_default(folder, makes_default.then_some(&progress.name))?;
     Ok(Trained {
         name: progress.name.clone(),
         weights,
@@ -150,53 +183,86 @@ pub(crate) fn publish(
         best,
         test,
         settled_error,
+        default,
     })
 }
 
+/// Makes a variant the default: the one that is asked for, or else the best on validation.
+pub(crate) fn choose_default(
+    folder: &Path,
+    asked: Option<&String>,
+) -> Result<DefaultVariant, TrainError> {
+    let mut why = WhyDefault::Asked;
+    let manifest = GarmentPackage::change_manifest(folder, |manifest| match asked {
+        Some(name) => manifest.make_default(name),
+        None if manifest.choose_default().is_some() => why = WhyDefault::Best,
+        None => why = WhyDefault::Unknown,
+    })?;
+    let default = manifest.default_variant();
+    Ok(DefaultVariant {
+        name: default.map_or_else(String::new, |variant| variant.name.clone()),
+        valid_error: default.and_then(|variant| variant.valid_error),
+        why,
+    })
+}
+
+/// Which splits have scenes, of those that models do not learn from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct HasSplits {
+    pub(crate) valid: bool,
+    pub(crate) test: bool,
+}
+
 /// Adds a variant to the manifest of a package, and measures on the test split, if there is one, how far from the
-/// teacher its cloth is once it has settled, in metres.
+/// teacher its cloth is once it has settled, in metres; the same on the validation split, if its drapes settle.
 ///
 /// That takes longer than all else but the training: the variant is in the manifest before it begins. It is there without
 /// that number, too, if the garment cannot be simulated, or `stop` ends that; the observer is told why.
 pub(crate) fn add_variant(
     folder: &Path,
     stage: &Stage,
-    variant: Variant,
-    has_test: bool,
+    mut variant: Variant,
+    splits: HasSplits,
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
 ) -> Result<Option<f64>, TrainError> {
-    let add = |variant: Variant| -> Result<(), TrainError> {
+    let add = |variant: &Variant| {
+        let variant = variant.clone();
         // Another training may have added a variant meanwhile.
-        GarmentPackage::change_manifest(folder, |manifest| manifest.add(variant))?;
-        Ok(())
+        GarmentPackage::change_manifest(folder, |manifest| manifest.add(variant)).map(drop)
     };
-    add(variant.clone())?;
-    if !has_test {
+    add(&variant)?;
+    if !splits.test {
         return Ok(None);
     }
-    match settled(stage, &folder.join(&variant.weights), observer, stop) {
-        Ok((error, frames)) => {
-            add(Variant {
-                settled_error: Some(error),
-                settle_frames: Some(frames),
-                ..variant
-            })?;
-            Ok(Some(error))
-        }
+    let weights = folder.join(&variant.weights);
+    let mut settle = |split| match settled(stage, split, &weights, observer, stop) {
+        Ok(found) => Some(found),
         Err(error) => {
             observer(TrainEvent::NotSettled {
                 why: error.to_string(),
             });
-            Ok(None)
+            None
         }
+    };
+    let Some((error, frames)) = settle(Split::Test) else {
+        return Ok(None);
+    };
+    variant.settled_error = Some(error);
+    variant.settle_frames = Some(frames);
+    let moment = ModelHeader::read(&weights)?.moment;
+    if splits.valid && variant.settling(moment).frames > 0 {
+        variant.valid_error = settle(Split::Valid).map(|(error, _)| error);
     }
+    add(&variant)?;
+    Ok(Some(error))
 }
 
-/// The mean distance to the teacher on the test split, in metres, of cloth that has settled where weights put it, and
+/// The mean distance to the teacher on a split, in metres, of cloth that has settled where weights put it, and
 /// for how many frames it settles.
 fn settled(
     stage: &Stage,
+    split: Split,
     weights: &Path,
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
@@ -211,14 +277,7 @@ fn settled(
         let EvalEvent::Scene { done, total } = event;
         observer(TrainEvent::Settled { done, total });
     };
-    let found = evaluate_until(
-        stage,
-        Split::Test,
-        &[candidate],
-        Finish::None,
-        &mut tell,
-        stop,
-    )?;
+    let found = evaluate_until(stage, split, &[candidate], Finish::None, &mut tell, stop)?;
     let row = found.rows.first();
     match row.filter(|row| row.unsettled < found.scenes) {
         Some(row) => Ok((row.scores.distance, frames)),

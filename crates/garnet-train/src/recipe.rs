@@ -1,8 +1,10 @@
 //! What the names of the paper's variants stand for.
 
+use std::path::Path;
+
 use garnet_net::losses::LossConfig;
 use garnet_net::pose_space::deformation_name;
-use garnet_net::{Moment, Variant};
+use garnet_net::{ModelHeader, Moment, Variant};
 
 use crate::{Choice, TrainConfig, TrainError};
 
@@ -17,10 +19,10 @@ const KINDS: [(&str, Variant); 5] = [
 
 /// The moments that pose-space deformations predict.
 const PREDICTED: [Moment; 4] = [
-    Moment::Midway,
+    Moment::Rest,
     Moment::Arrival,
     Moment::Falling,
-    Moment::Rest,
+    Moment::Midway,
 ];
 
 /// What methods of drapes and rows of tables are called, which variants cannot be.
@@ -39,8 +41,10 @@ const FINE_TUNINGS: [(&str, LossConfig); 4] = [
 pub struct Recipe {
     /// The name, as in `local-rq`.
     pub name: String,
-    /// Which parts the network has; none if the name does not tell.
+    /// Which parts the network has; none if the kind does not tell.
     pub kind: Option<Variant>,
+    /// The moment that a pose-space deformation predicts; none for networks.
+    pub deformation: Option<Moment>,
     /// The variant that is fine-tuned and the losses that it is fine-tuned with; none to start from
     /// random weights.
     pub fine_tuned: Option<(String, LossConfig)>,
@@ -58,7 +62,53 @@ pub fn kind_name(kind: Variant) -> &'static str {
     known.map_or("", |&(name, _)| name)
 }
 
+/// What can be trained: the kinds of networks, and of deformations.
+pub fn kind_names() -> impl Iterator<Item = &'static str> {
+    let networks = KINDS.iter().map(|&(name, _)| name);
+    networks.chain(PREDICTED.into_iter().map(deformation_name))
+}
+
 impl Recipe {
+    /// What is trained is of a kind, one of [`kind_names`] or a fine-tuning such as `local-rq`, and has a name of its own.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::UnknownKind`], or as [`Recipe::of_name`].
+    pub fn of_kind(kind: &str, name: &str) -> Result<Self, TrainError> {
+        let unknown = || TrainError::UnknownKind {
+            kind: kind.to_owned(),
+        };
+        let recipe = Self::of_name(kind).map_err(|_name| unknown())?;
+        if !recipe.says_what() {
+            return Err(unknown());
+        }
+        Self::of_name(name)?;
+        Ok(Self {
+            name: name.to_owned(),
+            ..recipe
+        })
+    }
+
+    /// What a variant is that was trained before, by its weights.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Checkpoint`], or as [`Recipe::of_name`].
+    pub fn of_weights(name: &str, weights: &Path) -> Result<Self, TrainError> {
+        let header = ModelHeader::read(weights)?;
+        let deformation = header.config.is_none().then_some(header.moment);
+        Ok(Self {
+            kind: header.config.map(|network| network.variant),
+            deformation,
+            ..Self::of_name(name)?
+        })
+    }
+
+    /// Whether it says what is to be trained; a name of one's own alone does not.
+    pub const fn says_what(&self) -> bool {
+        self.kind.is_some() || self.fine_tuned.is_some() || self.deformation.is_some()
+    }
+
     /// Reads a name: `naive`, `global`, `local` or `global-params` start anew; `<variant>-rq`,
     /// `-mc`, `-mcrq` and `-umc` fine-tune `<variant>` with curvature losses (*Gundogdu et al.
     /// 2020, section 3.4*); `pose-space`, `arrival`, `falling` and `midway` are pose-space deformations; any other name stands for itself.
@@ -84,19 +134,19 @@ impl Recipe {
             found.map(|(_, losses)| (base.to_owned(), losses.clone()))
         });
         let kind = KINDS.iter().find(|(kind, _)| *kind == name);
+        let mut predicted = PREDICTED.into_iter();
+        let deformation = predicted.find(|&moment| deformation_name(moment) == name);
         Ok(Self {
             name: name.to_owned(),
             kind: kind.map(|&(_, kind)| kind),
+            deformation,
             fine_tuned,
         })
     }
 
-    /// The moment that a pose-space deformation of this name predicts; none if the name is that of a
-    /// network.
-    pub fn pose_space(&self) -> Option<Moment> {
-        PREDICTED
-            .into_iter()
-            .find(|&moment| deformation_name(moment) == self.name)
+    /// The moment that a pose-space deformation predicts; none for networks.
+    pub const fn pose_space(&self) -> Option<Moment> {
+        self.deformation
     }
 
     /// Puts what the name asks for into a configuration.
@@ -141,6 +191,26 @@ mod tests {
         let own = Recipe::of_name("my_shirt-2").unwrap();
         assert_eq!((own.kind, own.fine_tuned), (None, None));
         assert_eq!(kind_name(Variant::GlobalParams), "global-params");
+    }
+
+    #[test]
+    fn kinds_and_names_are_apart() {
+        for kind in kind_names() {
+            let named = Recipe::of_kind(kind, "my-shirt").unwrap();
+            let known = Recipe::of_name(kind).unwrap();
+            assert!(known.says_what() && named.name == "my-shirt");
+            assert_eq!(
+                (named.kind, named.deformation),
+                (known.kind, known.deformation)
+            );
+        }
+        let tuned = Recipe::of_kind("local-rq", "best").unwrap();
+        assert_eq!(tuned.fine_tuned.unwrap().0, "local");
+        for kind in ["locl", "my-shirt", "auto", ""] {
+            let error = Recipe::of_kind(kind, "best").unwrap_err();
+            assert!(matches!(error, TrainError::UnknownKind { .. }), "{error}");
+        }
+        assert!(Recipe::of_kind("local", "auto").is_err());
     }
 
     #[test]

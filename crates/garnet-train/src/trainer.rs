@@ -49,6 +49,8 @@ pub struct TrainJob {
     pub base: Option<PathBuf>,
     /// Whether a training that is under way is gone on with.
     pub begin: Begin,
+    /// Whether the variant becomes the default of the package; else that is the best on validation.
+    pub makes_default: bool,
 }
 
 /// Where a training begins.
@@ -154,6 +156,7 @@ pub fn train(
         stage: &stage,
         subject: &subject,
         start: start.as_ref(),
+        makes_default: job.makes_default,
     };
     let trained = publish::publish(&job, &trainer.state, &trainer.train, observer, stop)?;
     trainer.state.progress.is_finished = true;

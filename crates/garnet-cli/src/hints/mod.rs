@@ -1,6 +1,7 @@
 //! Advice for what can be wrong with files, by the type of the error.
 
 mod data;
+mod nearest;
 mod pattern;
 mod scene;
 mod train;
@@ -22,6 +23,7 @@ use garnet::{
 };
 
 pub(crate) use data::Hinting;
+pub(crate) use nearest::nearest;
 pub(crate) use pattern::for_pattern;
 pub(crate) use train::{CONFIG_HINT, advised};
 

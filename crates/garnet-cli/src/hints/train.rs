@@ -1,7 +1,11 @@
 //! Advice for what can be wrong with trainings and evaluations.
 
-use garnet::{package::PackageError, train::TrainError};
+use garnet::{
+    package::PackageError,
+    train::{TrainError, kind_names},
+};
 
+use super::nearest;
 use crate::failure;
 
 /// An error of a training or evaluation, with what to do about it.
@@ -24,6 +28,15 @@ fn advice_on_job(error: &TrainError) -> Option<String> {
         }
         TrainError::ReservedName { name } | TrainError::Taken { name, .. } => {
             format!("give another name, as in `--variant my-{name}`")
+        }
+        TrainError::UnknownKind { kind } => {
+            let kinds: Vec<&str> = kind_names().collect();
+            let meant = nearest(kind, kinds.iter().copied());
+            let meant = meant.map_or_else(String::new, |near| format!("`{near}` may be meant; "));
+            format!(
+                "{meant}the kinds are {}, and fine-tunings as local-rq",
+                kinds.join(", ")
+            )
         }
         TrainError::Config { .. } | TrainError::ConfigText { .. } | TrainError::NoLoss => {
             CONFIG_HINT.to_owned()

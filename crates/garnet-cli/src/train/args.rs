@@ -21,11 +21,18 @@ pub(crate) struct TrainArgs {
     /// Data set of the garment.
     #[arg(value_name = "DATASET")]
     pub(crate) dataset: PathBuf,
-    /// Name of the variant: naive, global, local, global-params, local-params; with -rq, -mc, -mcrq or -umc after
-    /// it, that variant is fine-tuned; pose-space, falling, arrival, midway: a deformation told by pose and shape alone, of
-    /// where cloth rests or where it is on its way there; or a name of your own.
-    #[arg(long, value_name = "NAME", default_value = "local")]
-    variant: String,
+    /// Name of the variant [default: that of its kind]. A kind is a name, too; a name of your own needs `--kind`, unless
+    /// the package has it, the configuration says the `kind`, or `--from` does.
+    #[arg(long, value_name = "NAME")]
+    variant: Option<String>,
+    /// What is trained: naive, global, local, global-params, local-params; with -rq, -mc, -mcrq or -umc after it, that
+    /// variant is fine-tuned; pose-space, falling, arrival, midway: a deformation told by pose and shape alone, of where
+    /// cloth rests or where it is on its way there [default: what the name says, else local].
+    #[arg(long, value_name = "KIND", conflicts_with = "resume")]
+    pub(super) kind: Option<String>,
+    /// Make the variant the one that `garnet drape` takes, whichever is the best on the validation split.
+    #[arg(long)]
+    default: bool,
     /// Read the configuration from a TOML file.
     #[arg(long, value_name = "FILE")]
     pub(super) config: Option<PathBuf>,
@@ -67,7 +74,8 @@ const LONG_HELP: &str = "\
 In the package, the folder `training/NAME` has the loss curves (`losses.csv`, `losses.svg`), the log \
 (`log.json`), the configuration (`config.toml`, to train again with) and the state from which \
 `--resume` goes on. The weights are added to the package when the training is done: those of the \
-epoch that is best on the validation split.
+epoch that is best on the validation split. The variant that is best there becomes the default of the \
+package, which `garnet drape` takes.
 
 A configuration names what differs from the defaults:
 
@@ -95,8 +103,8 @@ fn precision(text: &str) -> Result<Precision, String> {
 impl TrainArgs {
     /// What is to be done, checked as far as that goes without reading data.
     pub(crate) fn job(&self) -> anyhow::Result<TrainJob> {
-        let recipe = Recipe::of_name(&self.variant).map_err(advised)?;
-        followed::check(self, &recipe)?;
+        let mut recipe = self.recipe()?;
+        followed::check(self, &mut recipe)?;
         let saved = training_folder(&self.package, &recipe.name).join("config.toml");
         let mut config = match &self.config {
             Some(path) => TrainConfig::read(path).map_err(advised)?,
@@ -129,6 +137,17 @@ impl TrainArgs {
             } else {
                 Begin::Anew
             },
+            makes_default: self.default,
         })
+    }
+
+    /// What is trained, and its name.
+    fn recipe(&self) -> anyhow::Result<Recipe> {
+        let recipe = match (&self.kind, &self.variant) {
+            (Some(kind), name) => Recipe::of_kind(kind, name.as_ref().unwrap_or(kind)),
+            (None, Some(name)) => Recipe::of_name(name),
+            (None, None) => Recipe::of_name("local"),
+        };
+        recipe.map_err(advised)
     }
 }

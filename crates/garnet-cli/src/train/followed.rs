@@ -1,37 +1,48 @@
 //! Arguments that contradict each other, or that what is trained cannot follow.
 
-use std::path::Path;
-
 use garnet::{
     package::GarmentPackage,
-    train::{Recipe, TrainConfig, kind_name},
+    train::{Recipe, TrainConfig, kind_name, kind_names},
 };
 
 use super::TrainArgs;
-use crate::{failure::refused, hints::advised};
+use crate::{
+    failure::refused,
+    hints::{advised, nearest},
+};
 
-/// Refuses what would be left out of account.
-pub(super) fn check(args: &TrainArgs, recipe: &Recipe) -> anyhow::Result<()> {
+/// Refuses what would be left out of account. A variant that the package has is trained anew as what it is.
+pub(super) fn check(args: &TrainArgs, recipe: &mut Recipe) -> anyhow::Result<()> {
     if args.resume {
         // What was begun goes on as it was.
         return Ok(());
+    }
+    if !recipe.says_what() && args.from.is_none() {
+        let manifest = GarmentPackage::read_manifest(&args.package)?;
+        if let Some(variant) = manifest.variant(&recipe.name) {
+            let weights = args.package.join(&variant.weights);
+            *recipe = Recipe::of_weights(&recipe.name, &weights).map_err(advised)?;
+        }
     }
     if recipe.pose_space().is_some() {
         return check_fit(args, recipe);
     }
     check_size(args, recipe)?;
     let Some(path) = &args.config else {
-        return check_ending(args, recipe);
+        return check_name(args, recipe);
     };
     match TrainConfig::kind_in(path).map_err(advised)? {
-        None => check_ending(args, recipe),
+        None => check_name(args, recipe),
         Some(asked) if recipe.kind.is_some_and(|kind| kind != asked) => Err(refused(
             format!(
                 "`{}` asks for `kind = \"{}\"`",
                 path.display(),
                 kind_name(asked)
             ),
-            format!("`--variant {}` is another kind of network", recipe.name),
+            match &args.kind {
+                Some(kind) => format!("`--kind {kind}` is another kind of network"),
+                None => format!("`--variant {}` is another kind of network", recipe.name),
+            },
             "leave `kind` out, or give the variant a name of its own",
         )),
         Some(_) => Ok(()),
@@ -70,31 +81,37 @@ fn check_size(args: &TrainArgs, recipe: &Recipe) -> anyhow::Result<()> {
     ))
 }
 
-/// Refuses what looks like a mistyped fine-tuning, where nothing else says what is to be trained.
-fn check_ending(args: &TrainArgs, recipe: &Recipe) -> anyhow::Result<()> {
-    let name = &recipe.name;
-    let is_clear = recipe.kind.is_some() || recipe.fine_tuned.is_some() || args.from.is_some();
-    let Some((stem, ending)) = name.rsplit_once('-').filter(|_| !is_clear) else {
-        return Ok(());
-    };
-    if !is_known(&args.package, stem)? {
+/// Refuses a name that says nothing where nothing else says what is to be trained: it may be a mistyped one, and a
+/// training takes hours.
+fn check_name(args: &TrainArgs, recipe: &Recipe) -> anyhow::Result<()> {
+    if recipe.says_what() || args.from.is_some() {
         return Ok(());
     }
+    let manifest = GarmentPackage::read_manifest(&args.package)?;
+    let name = &recipe.name;
+    let variants: Vec<&str> = (manifest.variants.iter())
+        .map(|variant| variant.name.as_str())
+        .collect();
+    let says_kind = format!(
+        "`--kind KIND` says what a variant of your own is, as in `--kind local --variant {name}`"
+    );
+    let known = |stem: &str| kind_names().any(|kind| kind == stem) || variants.contains(&stem);
+    if let Some((stem, ending)) = name.rsplit_once('-').filter(|(stem, _)| known(stem)) {
+        return Err(refused(
+            format!("nothing says what `{name}` is"),
+            format!("fine-tunings of `{stem}` end in -rq, -mc, -mcrq and -umc, not in -{ending}"),
+            says_kind,
+        ));
+    }
+    let kinds: Vec<&str> = kind_names().collect();
+    let all = kinds.iter().chain(&variants).copied();
+    let meant = match nearest(name, all) {
+        Some(near) => format!("`--variant {near}` may be meant; "),
+        None => String::new(),
+    };
     Err(refused(
         format!("nothing says what `{name}` is"),
-        format!("fine-tunings of `{stem}` end in -rq, -mc, -mcrq and -umc, not in -{ending}"),
-        "a new network of such a name asks for `kind`, as in `kind = \"local\"`, in a configuration (`--config`)",
+        format!("it is no kind: those are {}", kinds.join(", ")),
+        format!("{meant}{says_kind}"),
     ))
-}
-
-/// Whether a name is that of a kind, of a deformation, or of a variant of the package.
-fn is_known(package: &Path, name: &str) -> anyhow::Result<bool> {
-    let means_something = |recipe: Recipe| {
-        recipe.kind.is_some() || recipe.fine_tuned.is_some() || recipe.pose_space().is_some()
-    };
-    if Recipe::of_name(name).is_ok_and(means_something) {
-        return Ok(true);
-    }
-    let manifest = GarmentPackage::read_manifest(package)?;
-    Ok(manifest.variant(name).is_some())
 }

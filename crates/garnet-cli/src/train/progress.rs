@@ -111,7 +111,7 @@ impl<'a> Progress<'a> {
                 self.console.warning(&format_args!("no step: {trouble}"));
             }
             TrainEvent::Epoch(record) => self.epoch(record),
-            TrainEvent::Settled { done, total } => self.count(done, total, "test scenes settle"),
+            TrainEvent::Settled { done, total } => self.count(done, total, "scenes settle"),
             TrainEvent::NotSettled { why } => {
                 self.console
                     .warning(&format_args!("drapes that settle were not measured: {why}"));

@@ -2,7 +2,7 @@
 
 use std::{fmt, path::Path, time::Duration};
 
-use garnet::train::{EpochRecord, Scores, Trained};
+use garnet::train::{DefaultVariant, EpochRecord, Scores, Trained, WhyDefault};
 use serde::Serialize;
 
 /// What a training has come to. SI units.
@@ -24,7 +24,52 @@ pub(crate) struct TrainReport {
     test: Option<Scores>,
     /// Mean distance to the teacher on the test split once the cloth has settled.
     settled_error_m: Option<f64>,
+    /// What the package drapes with if no variant is asked for.
+    default: DefaultReport,
     seconds: f64,
+}
+
+/// The default of a package.
+#[derive(Debug, Serialize)]
+struct DefaultReport {
+    variant: String,
+    /// Mean distance to the teacher on the validation split, if it is known.
+    valid_error_m: Option<f64>,
+    /// `asked`, `best` on validation, or `unknown`: how good it is there is not known, and so it stays.
+    why: &'static str,
+}
+
+impl From<&DefaultVariant> for DefaultReport {
+    fn from(default: &DefaultVariant) -> Self {
+        Self {
+            variant: default.name.clone(),
+            valid_error_m: default.valid_error,
+            why: match default.why {
+                WhyDefault::Asked => "asked",
+                WhyDefault::Best => "best",
+                WhyDefault::Unknown => "unknown",
+            },
+        }
+    }
+}
+
+impl fmt::Display for DefaultReport {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = &self.variant;
+        match (self.why, self.valid_error_m) {
+            ("asked", _) => write!(formatter, "the default is `{name}`, as asked for"),
+            (_, Some(error)) => write!(
+                formatter,
+                "the default is `{name}`, the best on validation: {:.2} mm",
+                1e3 * error
+            ),
+            (_, None) => write!(
+                formatter,
+                "the default is still `{name}`, of which it is not known how good it is on validation; `--default` \
+                 chooses another"
+            ),
+        }
+    }
 }
 
 impl TrainReport {
@@ -46,6 +91,7 @@ impl TrainReport {
             valid: trained.valid,
             test: trained.test,
             settled_error_m: trained.settled_error,
+            default: DefaultReport::from(&trained.default),
             seconds: time.as_secs_f64(),
         }
     }
@@ -84,9 +130,9 @@ impl fmt::Display for TrainReport {
             write!(formatter, "; settled {:.2} mm", 1e3 * error)?;
         }
         write!(formatter, "\nwrote {}", self.weights)?;
-        if self.epochs == 0 {
-            return Ok(());
+        if self.epochs > 0 {
+            write!(formatter, "; curves and log are in {}", self.training)?;
         }
-        write!(formatter, "; curves and log are in {}", self.training)
+        write!(formatter, "\n{}", self.default)
     }
 }

@@ -28,7 +28,7 @@ use garnet_net::{Moment, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
 
 use crate::examples::examples;
-use crate::publish::{add_variant, named, weights_file};
+use crate::publish::{HasSplits, add_variant, choose_default, named, weights_file};
 use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate_drapes};
 use crate::{EpochRecord, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained};
@@ -175,11 +175,16 @@ pub(crate) fn fit(
             .map(|test| test.distance),
         settled_error: None,
         settle_frames: None,
+        valid_error: (moment.is_rest().then(|| scores(&valid)).flatten()).map(|valid| valid.distance),
         flop: Some(space.cost().flops as f64),
     };
     let test = scores(&test);
-    let has_test = test.is_some();
-    let settled_error = add_variant(&job.package, stage, variant, has_test, observer, stop)?;
+    let splits = HasSplits {
+        valid: valid.is_some(),
+        test: test.is_some(),
+    };
+    let settled_error = add_variant(&job.package, stage, variant, splits, observer, stop)?;
+    let default = choose_default(&job.package, job.makes_default.then_some(name))?;
     Ok(Trained {
         name: name.clone(),
         weights: path,
@@ -189,6 +194,7 @@ pub(crate) fn fit(
         epochs_asked: 0,
         test,
         settled_error,
+        default,
     })
 }
 

@@ -167,6 +167,7 @@ fn weights_do_not_take_the_place_of_other_files() {
         distance_error: None,
         settled_error: None,
         settle_frames: None,
+        valid_error: None,
         flop: None,
     });
     GarmentPackage::write_manifest(&invented.package(), &manifest).unwrap();

@@ -136,6 +136,7 @@ impl Invented {
             config,
             base: None,
             begin: Begin::Anew,
+            makes_default: false,
         }
     }
 
