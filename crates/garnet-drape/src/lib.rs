@@ -24,8 +24,8 @@ pub use body_path::BodyPath;
 pub use draper::{Drape, DrapeOptions, Draper, Warped};
 pub use error::Error;
 pub use garment::{BoundGarment, Garment};
-pub use lock::{Attempt, FileLock};
 pub use garnet_sim::Moment;
+pub use lock::{Attempt, FileLock};
 pub use network::{Moved, Network};
 pub use package::{
     GarmentPackage, MANIFEST_FILE, Manifest, PACKAGE_SCHEMA, PackageError, PackageParts,

@@ -175,7 +175,8 @@ pub(crate) fn fit(
             .map(|test| test.distance),
         settled_error: None,
         settle_frames: None,
-        valid_error: (moment.is_rest().then(|| scores(&valid)).flatten()).map(|valid| valid.distance),
+        valid_error: (moment.is_rest().then(|| scores(&valid)).flatten())
+            .map(|valid| valid.distance),
         flop: Some(space.cost().flops as f64),
     };
     let test = scores(&test);
