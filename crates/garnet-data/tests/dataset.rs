@@ -12,8 +12,8 @@ use std::{
 };
 
 use garnet_data::{
-    Counts, DataError, Dataset, DatasetEvent, DatasetOptions, Limits, Moment, Sizing, Variations,
-    generate,
+    Counts, DataError, Dataset, DatasetEvent, DatasetManifest, DatasetOptions, Limits, Moment,
+    Sizing, Variations, generate,
 };
 use garnet_drape::{GarmentPackage, Quality};
 use garnet_mesh::TriMesh;
@@ -156,6 +156,11 @@ fn a_data_set_may_end_where_bodies_arrive_or_are_midway() {
         let text = other.unwrap_err().to_string();
         assert!(text.ends_with(", asked for is rest"), "{text}");
     }
+    let path = midways.path().join("dataset.json");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replace("\"midway\"", "\"falling\"")).unwrap();
+    let error = DatasetManifest::read(&path).unwrap_err();
+    assert!(matches!(error, DataError::Text { .. }), "{error:?}");
 }
 
 #[test]

@@ -2,8 +2,8 @@
 //!
 //! One safetensors file holds the weights and, under the metadata key `garnet`, one JSON text: the
 //! schema version, the configuration, the fingerprint of the garment, the length unit, a checksum
-//! of this text and the weights, the record of the training and its scores. One key alone, because several would
-//! be written in random order, and the same model must give the same bytes.
+//! of this text and the weights, the record of the training and its scores. One key alone, because
+//! several would be written in random order, and the same model must give the same bytes.
 //!
 //! Tensors are named by their place in the network (`garment.blocks.0.convolutions.1.w`) and lie
 //! as the equations read: a linear layer is `x W + b` with `W` of `[in, out]`.
@@ -69,7 +69,8 @@ pub struct CheckpointHeader {
     pub garment: String,
     /// The length unit in metres.
     pub unit: f32,
-    /// Checksum of this text without it, and of names and numbers, as [`Fingerprint`](garnet_mesh::Fingerprint) writes it.
+    /// Checksum of this text without it, and of names and numbers, as
+    /// [`Fingerprint`](garnet_mesh::Fingerprint) writes it.
     pub checksum: String,
     /// The poses and shapes that it was trained on.
     #[serde(default, skip_serializing_if = "Option::is_none")]

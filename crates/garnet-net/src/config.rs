@@ -52,8 +52,8 @@ pub enum Start {
     DualQuaternion,
     /// Dual-quaternion skinning and the change of the body's shape.
     Shape,
-    /// As [`Start::Shape`], moved by the pose-space deformation that predicts where the garment rests;
-    /// not in the paper.
+    /// As [`Start::Shape`], moved by the pose-space deformation that predicts where the garment
+    /// rests; not in the paper.
     PoseSpace,
 }
 
@@ -66,7 +66,8 @@ impl Start {
         }
     }
 
-    /// The moment that a pose-space deformation predicts which moves the warped garment, if one does.
+    /// The moment that a pose-space deformation predicts which moves the warped garment, if one
+    /// does.
     pub const fn deformation(self) -> Option<Moment> {
         match self {
             Self::DualQuaternion | Self::Shape => None,
@@ -308,5 +309,25 @@ impl GarNetConfig {
     /// Numbers of a body point: 3, or 6 with its normal.
     pub fn num_body_features(&self) -> usize {
         if self.body.normals { 6 } else { 3 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn networks_start_as_files_say() {
+        for (start, name) in [
+            (Start::DualQuaternion, "\"dual-quaternion\""),
+            (Start::Shape, "\"shape\""),
+            (Start::PoseSpace, "\"pose-space\""),
+        ] {
+            assert_eq!(serde_json::to_string(&start).unwrap(), name);
+            assert_eq!(serde_json::from_str::<Start>(name).unwrap(), start);
+        }
+        let error = serde_json::from_str::<Start>("\"arrival\"").unwrap_err();
+        assert!(error.to_string().contains("`pose-space`"), "{error}");
+        assert_eq!(Start::PoseSpace.deformation(), Some(Moment::Rest));
     }
 }

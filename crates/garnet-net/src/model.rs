@@ -16,8 +16,8 @@ use crate::{
 };
 use network::Network;
 
-/// What moves a warped garment to where the teacher would put it: a pose-space deformation, a network, or
-/// a network that starts from a pose-space deformation.
+/// What moves a warped garment to where the teacher would put it: a pose-space deformation, a
+/// network, or a network that starts from a pose-space deformation.
 #[derive(Debug)]
 pub struct Model {
     pose_space: Option<PoseSpace>,
@@ -25,7 +25,8 @@ pub struct Model {
     range: Option<TrainedRange>,
 }
 
-/// The file of a model, read and checked, not yet bound to a garment: for those who bind the garment meanwhile.
+/// The file of a model, read and checked, not yet bound to a garment: for those who bind the
+/// garment meanwhile.
 #[derive(Debug)]
 pub struct ModelFile {
     path: PathBuf,
@@ -44,8 +45,9 @@ impl ModelFile {
     ///
     /// # Errors
     ///
-    /// [`CheckpointError`] by name: the file is truncated, altered, foreign or of another version; a network may say so
-    /// only when it is [bound](Model::bind). [`CheckpointError::NoNetworks`] for a network without the feature `burn`.
+    /// [`CheckpointError`] by name: the file is truncated, altered, foreign or of another version;
+    /// a network may say so only when it is [bound](Model::bind). [`CheckpointError::NoNetworks`]
+    /// for a network without the feature `burn`.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
         let path = path.as_ref();
         let bytes = weight_file::read(path)?;
@@ -111,14 +113,14 @@ fn beside(path: &Path, moment: Moment) -> PathBuf {
 }
 
 impl Model {
-    /// Reads a file of weights and binds it to a garment that lies on a body at rest, in metres. The
-    /// pose-space deformation that a network starts from is in the same folder.
+    /// Reads a file of weights and binds it to a garment that lies on a body at rest, in metres.
+    /// The pose-space deformation that a network starts from is in the same folder.
     ///
     /// # Errors
     ///
-    /// [`CheckpointError`] by name: the file is truncated, altered, foreign or of another version, or, as
-    /// [`CheckpointError::Unfit`], of another garment; [`CheckpointError::OtherStart`] for a network that
-    /// was trained on another pose-space deformation.
+    /// [`CheckpointError`] by name: the file is truncated, altered, foreign or of another version,
+    /// or, as [`CheckpointError::Unfit`], of another garment; [`CheckpointError::OtherStart`] for a
+    /// network that was trained on another pose-space deformation.
     pub fn load(
         path: impl AsRef<Path>,
         garment: GarmentGraph,

@@ -191,8 +191,8 @@ impl Scene {
         Ok(())
     }
 
-    /// The neighbors that were found, to prepare the same scene sooner the next time; none for a body
-    /// of more points than 16 bits can number.
+    /// The neighbors that were found, to prepare the same scene sooner the next time; none for a
+    /// body of more points than 16 bits can number.
     pub fn neighbors(&self) -> Option<SceneNeighbors> {
         let narrow = |numbers: &[u32]| {
             let numbers = numbers.iter().map(|&number| u16::try_from(number).ok());

@@ -13,11 +13,11 @@ use crate::{Cloth, DrapeReport, Energy, Point3, Scene, Schedule, SimError, Stage
 pub struct Drape {
     /// Where the vertices are `[vertex]`, in metres.
     pub positions: Vec<Point3>,
-    /// Where they were when the body had come to its last place, before they settled, in metres; outside of
-    /// the body as the vertices in the end are.
+    /// Where they were when the body had come to its last place, before they settled, in metres;
+    /// outside of the body as the vertices in the end are.
     pub arrived: Vec<Point3>,
-    /// Where they were when the body was [midway](crate::Moment::Midway), in metres, outside of the body in the same way; empty if that
-    /// was not simulated.
+    /// Where they were when the body was [midway](crate::Moment::Midway), in metres, outside of the
+    /// body in the same way; empty if that was not simulated.
     pub midway: Vec<Point3>,
     /// How well they lie.
     pub report: DrapeReport,
@@ -57,9 +57,11 @@ const SPEED_SECONDS: f32 = 0.1;
 
 /// Simulates a scene.
 ///
-/// Each of the [patches](Schedule::patches) takes a substep on one of the threads that rayon has, while another one moves the body; contacts are looked for
-/// on all of them. The same scene and schedule give the same bytes on any number of them. The motion of the body is asked at equal frames of a time that starts and ends gently. The observer hears of each
-/// frame, and may break off.
+/// Each of the [patches](Schedule::patches) takes a substep on one of the threads that rayon has,
+/// while another one moves the body; contacts are looked for on all of them. The same scene and
+/// schedule give the same bytes on any number of them. The motion of the body is asked at equal
+/// frames of a time that starts and ends gently. The observer hears of each frame, and may break
+/// off.
 ///
 /// # Errors
 ///
@@ -151,8 +153,8 @@ pub fn drape(
     })
 }
 
-/// Simulates a scene as [`drape`] does, but tells only where the vertices are in the end `[vertex]`, in metres: for
-/// runs so short that making the report would be felt.
+/// Simulates a scene as [`drape`] does, but tells only where the vertices are in the end
+/// `[vertex]`, in metres: for runs so short that making the report would be felt.
 ///
 /// # Errors
 ///
@@ -302,7 +304,8 @@ impl Run<'_> {
         free(&mut self.positions, body.skin().surface())
     }
 
-    /// Refuses cloth of which an edge is torn; tells the one that is the longest against its length at rest.
+    /// Refuses cloth of which an edge is torn; tells the one that is the longest against its length
+    /// at rest.
     fn check_whole(&self, cloth: &Cloth) -> Result<(), SimError> {
         let factors = cloth.springs().iter().map(|spring| {
             let [a, b] = spring

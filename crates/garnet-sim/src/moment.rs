@@ -6,8 +6,8 @@ use crate::schedule::{LAST_RATE, RARELY, SHAKEN, TEACHER_FRAMES};
 
 /// Where cloth is on its way from the body at rest to its drape.
 ///
-/// Networks predict where it is at one of these moments, data sets are simulated until one of them, and
-/// the simulator [goes on](crate::Schedule::after) from any. Later moments are greater.
+/// Networks predict where it is at one of these moments, data sets are simulated until one of them,
+/// and the simulator [goes on](crate::Schedule::after) from any. Later moments are greater.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize,
 )]
@@ -16,45 +16,51 @@ pub enum Moment {
     /// It lies on the body at rest: the whole motion is still to be simulated.
     Start,
     /// The body is halfway, in time and, as it starts as gently as it stops, on its path
-    /// ([`Drape::midway`](crate::Drape::midway)): the second half of the motion is still to be simulated.
+    /// ([`Drape::midway`](crate::Drape::midway)): the second half of the motion is still to be
+    /// simulated.
     Midway,
-    /// The body has come to its last place ([`Drape::arrived`](crate::Drape::arrived)): until then the
-    /// cloth follows the body, and its folds are still to be found.
+    /// The body has come to its last place ([`Drape::arrived`](crate::Drape::arrived)): until then
+    /// the cloth follows the body, and its folds are still to be found.
     Arrival,
-    /// It falls into its folds: [most of the way](FALLEN) on a line from where it is at the arrival to
-    /// where it rests.
+    /// It falls into its folds: [most of the way](FALLEN) on a line from where it is at the arrival
+    /// to where it rests.
     Falling,
     /// It rests.
     #[default]
     Rest,
 }
 
-/// The share of the way from the arrival to rest that cloth has behind it when it is [`Moment::Falling`].
+/// The share of the way from the arrival to rest that cloth has behind it when it is
+/// [`Moment::Falling`].
 ///
-/// More of it leaves less to simulate, and more of the predicted folds, which are blurred. Tried: 0 to 1,
-/// best from 0.5 to 0.8, less the more frames follow (docs/experiments/005-fallen-share.md).
+/// More of it leaves less to simulate, and more of the predicted folds, which are blurred. Tried: 0
+/// to 1, best from 0.5 to 0.8, less the more frames follow (docs/experiments/005-fallen-share.md).
 pub const FALLEN: f32 = 0.8;
 
 /// How cloth is simulated on from a moment: a row of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Relaxation {
+pub(crate) struct Continuation {
     /// The share of the motion that the body has behind it.
     pub(crate) motion_share: f32,
-    /// For how many frames of a sixtieth of a second the cloth settles by default, after the motion if
-    /// there is any left. More take longer and end nearer to the teacher.
+    /// For how many frames of a sixtieth of a second the cloth settles by default, after the motion
+    /// if there is any left. More take longer and end nearer to the teacher.
     pub(crate) frames: u32,
     /// How long a frame is at most, in sixtieths of a second. Contacts are looked for
     /// [`refreshes`](Self::refreshes) times in each: longer ones cost less and miss more.
     pub(crate) frame: u32,
     /// `[rate, drag, friction]` of each stage: substeps a second for each metre of 1/Δx, more for
-    /// stiffer cloth; velocity lost beyond that to the air in 1/s, more for cloth that swings less and
-    /// falls slower; and the share of the friction on skin, less for cloth that slides to where it hangs.
+    /// stiffer cloth; velocity lost beyond that to the air in 1/s, more for cloth that swings less
+    /// and falls slower; and the share of the friction on skin, less for cloth that slides to where
+    /// it hangs.
     pub(crate) stages: &'static [[f32; 3]],
-    /// [`Schedule::over_relaxation`](crate::Schedule::over_relaxation): above 1 for stiffer cloth at the same rate.
+    /// [`Schedule::over_relaxation`](crate::Schedule::over_relaxation): above 1 for stiffer cloth
+    /// at the same rate.
     pub(crate) over_relaxation: f32,
-    /// [`Schedule::length_share`](crate::Schedule::length_share): below 1 for cloth that sags less at the same rate.
+    /// [`Schedule::length_share`](crate::Schedule::length_share): below 1 for cloth that sags less
+    /// at the same rate.
     pub(crate) length_share: f32,
-    /// Cloth near cloth is looked for at one of so many refreshes: more cost less, and cloth crosses itself more.
+    /// Cloth near cloth is looked for at one of so many refreshes: more cost less, and cloth
+    /// crosses itself more.
     pub(crate) pair_interval: u32,
     /// Hinges are projected once in so many substeps: more cost less and leave cloth softer.
     pub(crate) bending_interval: u32,
@@ -68,14 +74,14 @@ pub(crate) struct Relaxation {
 
 /// Stages of cloth whose folds are still to be found, as the teacher's but shorter.
 ///
-/// Tried: a drag of 5 to 8 in the first and of 0 to 12 in the second, a rate of 45 to 54 in the second
-/// (docs/experiments/002-settling-frames.md).
+/// Tried: a drag of 5 to 12 in the first and of 0 to 10 in the second, a rate of 45 to 54 in the
+/// second (docs/experiments/002-settling-frames.md).
 const FOLDING: &[[f32; 3]] = &[[34.0, 8.0, SHAKEN], [LAST_RATE, 0.0, 1.0]];
 
 /// The rows, in the order of [`Moment`].
-const TABLE: [Relaxation; 5] = [
+const TABLE: [Continuation; 5] = [
     // Start.
-    Relaxation {
+    Continuation {
         motion_share: 0.0,
         frames: 46,
         frame: 2,
@@ -89,7 +95,7 @@ const TABLE: [Relaxation; 5] = [
         finds_folds: true,
     },
     // Midway. Tried: 24 to 60 frames, 1 or 2 refreshes (002-settling-frames).
-    Relaxation {
+    Continuation {
         motion_share: 0.5,
         frames: 46,
         frame: 2,
@@ -103,7 +109,7 @@ const TABLE: [Relaxation; 5] = [
         finds_folds: true,
     },
     // Arrival. Tried: up to 60 frames.
-    Relaxation {
+    Continuation {
         motion_share: 1.0,
         frames: 30,
         frame: 1,
@@ -119,7 +125,7 @@ const TABLE: [Relaxation; 5] = [
     // Falling. Tried: frames of 2 to 3.5 sixtieths, rates of 18 to 45, drags of 5 to 30, an
     // over-relaxation of 1 to 1.2, pairs at each, every second and every fourth refresh
     // (001-falling-schedule).
-    Relaxation {
+    Continuation {
         motion_share: 1.0,
         frames: 6,
         frame: 3,
@@ -133,7 +139,7 @@ const TABLE: [Relaxation; 5] = [
         finds_folds: true,
     },
     // Rest. Tried: rates of 17 to 40, drags of 30 and 60, up to 12 frames (002-settling-frames).
-    Relaxation {
+    Continuation {
         motion_share: 1.0,
         frames: 6,
         frame: 1,
@@ -170,7 +176,7 @@ impl Moment {
     }
 
     /// How cloth is simulated on from here.
-    pub(crate) const fn relaxation(self) -> &'static Relaxation {
+    pub(crate) const fn continuation(self) -> &'static Continuation {
         &TABLE[self as usize]
     }
 
@@ -186,7 +192,7 @@ impl Moment {
 
     /// The share of the motion that the body has behind it, from 0 to 1.
     pub const fn motion_share(self) -> f32 {
-        self.relaxation().motion_share
+        self.continuation().motion_share
     }
 
     /// How many frames of a sixtieth of a second of the motion are still to be simulated.
@@ -194,21 +200,21 @@ impl Moment {
         frames_left(TEACHER_FRAMES[0], self.motion_share())
     }
 
-    /// For how many frames of a sixtieth of a second cloth settles by default, after the motion if there
-    /// is any left.
+    /// For how many frames of a sixtieth of a second cloth settles by default, after the motion if
+    /// there is any left.
     pub const fn settle_frames(self) -> u32 {
-        self.relaxation().frames
+        self.continuation().frames
     }
 
     /// Whether the cloth lies about as it will in the end: on the skin that it lies on at rest.
     pub const fn lies_near_rest(self) -> bool {
-        self.relaxation().lies_near_rest
+        self.continuation().lies_near_rest
     }
 
-    /// Whether cloth that is simulated on from here finds folds of its own; else it keeps most of those
-    /// that it has, and some of their strain.
+    /// Whether cloth that is simulated on from here finds folds of its own; else it keeps most of
+    /// those that it has, and some of their strain.
     pub const fn finds_folds(self) -> bool {
-        self.relaxation().finds_folds
+        self.continuation().finds_folds
     }
 }
 
@@ -238,7 +244,7 @@ mod tests {
             let text = serde_json::to_string(&moment).unwrap();
             assert_eq!(text, format!("\"{}\"", moment.name()));
             assert_eq!(serde_json::from_str::<Moment>(&text).unwrap(), moment);
-            assert_eq!(moment.relaxation(), row);
+            assert_eq!(moment.continuation(), row);
         }
     }
 }

@@ -33,8 +33,8 @@ pub struct TrainConfig {
     pub epochs: u32,
     /// Scenes whose derivatives are summed up into one step.
     pub accumulate: u32,
-    /// Learning rate of Adam. The paper's is 1e-3; with 3e-3, a rise and bounded derivatives, `light` is
-    /// 8 % nearer to the teacher after the same 9,000 steps.
+    /// Learning rate of Adam: more learns faster, as long as it rises slowly and derivatives are bounded.
+    /// The paper's is 1e-3. Tried: 1e-3 and 3e-3 (docs/experiments/006-learning-rates.md).
     pub learning_rate: f64,
     /// How it changes over the steps.
     pub schedule: Schedule,

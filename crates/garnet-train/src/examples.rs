@@ -6,8 +6,8 @@ use garnet_net::PoseSpace;
 use crate::subject::{Example, Subject};
 use crate::{Stage, TrainError, TrainEvent, pose_space};
 
-/// Reads and warps all scenes of a split, and moves them by the pose-space deformation that a network
-/// starts from, if it starts from one.
+/// Reads and warps all scenes of a split, and moves them by the pose-space deformation that a
+/// network starts from, if it starts from one.
 pub(crate) fn examples(
     stage: &Stage,
     subject: &Subject,

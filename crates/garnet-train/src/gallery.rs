@@ -21,8 +21,8 @@ pub struct Exhibit {
     pub teacher: Vec<Point3>,
 }
 
-/// Drapes the scenes of a split that `keep` lets through by all candidates, untangles, and gives each
-/// scene to `take`.
+/// Drapes the scenes of a split that
+/// `keep` lets through by all candidates, untangles, and gives each scene to `take`.
 ///
 /// # Errors
 ///

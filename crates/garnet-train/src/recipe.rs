@@ -50,10 +50,8 @@ pub struct Recipe {
     pub fine_tuned: Option<(String, LossConfig)>,
 }
 
-/// Learning rate of fine-tunings.
-///
-/// At ten times that, which networks begin with, a T-shirt's Local comes to the same error of the mean curvature, but 0.6 in place of 0.1 mm farther off, with 3.5
-/// in place of 0.6 % of its vertices inside the body (4 epochs, validation).
+/// Learning rate of fine-tunings: more takes a network farther from where it was, for no better
+/// curvature. Tried: 3e-4 and 3e-3 (docs/experiments/006-learning-rates.md).
 const FINE_TUNING_RATE: f64 = 3e-4;
 
 /// The name of a kind of network, as configurations have it.
@@ -115,8 +113,9 @@ impl Recipe {
     ///
     /// # Errors
     ///
-    /// [`TrainError::VariantName`] for a name that cannot be that of a file, or could be that of the flat pattern,
-    /// `template.rest`; [`TrainError::ReservedName`] for the name of another method.
+    /// [`TrainError::VariantName`] for a name that cannot be that of a file, or could be that of
+    /// the flat pattern, `template.rest`; [`TrainError::ReservedName`] for the name of another
+    /// method.
     pub fn of_name(name: &str) -> Result<Self, TrainError> {
         let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "-_".contains(letter);
         if name.is_empty() || !name.chars().all(is_plain) {

@@ -63,16 +63,19 @@ pub struct StagedScene {
     pub posed: PosedBody,
     /// What the teacher made of it `[vertex]`, in metres; see [`Stage::check_moment`].
     pub draped: Vec<Point3>,
-    /// Where the garment was when the body came to its last place `[vertex]`, in metres, if the data set has it.
+    /// Where the garment was when the body came to its last place `[vertex]`, in metres, if the
+    /// data set has it.
     pub arrived: Option<Vec<Point3>>,
-    /// Where the garment was when the body was [midway](Moment::Midway) `[vertex]`, in metres, if the data set has it.
+    /// Where the garment was when the body was [midway](Moment::Midway) `[vertex]`, in metres, if
+    /// the data set has it.
     pub midway: Option<Vec<Point3>>,
     /// The body of the data set at rest and its pose; none of those made elsewhere.
     pub own: Option<(Arc<Body>, Pose)>,
 }
 
 impl StagedScene {
-    /// Takes the body, and the cloth on it, to where a drape takes them before anything looks at them.
+    /// Takes the body, and the cloth on it, to where a drape takes them before anything looks at
+    /// them.
     fn come_home(&mut self) -> Result<(), TrainError> {
         let home = self.posed.at_home(&self.worn.body)?;
         let on_way = [self.arrived.as_mut(), self.midway.as_mut()];
@@ -114,7 +117,8 @@ impl StagedScene {
         BodyPath::to_posed(&self.worn.body, &self.posed)
     }
 
-    /// Where the simulator has the cloth at a moment `[vertex]`, in metres: what a model is to predict.
+    /// Where the simulator has the cloth at a moment `[vertex]`, in metres: what a model is to
+    /// predict.
     ///
     /// # Errors
     ///

@@ -39,7 +39,8 @@ pub struct TrainJob {
     pub package: PathBuf,
     /// The folder of the data set.
     pub dataset: PathBuf,
-    /// Folders of further data sets to learn from, of other bodies; for deformations that networks tell.
+    /// Folders of further data sets to learn from, of other bodies; for deformations that networks
+    /// tell.
     pub more: Vec<PathBuf>,
     /// The variant.
     pub recipe: Recipe,

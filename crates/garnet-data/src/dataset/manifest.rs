@@ -38,9 +38,9 @@ pub struct DatasetManifest {
     pub mixed: bool,
     /// Quality of the simulation; none for drapes made elsewhere.
     pub quality: Option<String>,
-    /// Until when scenes are simulated: until the cloth rests; until the body comes to its last place, a
-    /// third of the work; or until it is midway, a fifth of it. Shorter ones are for networks that
-    /// predict the cloth at that moment alone.
+    /// Until when scenes are simulated: until the cloth rests; until the body comes to its last
+    /// place, a third of the work; or until it is midway, a fifth of it. Shorter ones are for
+    /// networks that predict the cloth at that moment alone.
     #[serde(
         default,
         skip_serializing_if = "Moment::is_rest",
@@ -56,8 +56,8 @@ pub struct DatasetManifest {
     pub limits: Limits,
     /// Bodies in a shard.
     pub bodies_per_shard: u32,
-    /// Fingerprint of what was imported, as text: of the entries of the list and of the positions of all meshes. None for
-    /// scenes that were simulated, and for imports of earlier versions.
+    /// Fingerprint of what was imported, as text: of the entries of the list and of the positions
+    /// of all meshes. None for scenes that were simulated, and for imports of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub imported: Option<String>,
 }

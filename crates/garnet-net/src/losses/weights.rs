@@ -142,10 +142,10 @@ impl LossConfig {
 
     /// Fine-tuning with mean curvature, Eq. 15 (Local-MC).
     ///
-    /// The paper's weight of 10 belongs to a unit of length that it does not tell. In 0.1 m the term
-    /// starts at 30 to 40, so that weight would leave nothing of the others; with this one it starts at the
-    /// size of that of the vertices, as the paper wants it. With 20 times as much the T-shirt's Local ends with
-    /// four fifths of the curvature's error, but 2.6 mm farther off.
+    /// The paper's weight of 10 belongs to a unit of length that it does not tell. In 0.1 m it would
+    /// leave nothing of the other terms; with this one the term starts at the size of that of the
+    /// vertices, as the paper wants it. More gives flatter cloth farther off. Tried: 5e-5 and 1e-3
+    /// (docs/experiments/006-learning-rates.md).
     pub const fn fine_tune_mc() -> Self {
         Self {
             mean_curvature: 5e-5,

@@ -5,9 +5,7 @@ use std::path::Path;
 use garnet_mesh::Point3;
 
 use super::Model;
-use crate::{
-    CheckpointError, Cost, GarNetConfig, GarmentGraph, NetError, SceneInput, TrainedRange,
-};
+use crate::{CheckpointError, Cost, GarNetConfig, GarmentGraph, NetError, SceneInput};
 
 /// A network: there is none.
 #[derive(Debug)]

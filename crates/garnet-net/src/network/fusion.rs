@@ -1,8 +1,6 @@
 //! The fusion: from all features of a vertex to its translation.
 
 use burn::module::Module;
-#[cfg(test)]
-use burn::tensor::Tensor;
 use garnet_kernel::Activation;
 
 use super::shared_mlp::{SharedLinear, SharedMlp};

@@ -62,9 +62,10 @@ impl MeshConv {
         source: &mut WeightSource,
     ) -> Self {
         let channels = inputs + 3;
-        // Variance is kept where a single head counts, and lessened where all count alike. Scaled for
-        // the latter, features grow from block to block as soon as heads are told apart, which tells
-        // them apart the more: a new network of the paper's size then loses all but two digits.
+        // Variance is kept where a single head counts, and lessened where all count alike. Scaled
+        // for the latter, features grow from block to block as soon as heads are told apart, which
+        // tells them apart the more: a new network of the paper's size then loses all but two
+        // digits.
         let deviation = (1.0 / channels as f32).sqrt();
         Self {
             u: source.normal([channels, heads], (1.0 / channels as f32).sqrt()),

@@ -239,7 +239,8 @@ fn a_scene_may_lie_anywhere_and_look_anywhere() {
         .iter()
         .map(|config| stage.draped(config))
         .collect();
-    // Down stays down. By some other angles rounding chooses another of two points that are equally near.
+    // Down stays down. By some other angles rounding chooses another of two points that are equally
+    // near.
     let moved = Isometry3::new(Vector3::new(1.0, -2.0, 0.5), Vector3::new(0.0, 2.0, 0.0));
     stage.warped = stage.warped.iter().map(|place| moved * place).collect();
     let body = stage.body.positions().iter().map(|place| moved * place);

@@ -142,7 +142,8 @@ impl PoseSpace {
     ///
     /// # Errors
     ///
-    /// [`CheckpointError`] by name for a file that is truncated, altered, foreign, or of another version.
+    /// [`CheckpointError`] by name for a file that is truncated, altered, foreign, or of another
+    /// version.
     pub fn load(path: &Path) -> Result<Self, CheckpointError> {
         Self::from_bytes(path, &weight_file::read(path)?)
     }
@@ -378,6 +379,20 @@ impl Reading<'_> {
 mod tests {
     use super::super::tests::small;
     use super::*;
+
+    #[test]
+    fn a_header_names_the_moment_as_it_always_did() {
+        let mut space = small();
+        space.moment = Moment::Falling;
+        let path = Path::new("falling.safetensors");
+        let bytes = space.to_bytes(path, Precision::F32).unwrap();
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        // The text is a string of the metadata.
+        assert!(text.contains(r#"\"aim\":\"falling\""#), "{text}");
+        let read = |name: &str| predicted(&mut serde_json::Deserializer::from_str(name));
+        assert_eq!(read("\"falling\"").unwrap(), Moment::Falling);
+        assert!(read("\"start\"").is_err());
+    }
 
     #[test]
     fn a_file_comes_back_as_it_was() {

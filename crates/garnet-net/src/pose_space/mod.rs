@@ -4,17 +4,18 @@
 //! G_P = M + R (m + S c),   c = Σ_i [k(|x − x_i|) + p k(|x̄ − x_i|)] w_i,   k(d) = (1 + √3 d) e^{−√3 d}
 //! ```
 //!
-//! x are the scaled numbers of pose and shape, x_i those of the scenes that it was fitted to, m and S the
-//! mean offset and the principal shapes of their offsets from the warp M, R the skinning rotations. Where
-//! left and right of body and garment are alike, each scene also tells what its mirror image looks like:
-//! x̄ are the numbers of the mirrored body, and the parity p of a shape is 1 if it is the same in the
-//! mirror, −1 if it changes its sign; 0 without a mirror.
+//! x are the scaled numbers of pose and shape, x_i those of the scenes that it was fitted to, m and
+//! S the mean offset and the principal shapes of their offsets from the warp M, R the skinning
+//! rotations. Where left and right of body and garment are alike, each scene also tells what its
+//! mirror image looks like: x̄ are the numbers of the mirrored body, and the parity p of a shape is
+//! 1 if it is the same in the mirror, −1 if it changes its sign; 0 without a mirror.
 //!
-//! Or the shares of the shapes are told by small networks, one for each region of the garment ([`Regions`]): with
-//! many scenes they are nearer, and their files do not grow with the scenes.
+//! Or the shares of the shapes are told by small networks, one for each region of the garment
+//! ([`Regions`]): with many scenes they are nearer, and their files do not grow with the scenes.
 //!
 //! Source: *Lewis, Cordner and Fong 2000* (pose-space deformation), *Kry, James and Pai 2002* (its
-//! principal shapes), *Rasmussen and Williams 2006, equation 4.17* (the covariance of Matérn, ν = 3/2).
+//! principal shapes), *Rasmussen and Williams 2006, equation 4.17* (the covariance of Matérn, ν =
+//! 3/2).
 
 mod features;
 mod file;
@@ -34,8 +35,8 @@ use rayon::prelude::*;
 
 use crate::{Cost, NetError, TrainedRange};
 
-/// The name of the variant, and of its file, that predicts where cloth is at a moment: that of the moment,
-/// or `pose-space` for where it rests.
+/// The name of the variant, and of its file, that predicts where cloth is at a moment: that of the
+/// moment, or `pose-space` for where it rests.
 pub const fn deformation_name(moment: Moment) -> &'static str {
     match moment {
         Moment::Rest => "pose-space",
@@ -55,8 +56,8 @@ pub struct PoseSpace {
     pub range: TrainedRange,
     /// The moment at which it predicts the cloth.
     pub moment: Moment,
-    /// Added to the diagonal of the covariances in the fit: the variance of what poses and shapes do not
-    /// tell, over that of what they tell.
+    /// Added to the diagonal of the covariances in the fit: the variance of what poses and shapes
+    /// do not tell, over that of what they tell.
     pub ridge: f64,
     /// How it was fitted.
     pub record: serde_json::Value,
@@ -102,8 +103,8 @@ pub struct Mirror {
     pub parity: Vec<f32>,
 }
 
-/// How left and right are exchanged in the numbers of pose and shape: for each the one that takes its place, and its
-/// sign `[number]`.
+/// How left and right are exchanged in the numbers of pose and shape: for each the one that takes
+/// its place, and its sign `[number]`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Exchange(pub Vec<(usize, f32)>);
 
@@ -345,8 +346,8 @@ impl PoseSpace {
     ///
     /// # Errors
     ///
-    /// [`NetError::Count`] for a garment of another vertex count, [`NetError::Missing`] without skinning
-    /// rotations, [`NetError::Diverged`] for offsets that are not finite.
+    /// [`NetError::Count`] for a garment of another vertex count, [`NetError::Missing`] without
+    /// skinning rotations, [`NetError::Diverged`] for offsets that are not finite.
     pub fn moved(
         &self,
         warped: &[Point3],

@@ -8,8 +8,8 @@ pub use self::check::MAX_SUBSTEPS;
 /// How accurate a drape has to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quality {
-    /// For looking: the teacher's way with contacts looked for half as often, and a third of its time
-    /// to settle.
+    /// For looking: the teacher's way with contacts looked for half as often, and a third of its
+    /// time to settle.
     Fast,
     /// For ground truth: still finer steps change the strain by less than poses and cut do.
     Teacher,
@@ -33,7 +33,8 @@ pub struct Schedule {
     pub frame_seconds: f32,
     /// Into how many frames the motion is cut; 0 if the body stands still where it is at time 1.
     pub motion_frames: u32,
-    /// From which share of the motion's time to which other one it is simulated: 0 to 1 for all of it.
+    /// From which share of the motion's time to which other one it is simulated: 0 to 1 for all of
+    /// it.
     pub motion_part: [f32; 2],
     /// Substeps a second during the motion.
     pub motion_rate: f32,
@@ -41,8 +42,8 @@ pub struct Schedule {
     pub motion_friction: f32,
     /// How the cloth settles after the motion.
     pub stages: Vec<Stage>,
-    /// In how many steps at most the [reference solver](crate::reference) brings the cloth into balance
-    /// after that; 0 leaves it.
+    /// In how many steps at most the [reference solver](crate::reference) brings the cloth into
+    /// balance after that; 0 leaves it.
     pub balance_steps: u32,
     /// How often in a frame contacts are looked for anew.
     pub refreshes_per_frame: u32,
@@ -50,17 +51,19 @@ pub struct Schedule {
     pub pair_interval: u32,
     /// Hinges are projected once in so many substeps.
     pub bending_interval: u32,
-    /// Into how many patches the cloth is cut, whose substeps run side by side. A drape changes with their number as
-    /// it does with any order in which constraints are projected, but not with the number of threads.
+    /// Into how many patches the cloth is cut, whose substeps run side by side. A drape changes
+    /// with their number as it does with any order in which constraints are projected, but not with
+    /// the number of threads.
     pub patches: u32,
     /// During how many frames rest lengths go from those of the start to their own. Garments that
     /// start larger than they are cut shrink onto the body instead of snapping.
     pub contraction_frames: u32,
-    /// Share of their rest lengths that springs are taken to have. One projection a substep leaves springs soft, and cloth
-    /// sags: at a low rate shorter ones hang as long as those of a higher rate do.
+    /// Share of their rest lengths that springs are taken to have. One projection a substep leaves
+    /// springs soft, and cloth sags: at a low rate shorter ones hang as long as those of a higher
+    /// rate do.
     pub length_share: f32,
-    /// What corrections of the lengths of springs are multiplied by: above 1 they are over-relaxed, and springs are stiffer
-    /// at the same rate; far above it cloth trembles.
+    /// What corrections of the lengths of springs are multiplied by: above 1 they are over-relaxed,
+    /// and springs are stiffer at the same rate; far above it cloth trembles.
     pub over_relaxation: f32,
     /// Velocity lost to the air, 1/s.
     pub drag: f32,
@@ -100,8 +103,9 @@ pub enum SelfContact {
     Repulsion {
         /// The distance that they keep, over the mean length of the edges around.
         distance: f32,
-        /// Pairs that start nearer keep the distance of the start, or at least this share of the full
-        /// one: 1 for garments of one layer; less so that pockets and collars are not blown up.
+        /// Pairs that start nearer keep the distance of the start, or at least this share of the
+        /// full one: 1 for garments of one layer; less so that pockets and collars are not blown
+        /// up.
         least: f32,
     },
 }
@@ -111,30 +115,31 @@ pub const STANDARD_GRAVITY: f32 = 9.80665;
 
 /// Substeps a second of the second and the last stage for each metre of 1/Δx.
 ///
-/// More is stiffer, and cloth that was stretched in the motion rises and slides anew; less leaves more
-/// strain. Tried: 41 to 75 (docs/experiments/004-teacher-schedule.md).
+/// More is stiffer, and cloth that was stretched in the motion rises and slides anew; less leaves
+/// more strain. Tried: 41 to 75 (docs/experiments/004-teacher-schedule.md).
 pub(crate) const LAST_RATE: f32 = 54.0;
 
-/// Extra drag of the last stage, 1/s: cloth that swings on comes to rest; cloth out of balance still
-/// falls, at 0.08 m/s, sixteen times what counts as moving. Less lets it swing on.
+/// Extra drag of the last stage, 1/s: cloth that swings on comes to rest; cloth out of balance
+/// still falls, at 0.08 m/s, sixteen times what counts as moving. Less lets it swing on.
 const LAST_DRAG: f32 = 120.0;
 
-/// Extra drag of the first stage, 1/s: cloth falls at 0.25 m/s at most, and comes to its folds without
-/// swinging.
+/// Extra drag of the first stage, 1/s: cloth falls at 0.25 m/s at most, and comes to its folds
+/// without swinging.
 ///
-/// Less makes drapes of alike bodies differ more; the same in all stages leaves loose cloth creeping in
-/// the end (docs/experiments/004-teacher-schedule.md).
+/// Less makes drapes of alike bodies differ more; the same in all stages leaves loose cloth
+/// creeping in the end (docs/experiments/004-teacher-schedule.md).
 const FIRST_DRAG: f32 = 30.0;
 
-/// Rate of [`Schedule::carry`], 1/s: more binds cloth closer to where skinning would take it. Tried: 100 to
-/// 1000 are alike (docs/experiments/004-teacher-schedule.md).
+/// Rate of [`Schedule::carry`], 1/s: more binds cloth closer to where skinning would take it.
+/// Tried: 100 to 1000 are alike (docs/experiments/004-teacher-schedule.md).
 const CARRY: f32 = 300.0;
 
-/// How long the body takes to its last place, in seconds. Less is cheaper, and cloth lags behind and ends in
-/// other folds. Tried: 0.5 (docs/experiments/004-teacher-schedule.md).
+/// How long the body takes to its last place, in seconds. Less is cheaper, and cloth lags behind
+/// and ends in other folds. Tried: 0.5 (docs/experiments/004-teacher-schedule.md).
 const MOTION_SECONDS: f32 = 1.0;
 
-/// Frames of the motion and of the three stages of settling. More bring more cloth to rest (docs/experiments/004-teacher-schedule.md).
+/// Frames of the motion and of the three stages of settling. More bring more cloth to rest
+/// (docs/experiments/004-teacher-schedule.md).
 pub(crate) const TEACHER_FRAMES: [u32; 4] = [60, 45, 75, 45];
 
 /// The same, each twice as long, in [`Quality::Fast`].
@@ -142,15 +147,17 @@ pub(crate) const TEACHER_FRAMES: [u32; 4] = [60, 45, 75, 45];
 /// How far that ends from the teacher is measured by `garnet-lab branching 5000 12`.
 const FAST_FRAMES: [u32; 4] = [30, 15, 12, 6];
 
-/// Hinges of cloth that somebody waits for are projected once in so many substeps: more is cheaper and leaves
-/// cloth softer in bending. Tried: 2 and 4 (docs/experiments/003-cloth-that-somebody-waits-for.md).
+/// Hinges of cloth that somebody waits for are projected once in so many substeps: more is cheaper
+/// and leaves cloth softer in bending. Tried: 2 and 4
+/// (docs/experiments/003-cloth-that-somebody-waits-for.md).
 pub(crate) const RARELY: u32 = 4;
 
-/// Patches of cloth that somebody waits for, each with a thread of its own; the teacher's scenes have one each.
-/// Tried: 1 and 2 (docs/experiments/003-cloth-that-somebody-waits-for.md).
+/// Patches of cloth that somebody waits for, each with a thread of its own; the teacher's scenes
+/// have one each. Tried: 1 and 2 (docs/experiments/003-cloth-that-somebody-waits-for.md).
 const PATCHES: u32 = 2;
 
-/// Steps of the reference solver at most: more only for cloth that is slow to balance (docs/experiments/004-teacher-schedule.md).
+/// Steps of the reference solver at most: more only for cloth that is slow to balance
+/// (docs/experiments/004-teacher-schedule.md).
 const BALANCE_STEPS: u32 = 60;
 
 /// Share of the friction that acts until the cloth has come to rest the first times.
@@ -159,18 +166,19 @@ const BALANCE_STEPS: u32 = 60;
 /// with all of the friction it keeps the strain of the way there.
 pub(crate) const SHAKEN: f32 = 0.3;
 
-/// Distance that vertices keep from each other, over the length of the edges around: less lets tight
-/// folds run through themselves, more strains sleeves in the armpit. Tried: 0.75 to 1
+/// Distance that vertices keep from each other, over the length of the edges around: less lets
+/// tight folds run through themselves, more strains sleeves in the armpit. Tried: 0.75 to 1
 /// (docs/experiments/004-teacher-schedule.md).
 const REPULSION: f32 = 0.85;
 
 /// Edges are taken to be at least this long when rates are chosen, in metres.
 const MIN_EDGE: f32 = 0.003;
 
-/// In the last stage edges are taken to be at most this long, in metres: those of sewn templates are 14 to 16 mm.
+/// In the last stage edges are taken to be at most this long, in metres: those of sewn templates
+/// are 14 to 16 mm.
 ///
-/// Cloth that is tight gives way while its rate is below the speed of sound in it over its edges, however
-/// short the length that hangs. Less is stiffer and dearer for coarse cloth
+/// Cloth that is tight gives way while its rate is below the speed of sound in it over its edges,
+/// however short the length that hangs. Less is stiffer and dearer for coarse cloth
 /// (docs/experiments/004-teacher-schedule.md).
 const MAX_LAST_EDGE: f32 = 0.017;
 

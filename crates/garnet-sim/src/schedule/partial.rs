@@ -3,19 +3,20 @@
 use super::{PATCHES, Quality, Schedule, Stage, rate};
 use crate::moment::{Moment, frames_left};
 
-/// For how many sixtieths of a second all stages but the last last at most, and for which share of the
-/// frames.
+/// For how many sixtieths of a second all stages but the last last at most, and for which share of
+/// the frames.
 ///
-/// They find the folds, with little friction: too short, cloth keeps the strain of the way there; too long,
-/// it slides on. Tried: 10 to 24 sixtieths, and two thirds of all without a limit (docs/experiments/002-settling-frames.md).
+/// They find the folds, with little friction: too short, cloth keeps the strain of the way there;
+/// too long, it slides on. Tried: 10 to 24 sixtieths, and two thirds of all without a limit
+/// (docs/experiments/002-settling-frames.md).
 const FOLDING_FRAMES: f32 = 20.0;
 
 /// The other half of [`FOLDING_FRAMES`].
 const FOLDING_SHARE: f32 = 2.0 / 3.0;
 
 impl Schedule {
-    /// The same up to a moment. Cloth that is [falling](Moment::Falling) is no state of a simulation: it
-    /// is found between its arrival and rest, so the schedule is the whole one.
+    /// The same up to a moment. Cloth that is [falling](Moment::Falling) is no state of a
+    /// simulation: it is found between its arrival and rest, so the schedule is the whole one.
     #[must_use]
     pub fn until(self, moment: Moment) -> Self {
         let motion_frames = match moment {
@@ -37,8 +38,9 @@ impl Schedule {
         }
     }
 
-    /// The rest of the motion, and settling for about so many frames of a sixtieth of a second, for cloth
-    /// that something else has put where it is at a moment: a few times faster than the teacher.
+    /// The rest of the motion, and settling for about so many frames of a sixtieth of a second, for
+    /// cloth that something else has put where it is at a moment: a few times faster than the
+    /// teacher.
     ///
     /// # Examples
     ///
@@ -50,7 +52,7 @@ impl Schedule {
     /// assert_eq!(schedule.motion_part, [0.5, 1.0]);
     /// ```
     pub fn after(moment: Moment, edge_length: f32, frames: u32) -> Self {
-        let row = moment.relaxation();
+        let row = moment.continuation();
         let whole = Self::for_quality(Quality::Teacher, edge_length);
         let mut left = frames.div_ceil(row.frame);
         // The last frames are as long as those of the motion, if there is any; else all are as much
@@ -106,6 +108,8 @@ impl Schedule {
 
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write as _;
+
     use super::*;
     use crate::SimError;
 
@@ -115,7 +119,7 @@ mod tests {
         for moment in Moment::ALL {
             for frames in [0, moment.settle_frames(), 25] {
                 let schedule = Schedule::after(moment, 0.0151, frames);
-                found += &format!("{} {frames} {schedule:?}\n", moment.name());
+                writeln!(found, "{} {frames} {schedule:?}", moment.name()).unwrap();
             }
         }
         assert_eq!(found, include_str!("../../tests/data/schedules.txt"));

@@ -1,10 +1,11 @@
 //! Pose-space deformations: fitted to the drapes of a data set, and what networks start from.
 //!
-//! A fit takes seconds where a network takes hours. Offsets of the drapes from the warp are put into few
-//! principal shapes; the share of each is interpolated between scenes by a Gaussian process. How much
-//! each joint counts is found by leaving out the body and the sequence of poses of each scene. Where left and
-//! right of body and garment are alike, each scene counts as its mirror image, too. Or small networks tell the shares
-//! of the shapes of [regions](regions) of the garment.
+//! A fit takes seconds where a network takes hours. Offsets of the drapes from the warp are put
+//! into few principal shapes; the share of each is interpolated between scenes by a Gaussian
+//! process. How much each joint counts is found by leaving out the body and the sequence of poses
+//! of each scene. Where left and right of body and garment are alike, each scene counts as its
+//! mirror image, too. Or small networks tell the shares of the shapes of [regions](regions) of the
+//! garment.
 
 mod mirror;
 mod offsets;
@@ -53,10 +54,12 @@ pub struct PoseSpaceConfig {
     pub searched: u32,
     /// Rounds of that search.
     pub rounds: u32,
-    /// Whether each scene counts as its mirror image, too, if left and right of body and garment are alike.
+    /// Whether each scene counts as its mirror image, too, if left and right of body and garment
+    /// are alike.
     pub mirror: bool,
-    /// What tells the shares of the shapes; by default networks tell where cloth arrives, and scenes where it rests:
-    /// networks that mend a drape need to know how it would have been told without each scene.
+    /// What tells the shares of the shapes; by default networks tell where cloth arrives, and
+    /// scenes where it rests: networks that mend a drape need to know how it would have been told
+    /// without each scene.
     pub told_by: Option<ToldBy>,
     /// Principal shapes of each region that networks tell.
     pub region_shapes: u32,

@@ -19,7 +19,8 @@ use crate::{Stage, TrainError};
 ///
 /// # Errors
 ///
-/// [`TrainError::NoStart`] if the package has none, [`TrainError::Checkpoint`] if it cannot be read.
+/// [`TrainError::NoStart`] if the package has none, [`TrainError::Checkpoint`] if it cannot be
+/// read.
 pub(crate) fn start_of(
     package: &Path,
     stage: &Stage,
@@ -44,9 +45,10 @@ pub(crate) fn start_of(
 
 /// Moves the warps of examples to where a network will find them.
 ///
-/// The deformation knows the drapes that it was fitted to: a network that started from them would learn
-/// to mend the errors of a fit, which are half of those that it meets later. Each scene of the training is
-/// therefore moved as a deformation would move it that knows neither its body nor its sequence of poses.
+/// The deformation knows the drapes that it was fitted to: a network that started from them would
+/// learn to mend the errors of a fit, which are half of those that it meets later. Each scene of
+/// the training is therefore moved as a deformation would move it that knows neither its body nor
+/// its sequence of poses.
 pub(crate) fn start(
     space: &PoseSpace,
     stage: &Stage,
@@ -70,8 +72,8 @@ pub(crate) fn start(
     Ok(())
 }
 
-/// The shares `[scene, shape]` that scenes would have if their bodies and sequences had been left out of
-/// the fit.
+/// The shares `[scene, shape]` that scenes would have if their bodies and sequences had been left
+/// out of the fit.
 fn left_out(
     space: &PoseSpace,
     stage: &Stage,
