@@ -8,7 +8,10 @@ use garnet::{
 };
 use serde_json::Value;
 
-use crate::fixtures::{Fixture, stderr};
+use crate::{
+    fixtures::{Fixture, stderr},
+    glb::glb_of,
+};
 
 /// Runs a command that must succeed and gives its report.
 fn reported(fixture: &Fixture, arguments: &str) -> Value {
@@ -372,4 +375,35 @@ fn a_garment_beside_the_body_is_refused() {
         assert!(text.contains(told) && text.contains("hint:"), "{text}");
         assert!(!fixture.path("out.obj").exists());
     }
+}
+
+/// Writes the body of the fixture as `own.glb`.
+fn glb_of_body(fixture: &Fixture) {
+    let body = read_rig(fixture.path("body.rig.npz")).unwrap();
+    fixture.bytes("own.glb", &glb_of(&body.into_body().unwrap()));
+}
+
+#[test]
+fn a_body_may_be_a_rig() {
+    let fixture = Fixture::new();
+    glb_of_body(&fixture);
+    reported(
+        &fixture,
+        "drape sleeve.obj --rig own.glb --pose bend.json -o out.obj",
+    );
+    reported(
+        &fixture,
+        "drape sleeve.obj own.glb --pose bend.json -o of_glb.obj",
+    );
+    assert_eq!(distance(&fixture, "out.obj", "of_glb.obj"), 0.0);
+    reported(
+        &fixture,
+        "drape sleeve.obj body.rig.npz --pose bend.json -o of_npz.obj",
+    );
+    assert!(distance(&fixture, "out.obj", "of_npz.obj") < RECOVERED);
+    let output = fixture.garnet("render sleeve.obj own.glb -o of_glb.png --size 320x120");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = fixture.garnet("render sleeve.obj body.obj -o of_obj.png --size 320x120");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(fixture.read("of_glb.png"), fixture.read("of_obj.png"));
 }

@@ -42,7 +42,7 @@ pub use rig_npz::{WriteRigError, read_rig_npz, rig_npz, write_rig_npz};
 pub use scene::{
     Aim, Frame, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource, Posing,
     RestSource, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem, SceneUnits, Target,
-    largest_distance, rig_beside,
+    is_rig, largest_distance, read_mesh, rig_beside,
 };
 pub use scene_json::SceneJson;
 pub use units::{guess_body_unit, guess_garment_units, guess_up_axis};

@@ -7,8 +7,8 @@ pub use garnet_io::{
     NamedPose, ObjError, ObjFile, ObjLineProblem, ObjParseError, OwnBody, PoseError, PoseNote,
     PoseProblem, PoseSource, Posing, RestSource, Scene, SceneError, SceneFiles, SceneGarment,
     SceneJson, SceneProblem, SceneUnits, Take, TakeError, Target, WriteRigError, guess_body_unit,
-    guess_garment_units, guess_up_axis, largest_distance, read_pose, read_rig, rig_beside,
-    write_obj, write_rig_npz,
+    guess_garment_units, guess_up_axis, is_rig, largest_distance, read_mesh, read_pose, read_rig,
+    rig_beside, write_obj, write_rig_npz,
 };
 pub use garnet_mesh::{WriteError, remove_stale_temporaries, write_atomically};
 

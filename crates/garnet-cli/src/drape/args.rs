@@ -77,7 +77,7 @@ pub(crate) struct InputArgs {
         conflicts_with = "scene"
     )]
     pub(crate) garment: Option<PathBuf>,
-    /// Bodies to drape it on, as OBJ; with `--pose`, the rest body.
+    /// Bodies to drape it on, as OBJ, GLB or npz; with `--pose`, the rest body.
     #[arg(value_name = "BODY", conflicts_with = "scene")]
     pub(crate) bodies: Vec<PathBuf>,
     /// Take garment, bodies, weights and pose from a `drape-scene/1` file.

@@ -6,7 +6,10 @@ use std::{
 };
 
 use anyhow::Context;
-use garnet::{Point3, Surface, io::ObjFile};
+use garnet::{
+    Point3, Surface,
+    io::{ObjFile, read_mesh},
+};
 use garnet_view::{ColorMap, Heat};
 
 use super::metres_of;
@@ -73,19 +76,19 @@ impl Heatmap {
         let (values, map, range, label) = match color_by {
             ColorBy::Nothing => return Ok(None),
             ColorBy::Stretch(path) => {
-                let rest = same_vertices(file, ObjFile::read(path)?)?;
+                let rest = same_vertices(file, read_mesh(path)?)?;
                 let values = mean_stretches(file, rest.positions());
                 (values, ColorMap::CoolWarm, None, "stretch (%)".to_owned())
             }
             ColorBy::Distance(path) => {
-                let body = ObjFile::read(path)?;
+                let body = read_mesh(path)?;
                 let skin = Surface::new(&body.mesh()?);
                 let values = distances(file.positions(), &skin, 1e3 * metres_of(&body));
                 let label = "to the skin (mm)".to_owned();
                 (values, ColorMap::CoolWarm, Some(DISTANCES), label)
             }
             ColorBy::Displacement(path) => {
-                let other = same_vertices(file, ObjFile::read(path)?)?;
+                let other = same_vertices(file, read_mesh(path)?)?;
                 let millimetres = 1e3 * metres_of(file);
                 let pairs = file.positions().iter().zip(other.positions());
                 let values = pairs.map(|(a, b)| millimetres * (a - b).norm()).collect();

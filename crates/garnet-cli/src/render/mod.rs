@@ -9,7 +9,7 @@ use anyhow::Context;
 use clap::Args;
 use garnet::{
     Bounds, TriMesh, Unit, UpAxis,
-    io::{Frame, ObjFile},
+    io::{Frame, ObjFile, is_rig, read_mesh},
 };
 use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ use words::ViewName;
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
-    /// Meshes, as OBJ: garments, and the body last.
+    /// Meshes, as OBJ, GLB, glTF or npz: garments, and the body last.
     #[arg(value_name = "MESH", required = true)]
     meshes: Vec<PathBuf>,
     /// Where the picture goes, as PNG.
@@ -74,10 +74,8 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
         .collect();
     output::check_apart(&[&args.output], &read)?;
     let up = args.up.axis();
-    let files: Vec<anyhow::Result<ObjFile>> = paths
-        .par_iter()
-        .map(|path| Ok(ObjFile::read(path)?))
-        .collect();
+    let files: Vec<anyhow::Result<ObjFile>> =
+        paths.par_iter().map(|path| Ok(read_mesh(path)?)).collect();
     let files = files.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
     let heat = Heatmap::new(&args.color_by, &files[0])?;
     let upright = files.iter().map(|file| upright(file, up));
@@ -155,6 +153,8 @@ fn upright(file: &ObjFile, up: UpAxis) -> anyhow::Result<TriMesh> {
         .mesh()
         .with_context(|| format!("cannot read `{}`", file.path().display()))?;
     let unit = Unit::Metre;
+    // Rigs have y up, whatever the OBJ files have.
+    let up = if is_rig(file.path()) { UpAxis::Y } else { up };
     let (positions, faces) = mesh.into_parts();
     Ok(TriMesh::new(
         Frame { unit, up }.to_metres(positions),

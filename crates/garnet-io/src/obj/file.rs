@@ -7,6 +7,7 @@ use std::{
 };
 
 use super::error::{ObjError, ObjParseError};
+use super::output::write_plain;
 use super::parse::{Parsed, parse};
 use garnet_mesh::{MeshError, Point3, TriMesh};
 
@@ -48,6 +49,17 @@ impl ObjFile {
         let path = path.as_ref();
         let source = read_limited(path)?;
         Self::parse(source, path)
+    }
+
+    /// The file that [`write_obj`](crate::write_obj) would write for a mesh, under the name `path`.
+    ///
+    /// # Errors
+    ///
+    /// [`ObjError::Parse`] for a mesh without vertices or faces.
+    pub fn of_mesh(mesh: &TriMesh, path: impl AsRef<Path>) -> Result<Self, ObjError> {
+        let mut bytes = Vec::new();
+        write_plain(&mut bytes, mesh).expect("a vector takes every byte");
+        Self::parse(bytes, path.as_ref())
     }
 
     /// Parses the bytes of a file; `name` stands for the path.

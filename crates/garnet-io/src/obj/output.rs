@@ -1,6 +1,9 @@
 //! Writing an OBJ again: the same text with other positions.
 
-use std::{io::Write as _, path::Path};
+use std::{
+    io::{self, Write},
+    path::Path,
+};
 
 use super::error::ObjError;
 use super::file::ObjFile;
@@ -85,16 +88,19 @@ impl ObjFile {
 ///
 /// [`WriteError`].
 pub fn write_obj(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<(), WriteError> {
-    write_atomically(path, |writer| {
-        for position in mesh.positions() {
-            writeln!(writer, "v {} {} {}", position.x, position.y, position.z)?;
-        }
-        for corners in mesh.faces() {
-            let [a, b, c] = corners.map(|vertex| u64::from(vertex) + 1);
-            writeln!(writer, "f {a} {b} {c}")?;
-        }
-        Ok(())
-    })
+    write_atomically(path, |writer| write_plain(writer, mesh))
+}
+
+/// Writes the `v` and `f` lines of a mesh.
+pub(super) fn write_plain(writer: &mut dyn Write, mesh: &TriMesh) -> io::Result<()> {
+    for position in mesh.positions() {
+        writeln!(writer, "v {} {} {}", position.x, position.y, position.z)?;
+    }
+    for corners in mesh.faces() {
+        let [a, b, c] = corners.map(|vertex| u64::from(vertex) + 1);
+        writeln!(writer, "f {a} {b} {c}")?;
+    }
+    Ok(())
 }
 
 fn bits(position: Point3) -> [u32; 3] {

@@ -8,8 +8,8 @@ use garnet_skin::Rig;
 use rayon::prelude::*;
 
 use super::{
-    PoseSource, SceneError, SceneProblem,
-    rig_search::{built_in, rig_beside},
+    PoseSource, SceneError, SceneProblem, is_rig, read_mesh,
+    rig_search::{built_in, rig_beside, rig_of},
 };
 use crate::{ObjFile, SceneJson, read_rig};
 
@@ -17,8 +17,8 @@ use crate::{ObjFile, SceneJson, read_rig};
 ///
 /// The rig of the bodies is the first that there is: [`SceneFiles::rig`]; [`SceneFiles::own_rig`],
 /// unless a rest body is named or the rig beside the first body is of another topology;
-/// `<rest body>.rig.npz` beside the rest body; `<body>.rig.npz` beside the first body; that of the
-/// built-in body, if the rest body or else the one body is one at rest.
+/// `<rest body>.rig.npz` beside the rest body; the first body itself, if it is a rig, or
+/// `<body>.rig.npz` beside it; that of the built-in body, if the rest body or else the one body is one at rest.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct SceneFiles {
@@ -27,7 +27,7 @@ pub struct SceneFiles {
     /// Skeleton and weights of the body that the garment was made on, if they came with it: those
     /// of a package. The garment is then in metres with y up.
     pub own_rig: Option<PathBuf>,
-    /// The bodies that the garment goes to, as OBJ; with a pose, the rest body.
+    /// The bodies that the garment goes to, as OBJ, npz, GLB or glTF; with a pose, the rest body.
     pub bodies: Vec<PathBuf>,
     /// Skeleton and weights of the bodies: npz, GLB, glTF or JSON.
     pub rig: Option<PathBuf>,
@@ -124,7 +124,7 @@ fn rig_of_stranger(own: &Rig, bodies: &[BodyFile]) -> Result<Option<(Rig, PathBu
     let (Some(rest), Some(body)) = (&own.rest, bodies.first()) else {
         return Ok(None);
     };
-    let path = rig_beside(&body.path);
+    let path = rig_of(&body.path);
     if !path.is_file() {
         return Ok(None);
     }
@@ -162,12 +162,12 @@ fn read_rest(files: &SceneFiles) -> Result<Option<ObjFile>, SceneError> {
 fn read_bodies(paths: &[PathBuf]) -> Result<Vec<BodyFile>, SceneError> {
     let is_single = paths.len() == 1;
     let read = |path: &PathBuf| -> Result<BodyFile, SceneError> {
-        let file = ObjFile::read(path)?;
+        let file = read_mesh(path)?;
         Ok(BodyFile {
             path: path.clone(),
             positions: file.positions().to_vec(),
             edges: file.polygon_edges(),
-            file: is_single.then_some(file),
+            file: (is_single && !is_rig(path)).then_some(file),
         })
     };
     // In their order, so that of several bad files the first is told.
@@ -183,9 +183,7 @@ fn rig_path(files: &SceneFiles) -> Option<PathBuf> {
         return Some(path.clone());
     }
     let beside = files.rest_body.iter().chain(files.bodies.first());
-    beside
-        .map(|path| rig_beside(path))
-        .find(|path| path.is_file())
+    beside.map(|path| rig_of(path)).find(|path| path.is_file())
 }
 
 fn no_rig(files: &SceneFiles) -> SceneError {

@@ -8,6 +8,7 @@ mod files;
 mod frame;
 mod own_body;
 mod pose;
+mod read_mesh;
 mod rest_body;
 mod rest_mesh;
 mod rig_search;
@@ -23,6 +24,7 @@ pub use files::{SceneFiles, SceneUnits};
 pub use frame::Frame;
 pub use own_body::OwnBody;
 pub use pose::{NamedPose, PoseError, PoseNote, PoseProblem, PoseSource, Posing};
+pub use read_mesh::{is_rig, read_mesh};
 pub use rest_body::largest_distance;
 pub use rig_search::rig_beside;
 

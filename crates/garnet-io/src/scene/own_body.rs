@@ -6,6 +6,7 @@ use garnet_skin::{Body, Rig};
 
 use super::{
     Frame, SceneError, SceneProblem,
+    read_mesh::is_rig,
     rest_body::rest_body_of,
     rest_mesh::{Frames, RestMesh},
     rig_search::{built_in, rig_beside},
@@ -71,13 +72,6 @@ impl OwnBody {
             file: Some((file, frame)),
         })
     }
-}
-
-/// Whether the name is that of a rig that may hold a mesh.
-pub(super) fn is_rig(path: &Path) -> bool {
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    let extension = extension.unwrap_or_default().to_ascii_lowercase();
-    matches!(extension.as_str(), "npz" | "glb" | "gltf")
 }
 
 /// The body of a rig in metres with y up, and how its mesh was given.

@@ -9,6 +9,7 @@ use super::{
     SceneError, SceneFiles, SceneProblem,
     files::BodyFile,
     frame::{Frame, detected_unit, detected_up, shorter},
+    is_rig,
 };
 use crate::ObjFile;
 
@@ -88,7 +89,8 @@ impl RestMesh {
                 path: body.path.clone(),
                 problem: SceneProblem::Decades { decades },
             })?;
-            Ok(Frame { unit, up: obj_up })
+            let up = if is_rig(&body.path) { up } else { obj_up };
+            Ok(Frame { unit, up })
         });
         let of_bodies = of_bodies.collect::<Result<Vec<Frame>, SceneError>>()?;
         let obj_unit = match (self.is_obj, of_bodies.first()) {

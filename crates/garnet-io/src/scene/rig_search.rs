@@ -6,11 +6,19 @@ use garnet_body::shape::{Recognized, recognized};
 use garnet_mesh::TriMesh;
 use garnet_skin::Rig;
 
-use super::{SceneError, SceneProblem};
+use super::{SceneError, SceneProblem, is_rig};
 
 /// `folder/body.rig.npz` of `folder/body.obj`: where a body's rig is looked for.
 pub fn rig_beside(body: &Path) -> PathBuf {
     body.with_extension("rig.npz")
+}
+
+/// Where the rig of a body is without one being named: the file itself, if it is a rig.
+pub(super) fn rig_of(body: &Path) -> PathBuf {
+    if is_rig(body) {
+        return body.to_path_buf();
+    }
+    rig_beside(body)
 }
 
 /// The rig of the built-in body, if the mesh of the file is one at rest; in the unit of the file.
