@@ -407,3 +407,26 @@ fn a_body_may_be_a_rig() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert_eq!(fixture.read("of_glb.png"), fixture.read("of_obj.png"));
 }
+
+#[test]
+fn a_body_at_rest_tells_unit_and_axis() {
+    let fixture = Fixture::new();
+    glb_of_body(&fixture);
+    reported(
+        &fixture,
+        "drape sleeve.obj --rig own.glb --pose bend.json -o out.obj",
+    );
+    for name in ["sleeve.obj", "body.obj"] {
+        fixture.moved(name, &format!("cm_{name}"), |p| {
+            100.0 * Point3::new(p.x, -p.z, p.y)
+        });
+    }
+    let arguments = "drape cm_sleeve.obj cm_body.obj --rig own.glb --pose bend.json -o cm_out.obj";
+    let report = reported(&fixture, arguments);
+    assert_eq!(report["garment"]["units"], "cm");
+    assert_eq!(report["garment"]["up"], "z");
+    fixture.moved("cm_out.obj", "back.obj", |p| {
+        Point3::new(p.x, p.z, -p.y) / 100.0
+    });
+    assert!(distance(&fixture, "out.obj", "back.obj") < RECOVERED);
+}

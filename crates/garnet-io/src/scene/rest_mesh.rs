@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use garnet_mesh::{Kinship, KnownMesh, Point3, TriMesh, kinship};
+use garnet_mesh::{Bounds, Kinship, KnownMesh, Point3, TriMesh, UpAxis, kinship};
 use garnet_skin::Rig;
 
 use super::{
@@ -11,7 +11,7 @@ use super::{
     frame::{Frame, detected_unit, detected_up, shorter},
     is_rig,
 };
-use crate::ObjFile;
+use crate::{ObjFile, guess_up_axis};
 
 /// The mesh of the rest body, in the unit of its file.
 #[derive(Debug)]
@@ -79,7 +79,14 @@ impl RestMesh {
             (Some(unit), false) => shorter(unit, -first).unwrap_or(unit),
         };
         let up = detected_up(&self.mesh);
-        let obj_up = files.up.unwrap_or(up);
+        let at_rest = bodies.iter().find(|body| {
+            // With a pose, BODY is the rest body in an OBJ of its own.
+            files.pose.is_some() && !self.is_obj && !is_rig(&body.path)
+        });
+        let obj_up = files.up.unwrap_or_else(|| match at_rest {
+            Some(body) => up_of(&body.positions, self.mesh.faces()).unwrap_or(up),
+            None => up,
+        });
         let rest = Frame {
             unit,
             up: if self.is_obj { obj_up } else { up },
@@ -131,6 +138,11 @@ impl RestMesh {
             )),
         }
     }
+}
+
+/// The axis that points up in a body at rest, where that is clear.
+fn up_of(positions: &[Point3], faces: &[[u32; 3]]) -> Option<UpAxis> {
+    guess_up_axis(Bounds::of_faces(positions, faces)?.extent())
 }
 
 /// A mesh that is not the rest body in another pose and shape.
