@@ -430,3 +430,21 @@ fn a_body_at_rest_tells_unit_and_axis() {
     });
     assert!(distance(&fixture, "out.obj", "back.obj") < RECOVERED);
 }
+
+#[test]
+fn a_new_body_is_in_the_units_of_the_drape() {
+    let fixture = Fixture::new();
+    glb_of_body(&fixture);
+    let arguments = "drape sleeve.obj --rig own.glb --pose bend.json -o out.obj --body-out b.obj";
+    reported(&fixture, arguments);
+    fixture.moved("sleeve.obj", "large.obj", |p| {
+        100.0 * Point3::new(p.x, -p.z, p.y)
+    });
+    let arguments = "drape large.obj --rig own.glb --pose bend.json --units cm,m --up z \
+                     -o large_out.obj --body-out large_b.obj";
+    reported(&fixture, arguments);
+    for [small, large] in [["out.obj", "large_out.obj"], ["b.obj", "large_b.obj"]] {
+        fixture.moved(large, "back.obj", |p| Point3::new(p.x, p.z, -p.y) / 100.0);
+        assert!(distance(&fixture, small, "back.obj") < RECOVERED, "{large}");
+    }
+}

@@ -76,7 +76,7 @@ pub struct RestSource {
     pub frame: Frame,
     /// The OBJ in which a posed body is written; none if the mesh came from the rig alone.
     pub file: Option<ObjFile>,
-    /// Unit and up axis of that OBJ, and of what is written beside it.
+    /// Unit and up axis of that OBJ; those of the garment without it.
     pub file_frame: Frame,
 }
 
@@ -266,8 +266,13 @@ impl Scene {
                 },
                 rig_path,
                 frame: frames.rest,
+                // A body that is written anew is in the units of the drape beside it.
+                file_frame: if rest_obj.is_some() {
+                    frames.obj
+                } else {
+                    frame
+                },
                 file: rest_obj,
-                file_frame: frames.obj,
             },
             body: body.rest,
             targets,
