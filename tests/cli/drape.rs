@@ -448,3 +448,12 @@ fn a_new_body_is_in_the_units_of_the_drape() {
         assert!(distance(&fixture, small, "back.obj") < RECOVERED, "{large}");
     }
 }
+
+#[test]
+fn a_scene_in_another_pose_is_told_how() {
+    let fixture = Fixture::new();
+    let output = fixture.garnet("drape --scene scene.json --pose wave -o out.obj");
+    assert_eq!(output.status.code(), Some(2));
+    let text = stderr(&output);
+    assert!(text.contains("--rig scene.json --pose"), "{text}");
+}

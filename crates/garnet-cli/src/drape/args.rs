@@ -81,7 +81,7 @@ pub(crate) struct InputArgs {
     #[arg(value_name = "BODY", conflicts_with = "scene")]
     pub(crate) bodies: Vec<PathBuf>,
     /// Take garment, bodies, weights and pose from a `drape-scene/1` file.
-    #[arg(long, value_name = "SCENE.json", conflicts_with_all = ["rig", "rest_body", "pose", "units", "up"])]
+    #[arg(long, value_name = "SCENE.json", conflicts_with_all = ["rig", "rest_body", "units", "up"])]
     scene: Option<PathBuf>,
     /// Skeleton and weights: npz, GLB, glTF or JSON [default: `<body>.rig.npz` beside the body].
     #[arg(long, value_name = "FILE")]
@@ -347,6 +347,17 @@ impl InputArgs {
 
     fn source(self) -> anyhow::Result<Source> {
         let garment = match (self.scene, self.garment) {
+            (Some(scene), _) if self.pose.is_some() => {
+                let scene = scene.display();
+                return Err(refused(
+                    "`--scene` takes no `--pose`",
+                    format!("`{scene}` names the body that the garment goes to"),
+                    format!(
+                        "name the garment of the scene and its body: `garnet drape GARMENT --rig {scene} --pose \
+                         ... -o OUT`"
+                    ),
+                ));
+            }
             (Some(scene), _) => return Ok(Source::Scene(scene)),
             (None, Some(garment)) => garment,
             (None, None) => anyhow::bail!("neither a garment nor a scene is given"),
