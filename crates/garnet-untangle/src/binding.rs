@@ -6,22 +6,28 @@ use garnet_skin::{BoundGarment, ScreenedPoisson, SkinError};
 use rayon::prelude::*;
 
 /// Skin this near to the skin that a node lies on, at rest, is its own even for tight cloth, in
-/// metres.
+/// metres: the reach of cloth that slides along a limb. With a larger one, skin beyond an armpit or
+/// the crotch becomes own; with a smaller one, cloth that slides comes upon skin that it takes for
+/// foreign.
 const OWN_RADIUS: f32 = 0.08;
 
-/// The own skin of loose cloth reaches farther: this much of its distance is added.
+/// The own skin of loose cloth reaches farther by this much of its distance from the skin, which is
+/// how far it may swing. Larger takes skirts for the skin of both legs, smaller for that of one.
 const OWN_RADIUS_PER_DISTANCE: f32 = 2.0;
 
-/// How far from the skin cloth is loose in that sense, in metres.
+/// Cloth nearer to the skin at rest than this is not loose in that sense, in metres.
 const LOOSE_DISTANCE: f32 = 0.015;
 
-/// Skin turned farther from the skin that a node lies on, at rest, is the far side of the limb.
-const OWN_COSINE: f32 = -0.2;
+/// Skin that is turned from the skin that a node lies on, at rest, by an angle with a lower cosine
+/// is the far side of the limb. Lower ones let own skin reach farther around it.
+const FAR_SIDE_COSINE: f32 = -0.2;
 
-/// Skin counts as covered if it is this near to the skin under some node, at rest, in metres.
+/// Skin counts as covered if it is this near to the skin under some node, at rest, in metres: more
+/// than half an edge of the coarsest garment, less than the width of a wrist.
 const COVER_DISTANCE: f32 = 0.03;
 
-/// Length over which the warp holds its place while its strain is relaxed, in metres.
+/// Length over which the warp holds its place while its strain is relaxed, in metres. With a longer
+/// one strain spreads farther and cloth leaves its place more.
 const RELAX_LENGTH: f64 = 0.2;
 
 /// What can go wrong before untangling starts.
@@ -150,7 +156,7 @@ impl Binding {
         let face = face as usize;
         let offset = self.face_centers[face] - self.skin[node].point;
         offset.norm_squared() < self.own_radius[node] * self.own_radius[node]
-            && self.face_normals[face].dot(&self.skin_normals[node]) > OWN_COSINE
+            && self.face_normals[face].dot(&self.skin_normals[node]) > FAR_SIDE_COSINE
     }
 
     /// Whether foreign skin belongs under the cloth at a node.

@@ -5,11 +5,11 @@ use garnet_mesh::{Point3, Vector3};
 use garnet_skin::BoundGarment;
 use rayon::prelude::*;
 
-use crate::UntangleOptions;
 use crate::contact::{Contact, ContactFinder};
-use crate::region::{Region, rings_of};
+use crate::region::Region;
 use crate::sweep::{Sweeper, projected};
 use crate::way_out::{find_ways_out, way_out};
+use crate::{UntangleOptions, UntangleReport};
 
 /// Nodes that one task handles. Results do not depend on it, nor on the number of threads.
 const CHUNK: usize = 256;
@@ -45,19 +45,21 @@ pub(crate) enum Refresh {
     All,
 }
 
-/// Positions and contacts of all nodes.
-#[derive(Debug)]
-pub(crate) struct Cloth<'a> {
+/// What stays while the cloth is moved.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Scene<'a> {
     pub(crate) garment: &'a BoundGarment,
     pub(crate) finder: &'a ContactFinder<'a>,
     pub(crate) sweeper: &'a Sweeper<'a>,
     pub(crate) options: &'a UntangleOptions,
+}
+
+/// Positions and contacts of all nodes: what the passes change.
+#[derive(Debug)]
+pub(crate) struct Cloth<'a> {
+    pub(crate) scene: Scene<'a>,
     pub(crate) positions: Vec<Point3>,
     pub(crate) contacts: Vec<Contact>,
-    /// How many nodes were inside the body at the anchors, and how deep the deepest, in metres.
-    pub(crate) inside_before: (usize, f32),
-    pub(crate) contact_rounds: usize,
-    pub(crate) crossing_rounds: usize,
     /// What each node keeps from the skin: more than asked for where triangles would cross it.
     pub(crate) clearances: Vec<f32>,
     /// How each node leaves parts of the body that it does not belong to.
@@ -66,31 +68,32 @@ pub(crate) struct Cloth<'a> {
     pub(crate) is_left: Vec<bool>,
     /// How much the side that cloth belongs to is preferred.
     pub(crate) home_preference: f32,
+    /// What is counted on the way.
+    pub(crate) report: UntangleReport,
 }
 
 impl<'a> Cloth<'a> {
     /// The cloth at the sweeper's anchors, with its contacts.
-    pub(crate) fn new(
-        garment: &'a BoundGarment,
-        finder: &'a ContactFinder<'a>,
-        sweeper: &'a Sweeper<'a>,
-        options: &'a UntangleOptions,
-    ) -> Self {
-        let num_nodes = sweeper.anchors().len();
-        let mut cloth = Self {
+    pub(crate) fn new(scene: Scene<'a>) -> Self {
+        let Scene {
             garment,
             finder,
             sweeper,
             options,
+        } = scene;
+        let num_nodes = sweeper.anchors().len();
+        let mut cloth = Self {
+            scene,
             positions: sweeper.anchors().to_vec(),
             contacts: Vec::new(),
-            inside_before: (0, 0.0),
-            contact_rounds: 1,
-            crossing_rounds: 0,
             clearances: vec![options.clearance + CLEARANCE_MARGIN; num_nodes],
             ways_out: vec![None; num_nodes],
             is_left: vec![false; num_nodes],
             home_preference: HOME_PREFERENCES[0],
+            report: UntangleReport {
+                contact_rounds: 1,
+                ..UntangleReport::default()
+            },
         };
         let all = Region::all(num_nodes);
         let normals = cloth.normals(&all);
@@ -102,45 +105,25 @@ impl<'a> Cloth<'a> {
         let nodes = normals.par_iter().with_min_len(CHUNK).enumerate();
         cloth.contacts = nodes.map(|(node, normal)| find((node, normal))).collect();
         let depths = cloth.contacts.iter().map(|contact| -contact.distance);
-        let inside = depths.filter(|&depth| depth > 0.0);
-        cloth.inside_before = inside.fold((0, 0.0), |(count, deepest), depth| {
-            (count + 1, depth.max(deepest))
-        });
+        for depth in depths.filter(|&depth| depth > 0.0) {
+            cloth.report.inside_before += 1;
+            cloth.report.deepest_before = cloth.report.deepest_before.max(depth);
+        }
         cloth.find_ways_out(all.nodes());
         cloth
     }
 
-    /// Pushes all nodes in front of the skin, drawing the cloth around them along.
-    pub(crate) fn push_out(&mut self) {
-        let graph = self.garment.graph();
-        let lacks = |node: &u32| {
-            let contact = &self.contacts[*node as usize];
-            let is_near = contact.distance < self.clearances[*node as usize];
-            !contact.is_held && (contact.foreign_parts > 0 || is_near)
-        };
-        let lacking = (0..self.positions.len() as u32).filter(lacks);
-        let rings = rings_of(graph, self.options.push_length);
-        let region = Region::around(graph, lacking, rings);
-        for round in 0..self.options.contact_rounds {
-            if round > 0 && !self.find_contacts(&region, Refresh::Moved) {
-                break;
-            }
-            self.sweep(SWEEPS, &region);
-        }
-        self.polish(&region);
-    }
-
     /// Normals of the cloth, to its outer side, at the nodes of a region.
     pub(crate) fn normals(&self, region: &Region) -> Vec<Vector3> {
-        let faces = self.garment.faces();
-        let topology = self.garment.topology();
+        let faces = self.scene.garment.faces();
+        let topology = self.scene.garment.topology();
         let normal = |&node: &u32| {
             let mut sum = Vector3::zeros();
             for &face in topology.vertex_faces(node as usize) {
                 let [a, b, c] = faces[face as usize].map(|n| self.positions[n as usize]);
                 sum += (b - a).cross(&(c - a));
             }
-            let sign = self.finder.binding.orientation[node as usize];
+            let sign = self.scene.finder.binding.orientation[node as usize];
             sign * sum.try_normalize(0.0).unwrap_or_else(Vector3::zeros)
         };
         let nodes = region.nodes().par_iter().with_min_len(CHUNK);
@@ -149,7 +132,7 @@ impl<'a> Cloth<'a> {
 
     /// Finds the contacts of the nodes of a region anew; false if nothing has moved.
     pub(crate) fn find_contacts(&mut self, region: &Region, refresh: Refresh) -> bool {
-        self.contact_rounds += 1;
+        self.report.contact_rounds += 1;
         let normals = self.normals(region);
         let find = |(&node, &normal): (&u32, &Vector3)| {
             let node = node as usize;
@@ -164,7 +147,7 @@ impl<'a> Cloth<'a> {
             let hint = contact.closest.face;
             (
                 moved,
-                Some(self.finder.find(node, position, normal, reach, hint)),
+                Some(self.scene.finder.find(node, position, normal, reach, hint)),
             )
         };
         let nodes = region.nodes().par_iter().zip(&normals).with_min_len(CHUNK);
@@ -184,8 +167,8 @@ impl<'a> Cloth<'a> {
 
     fn find_ways_out(&mut self, found: &[u32]) {
         find_ways_out(
-            self.finder,
-            self.garment.graph(),
+            self.scene.finder,
+            self.scene.garment.graph(),
             found,
             &mut self.contacts,
             &self.positions,
@@ -195,7 +178,7 @@ impl<'a> Cloth<'a> {
     }
 
     pub(crate) fn sweep(&mut self, times: usize, region: &Region) {
-        self.sweeper.sweep(
+        self.scene.sweeper.sweep(
             times,
             &mut self.positions,
             &self.contacts,
@@ -207,8 +190,8 @@ impl<'a> Cloth<'a> {
     /// Projects the nodes of a region that lack clearance until none does, or as often as allowed.
     pub(crate) fn polish(&mut self, region: &Region) {
         let normals = self.normals(region);
-        let limit = self.options.clearance + 0.5 * CLEARANCE_MARGIN;
-        let goal = self.options.clearance + CLEARANCE_MARGIN;
+        let limit = self.scene.options.clearance + 0.5 * CLEARANCE_MARGIN;
+        let goal = self.scene.options.clearance + CLEARANCE_MARGIN;
         for _ in 0..POLISH_ROUNDS {
             let polished = |(&node, &normal): (&u32, &Vector3)| {
                 let node = node as usize;
@@ -252,10 +235,10 @@ impl<'a> Cloth<'a> {
     ) -> Contact {
         let reach = self.clearances[node] + REACH;
         let hint = self.contacts[node].closest.face;
-        let mut contact = self.finder.find(node, position, normal, reach, hint);
+        let mut contact = self.scene.finder.find(node, position, normal, reach, hint);
         if contact.foreign_parts > 0 {
             let direction = self.ways_out[node].unwrap_or(contact.home);
-            contact.foreign = way_out(self.finder, node, position, direction, &contact);
+            contact.foreign = way_out(self.scene.finder, node, position, direction, &contact);
         }
         contact
     }
@@ -266,7 +249,7 @@ impl<'a> Cloth<'a> {
         let contact = &self.contacts[node];
         let moved = (self.positions[node] - contact.position).norm();
         let bound = contact.distance - moved;
-        if bound >= self.options.clearance {
+        if bound >= self.scene.options.clearance {
             return (contact.closest, bound);
         }
         self.closest(node)
@@ -275,13 +258,17 @@ impl<'a> Cloth<'a> {
     /// The closest skin of a node and its distance.
     pub(crate) fn closest(&self, node: usize) -> (ClosestPoint, f32) {
         let hint = self.contacts[node].closest.face;
-        let closest = self.finder.skin.closest_from(self.positions[node], hint);
+        let closest = self
+            .scene
+            .finder
+            .skin
+            .closest_from(self.positions[node], hint);
         (closest, closest.distance_squared.sqrt())
     }
 
     /// Whether a node is caught where the body runs through itself.
     pub(crate) fn is_trapped(&self, node: usize) -> bool {
         let closest = &self.contacts[node].closest;
-        self.finder.embedded.is_trap(closest)
+        self.scene.finder.traps.holds(closest)
     }
 }

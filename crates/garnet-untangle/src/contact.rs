@@ -1,26 +1,30 @@
 //! Which skin a node of the cloth must stay in front of.
 
-use garnet_knn::{ClosestPoint, Surface};
+use garnet_knn::{ClosestPoint, Surface, Traps};
 use garnet_mesh::{Point3, Vector3};
 
 use crate::Binding;
-use crate::embedded::EmbeddedSkin;
+use crate::lengths::DEEPEST;
 use crate::skin_normals::SkinNormals;
 
 /// Own skin that a node may be inside of is looked for no farther than this, in metres.
-const OWN_REACH: f32 = 0.08;
+const OWN_REACH: f32 = DEEPEST;
 
-/// Own skin turned farther away from the cloth than this cosine is the far side of a limb.
-const OWN_COSINE: f32 = -0.6;
+/// Own skin in the pose is behind the cloth if the cosine between their normals is above this: lower
+/// than in the rest pose, for folds turn cloth away from its skin. Lower ones let cloth be pushed
+/// out through the far side of a limb, higher ones lose the skin under folds.
+const BEHIND_COSINE: f32 = -0.6;
 
 /// Cloth deeper inside its own part of the body returns to the skin that it lies on at rest: the
-/// nearest skin may be on any side of the limb, in metres.
+/// nearest skin may be on any side of the limb, in metres. About a quarter of the thickness of a
+/// wrist: larger ones leave cloth on the wrong side of thin limbs, smaller ones draw folds back.
 const DEEP: f32 = 0.012;
 
 /// Two walls face each other if the cosine of their normals is below this.
 pub(crate) const OPPOSED_COSINE: f32 = -0.5;
 
-/// Beyond this distance from the skin the direction to it is the normal, in metres.
+/// Beyond this distance from the skin the direction to it is the normal, in metres; nearer, rounding
+/// decides over that direction.
 const MIN_DIRECTION: f32 = 2e-4;
 
 /// A half space that a node must stay in: `normal · x >= offset + clearance`.
@@ -72,7 +76,7 @@ impl Contact {
 pub(crate) struct ContactFinder<'a> {
     pub(crate) binding: &'a Binding,
     pub(crate) skin: &'a Surface,
-    pub(crate) embedded: &'a EmbeddedSkin,
+    pub(crate) traps: &'a Traps,
     pub(crate) normals: &'a SkinNormals,
     /// See [`UntangleOptions`](crate::UntangleOptions).
     pub(crate) keeps_sides: bool,
@@ -110,7 +114,7 @@ impl ContactFinder<'_> {
         }
         let is_own = |face: u32| self.is_own(node, face, normal);
         let closest_is_own = is_own(closest.face);
-        let is_embedded = self.embedded.is_embedded(closest.face, distance);
+        let is_embedded = self.traps.leaves_no_room(closest.face, distance);
         let side = self.side(position, &closest);
         if !is_embedded {
             contact.distance *= side;
@@ -152,7 +156,7 @@ impl ContactFinder<'_> {
         let Contact {
             position, closest, ..
         } = *contact;
-        if self.embedded.is_trap(&closest) {
+        if self.traps.holds(&closest) {
             contact.is_held = true;
             if self.winding(position) > 0 {
                 contact.distance = -contact.distance;
@@ -193,7 +197,7 @@ impl ContactFinder<'_> {
 
     /// Whether a face is the node's own skin.
     fn is_own(&self, node: usize, face: u32, normal: Vector3) -> bool {
-        self.binding.is_own(node, face) && self.normals.face(face).dot(&normal) > OWN_COSINE
+        self.binding.is_own(node, face) && self.normals.face(face).dot(&normal) > BEHIND_COSINE
     }
 
     /// 1 in front of the skin, -1 behind it.

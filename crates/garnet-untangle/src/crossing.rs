@@ -3,12 +3,13 @@
 //! Long edges cut through a round limb. Such triangles are sampled, and their corners asked to keep
 //! as much more clearance as the deepest sample needs.
 
-use garnet_knn::Surface;
+use garnet_knn::{Room, Surface};
 use garnet_mesh::{Point3, Vector3};
 use rayon::prelude::*;
 
+use crate::UntangleError;
+use crate::cloth::Cloth;
 use crate::contact::{Contact, ContactFinder};
-use crate::embedded::has_no_room;
 
 /// Samples on a crossing triangle are no farther apart than this, in metres, ...
 const SAMPLE_DISTANCE: f32 = 0.008;
@@ -21,6 +22,45 @@ const SAMPLE_CLEARANCE: f32 = 4e-4;
 
 /// A corner is lifted by at least and at most this in one round, in metres.
 const LIFT_RANGE: [f32; 2] = [3e-4, 5e-3];
+
+/// The faces of the cloth that cross the skin.
+#[derive(Debug)]
+pub(crate) struct Crossing {
+    /// The surface of the cloth.
+    surface: Surface,
+    /// The faces, sorted.
+    pub(crate) faces: Vec<u32>,
+}
+
+impl Crossing {
+    /// Those of the cloth where it is now.
+    pub(crate) fn of(cloth: &Cloth<'_>) -> Result<Self, UntangleError> {
+        let finder = cloth.scene.finder;
+        let surface = finder.binding.surface.moved(cloth.positions.clone())?;
+        let faces = crossing_faces(&surface, finder.skin);
+        Ok(Self { surface, faces })
+    }
+
+    /// Tests the faces of `moved` nodes, and those that crossed before, once these nodes were moved.
+    pub(crate) fn refresh(
+        &mut self,
+        cloth: &Cloth<'_>,
+        moved: &[u32],
+    ) -> Result<(), UntangleError> {
+        self.surface.refit(&cloth.positions)?;
+        let topology = cloth.scene.garment.topology();
+        let mut candidates = std::mem::take(&mut self.faces);
+        for &node in moved {
+            candidates.extend_from_slice(topology.vertex_faces(node as usize));
+        }
+        candidates.sort_unstable();
+        candidates.dedup();
+        let pairs = (self.surface).faces_crossing(cloth.scene.finder.skin, &candidates);
+        self.faces = pairs.into_iter().map(|[face, _]| face).collect();
+        self.faces.dedup();
+        Ok(())
+    }
+}
 
 /// The garment's faces that cross the skin, sorted.
 pub(crate) fn crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
@@ -36,7 +76,7 @@ pub(crate) fn crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
 /// The faces of a garment that cross skin with room before it, which lies in no other part of the body and no slit, sorted.
 pub fn free_crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
     let pairs = garment.intersections(skin).into_iter();
-    let free = pairs.filter(|&[_, face]| !has_no_room(skin, face));
+    let free = pairs.filter(|&[_, face]| skin.room_before_face(face) == Room::Free);
     let mut faces: Vec<u32> = free.map(|[face, _]| face).collect();
     faces.sort_unstable();
     faces.dedup();

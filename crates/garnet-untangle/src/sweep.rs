@@ -11,7 +11,9 @@ use garnet_mesh::{Point3, Vector3};
 use garnet_skin::{ClothGraph, HalfEdge};
 use rayon::prelude::*;
 
+use crate::UntangleOptions;
 use crate::contact::{Contact, OPPOSED_COSINE};
+use crate::passes::{StretchRange, clamped_edges};
 use crate::region::Region;
 
 /// Nodes of a block.
@@ -55,16 +57,16 @@ struct Pull {
 }
 
 impl<'a> Sweeper<'a> {
-    /// Draws nodes to `anchors`, each by its area over `push_length` squared, and keeps `edges`
-    /// `[edge]`; those that are overstretched are pulled back to `max_stretch`.
+    /// Draws nodes to `anchors`, each by its area over the square of the length over which pushes die
+    /// out, and keeps the edges at the anchors, brought into the range of stretch; edges that are
+    /// overstretched are pulled back to its upper end.
     pub(crate) fn new(
         graph: &'a ClothGraph,
         anchors: &'a [Point3],
-        edges: &[Vector3],
-        push_length: f32,
-        max_stretch: f32,
+        options: &UntangleOptions,
     ) -> Self {
-        let strength = 1.0 / (push_length * push_length);
+        let edges = clamped_edges(graph, anchors, StretchRange::of(options));
+        let strength = 1.0 / (options.push_length * options.push_length);
         let pull = |half: &HalfEdge| Pull {
             node: half.node,
             weight: half.weight,
@@ -77,7 +79,7 @@ impl<'a> Sweeper<'a> {
             anchors,
             screening: graph.node_areas().iter().map(|a| a * strength).collect(),
             pulls: halves.map(pull).collect(),
-            stretch_back: max_stretch / OVER_STRETCH,
+            stretch_back: options.max_stretch / OVER_STRETCH,
         }
     }
 

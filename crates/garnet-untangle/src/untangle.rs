@@ -1,22 +1,15 @@
 //! From the warp to cloth that lies outside the skin.
 
+use garnet_knn::Traps;
 use garnet_mesh::Point3;
 use garnet_skin::{BoundGarment, PosedBody};
 
-use crate::cloth::Cloth;
+use crate::cloth::{Cloth, Scene};
 use crate::contact::ContactFinder;
-use crate::embedded::EmbeddedSkin;
-use crate::relax::{StretchRange, clamped_edges, relaxed, stretched_share};
+use crate::passes;
 use crate::skin_normals::SkinNormals;
 use crate::sweep::Sweeper;
-use crate::verify::verified;
 use crate::{Binding, UntangleError, UntangleOptions, UntangleReport};
-
-/// Relaxation ends when no larger share of the edges is stretched beyond the limit.
-const STRETCHED_SHARE: f32 = 0.005;
-
-/// Steps of relaxation, at most.
-const RELAX_STEPS: usize = 6;
 
 /// What untangling gives.
 #[derive(Debug, Clone)]
@@ -29,11 +22,19 @@ pub struct Untangled {
     pub report: UntangleReport,
 }
 
-/// Frees a warped garment of penetrations.
+/// Frees a warped garment of penetrations, in passes:
 ///
-/// The strain of the warp is relaxed; then nodes are pushed in front of the skin and their
-/// neighbours drawn along, so that the displacement is smooth; triangles that still cross the skin
-/// are lifted. The result is verified by exact tests.
+/// 1. *relax* brings edges that the warp has stretched or compressed back towards their length.
+/// 2. *push* moves nodes in front of the skin and draws the cloth around them along, so that the
+///    displacement is smooth.
+/// 3. *mend* starts again where pushes have torn the cloth, with neighbours on one side of a limb.
+/// 4. *lift* raises triangles that still cross the skin between corners that do not. Where that
+///    tears the cloth, it is mended and lifted once more.
+/// 5. *rescue* looks for free places for the single nodes that are still inside or too near.
+/// 6. *ease* lets the neighbours of nodes that are far from them follow, from free place to free
+///    place.
+/// 7. *give in* lets cloth that goes round a contact of the body with itself into the contact.
+/// 8. *verify* tests every node and face exactly and counts what is left.
 ///
 /// # Errors
 ///
@@ -58,7 +59,7 @@ pub fn untangle(
     rayon::scope(|_| untangled(garment, binding, body, warped, options))
 }
 
-/// The work of [`untangle`], whose arguments fit together.
+/// The passes of [`untangle`], whose arguments fit together.
 fn untangled(
     garment: &BoundGarment,
     binding: &Binding,
@@ -66,73 +67,53 @@ fn untangled(
     warped: &[Point3],
     options: &UntangleOptions,
 ) -> Result<Untangled, UntangleError> {
-    let embedded = EmbeddedSkin::new(body.skin(), warped)?;
+    let anchors = passes::relax(garment, binding, warped, options);
+
+    let traps = Traps::near(body.skin(), warped)?;
     let skin_normals = SkinNormals::new(body.skin());
     let finder = ContactFinder {
         binding,
         skin: body.skin(),
-        embedded: &embedded,
+        traps: &traps,
         normals: &skin_normals,
         keeps_sides: options.keeps_sides,
         clearance: options.clearance,
     };
-    let anchors = relaxed_warp(garment, binding, warped, options);
-    let graph = garment.graph();
-    let range = StretchRange {
-        min: options.min_stretch,
-        max: options.max_stretch,
-    };
-    let edges = clamped_edges(graph, &anchors, range);
-    let sweeper = Sweeper::new(
-        graph,
-        &anchors,
-        &edges,
-        options.push_length,
-        options.max_stretch,
-    );
-    let mut cloth = Cloth::new(garment, &finder, &sweeper, options);
-    cloth.push_out();
-    let torn = cloth.mend();
-    let (mut surface, mut crossing) = cloth.lift_crossing_faces()?;
+    let sweeper = Sweeper::new(garment.graph(), &anchors, options);
+    let mut cloth = Cloth::new(Scene {
+        garment,
+        finder: &finder,
+        sweeper: &sweeper,
+        options,
+    });
+    let cloth = &mut cloth;
+
+    passes::push(cloth);
+    let torn = passes::mend(cloth);
+    let mut crossing = passes::lift(cloth)?;
     if cloth.tears().excess > torn {
-        cloth.mend();
-        (surface, crossing) = cloth.lift_crossing_faces()?;
+        passes::mend(cloth);
+        crossing = passes::lift(cloth)?;
     }
-    let crossing = cloth.rescue_lacking(surface, crossing)?;
-    let (report, is_trapped) = verified(garment, &finder, warped, &cloth, &crossing);
+    let mut moved = passes::rescue(cloth, &crossing);
+    moved.extend(passes::ease(cloth));
+    moved.extend(passes::give_in(cloth));
+    if !moved.is_empty() {
+        crossing.refresh(cloth, &moved)?;
+    }
+    let (report, is_trapped) = passes::verify(cloth, warped, &crossing);
 
     Ok(Untangled {
-        positions: cloth.positions,
+        positions: std::mem::take(&mut cloth.positions),
         is_trapped,
         report,
     })
 }
 
-/// The warp, with its strain relaxed if it has too much.
-fn relaxed_warp(
-    garment: &BoundGarment,
-    binding: &Binding,
-    warped: &[Point3],
-    options: &UntangleOptions,
-) -> Vec<Point3> {
-    let mut positions = warped.to_vec();
-    let range = StretchRange {
-        min: options.min_stretch,
-        max: options.max_stretch,
-    };
-    let graph = garment.graph();
-    for _ in 0..RELAX_STEPS {
-        if stretched_share(graph, &positions, options.relax_beyond) <= STRETCHED_SHARE {
-            break;
-        }
-        positions = relaxed(graph, &binding.relax_system, warped, &positions, range);
-    }
-    positions
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::crossing::Crossing;
     use garnet_knn::Surface;
     use garnet_mesh::primitives::icosphere;
     use garnet_mesh::{TriMesh, Vector3};
@@ -332,25 +313,26 @@ mod tests {
         let finder = ContactFinder {
             binding: &binding,
             skin,
-            embedded: &EmbeddedSkin::new(skin, warped).unwrap(),
+            traps: &Traps::near(skin, warped).unwrap(),
             normals: &SkinNormals::new(skin),
             keeps_sides: false,
             clearance: options.clearance,
         };
-        let range = StretchRange {
-            min: options.min_stretch,
-            max: options.max_stretch,
-        };
-        let edges = clamped_edges(garment.graph(), warped, range);
-        let sweeper = Sweeper::new(garment.graph(), warped, &edges, options.push_length, 2.0);
-        let mut cloth = Cloth::new(&garment, &finder, &sweeper, &options);
+        let sweeper = Sweeper::new(garment.graph(), warped, &options);
+        let mut cloth = Cloth::new(Scene {
+            garment: &garment,
+            finder: &finder,
+            sweeper: &sweeper,
+            options: &options,
+        });
         let from_left = |&a: &usize, &b: &usize| warped[a].x.total_cmp(&warped[b].x);
         let node = (0..warped.len()).min_by(from_left).unwrap();
         // In both spheres, and as far as its contacts tell far from any skin.
         cloth.positions[node] = Point3::new(0.95 * RADIUS, 0.0, 0.0);
         cloth.contacts[node].distance = 1.0;
-        let crossing = garment.topology().vertex_faces(node);
-        let (report, is_trapped) = verified(&garment, &finder, warped, &cloth, crossing);
+        let mut crossing = Crossing::of(&cloth).unwrap();
+        crossing.faces = garment.topology().vertex_faces(node).to_vec();
+        let (report, is_trapped) = passes::verify(&cloth, warped, &crossing);
         assert!(is_trapped[node]);
         assert_eq!(report.crossing_faces, 0);
     }

@@ -12,14 +12,17 @@ use rayon::prelude::*;
 
 use crate::contact::{Contact, ContactFinder, Plane};
 use crate::directions::all_round;
+use crate::lengths::DEEPEST;
 
 /// No way out is longer than this, in metres.
-const MAX_LENGTH: f32 = 0.08;
+const MAX_LENGTH: f32 = DEEPEST;
 
-/// Room between two parts of the body that counts as outside, in metres.
+/// Room between two parts of the body that counts as outside, in metres: less than twice the default
+/// clearance, so that cloth between an arm and the trunk is squeezed and not sent through both.
 const MIN_GAP: f32 = 0.003;
 
-/// Steps in which a way out of a body with holes is probed, in metres.
+/// Steps in which a way out of a body with holes is probed, in metres. Parts thinner than this may be
+/// stepped over.
 const STEP: f32 = 0.005;
 
 /// Cloth that is caught between its own skin and another part is no farther from its own than this, less
@@ -29,10 +32,12 @@ const CAUGHT_HEIGHT: f32 = 0.007;
 /// Halvings of the step in which such a way out ends.
 const HALVINGS: usize = 4;
 
-/// A node that finds no way out in a direction counts as if it had this way, in metres.
-const NO_WAY_LENGTH: f32 = 0.16;
+/// A node that finds no way out in a direction counts as if it had this way, in metres: longer than
+/// any, but so that a direction by which most of a patch gets out is better than a long one for all.
+const NO_WAY_LENGTH: f32 = 2.0 * MAX_LENGTH;
 
-/// At most this many nodes of a patch are asked for the direction.
+/// At most this many nodes of a patch are asked for the direction. More take longer, and change the
+/// direction of large patches alone.
 const MAX_SAMPLES: usize = 12;
 
 /// The skin at the end of the way is left along its own normal if that deviates from the way by no
@@ -255,7 +260,7 @@ impl Start {
     fn is_caught_at(&self, finder: &ContactFinder<'_>, passage: &Passage, place: Point3) -> bool {
         passage.turn < 0
             && finder.binding.is_own(self.node, passage.face)
-            && finder.embedded.is_trap_at(passage.face, place)
+            && finder.traps.holds_at(passage.face, place)
     }
 
     /// The same on a body with holes, which no count of passages makes sense of.

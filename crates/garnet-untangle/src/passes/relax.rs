@@ -5,8 +5,10 @@
 //! them: a screened Poisson equation, solved a few times with the edges clamped anew.
 
 use garnet_mesh::{Point3, Vector3};
-use garnet_skin::{ClothGraph, ScreenedPoisson};
+use garnet_skin::{BoundGarment, ClothGraph, ScreenedPoisson};
 use rayon::prelude::*;
+
+use crate::{Binding, UntangleOptions};
 
 /// Edges that one task handles. Results do not depend on it, nor on the number of threads.
 const CHUNK: usize = 4096;
@@ -14,11 +16,46 @@ const CHUNK: usize = 4096;
 /// Lengths below this have no direction, in metres.
 const MIN_LENGTH: f32 = 1e-9;
 
+/// Relaxation ends when no larger share of the edges is stretched beyond the limit.
+const STRETCHED_SHARE: f32 = 0.005;
+
+/// Steps of relaxation, at most.
+const RELAX_STEPS: usize = 6;
+
 /// The range of edge lengths over rest lengths that cloth is relaxed to.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StretchRange {
     pub(crate) min: f32,
     pub(crate) max: f32,
+}
+
+impl StretchRange {
+    /// The range that the options ask for.
+    pub(crate) fn of(options: &UntangleOptions) -> Self {
+        Self {
+            min: options.min_stretch,
+            max: options.max_stretch,
+        }
+    }
+}
+
+/// The warp, with its strain relaxed if it has too much: where the cloth is drawn to from then on.
+pub(crate) fn relax(
+    garment: &BoundGarment,
+    binding: &Binding,
+    warped: &[Point3],
+    options: &UntangleOptions,
+) -> Vec<Point3> {
+    let mut positions = warped.to_vec();
+    let range = StretchRange::of(options);
+    let graph = garment.graph();
+    for _ in 0..RELAX_STEPS {
+        if stretched_share(graph, &positions, options.relax_beyond) <= STRETCHED_SHARE {
+            break;
+        }
+        positions = relaxed(graph, &binding.relax_system, warped, &positions, range);
+    }
+    positions
 }
 
 /// The edges `[edge]` at `positions`, with lengths brought into the range.
@@ -39,7 +76,7 @@ pub(crate) fn clamped_edges(
 }
 
 /// The share of the cloth's own edges that are longer than `limit` times their rest length.
-pub(crate) fn stretched_share(graph: &ClothGraph, positions: &[Point3], limit: f32) -> f32 {
+fn stretched_share(graph: &ClothGraph, positions: &[Point3], limit: f32) -> f32 {
     let edges = &graph.edges()[..graph.num_cloth_edges()];
     let is_stretched = |&(&[a, b], rest_length): &(&[u32; 2], &f32)| {
         let edge = positions[b as usize] - positions[a as usize];
@@ -55,7 +92,7 @@ pub(crate) fn stretched_share(graph: &ClothGraph, positions: &[Point3], limit: f
 
 /// One step of relaxation: the positions nearest to having the clamped edges of `positions`, held
 /// in place by `warped`.
-pub(crate) fn relaxed(
+fn relaxed(
     graph: &ClothGraph,
     system: &ScreenedPoisson,
     warped: &[Point3],

@@ -8,27 +8,83 @@ use garnet_mesh::{Point3, Vector3};
 use garnet_skin::ClothGraph;
 use rayon::prelude::*;
 
+use crate::cloth::{CLEARANCE_MARGIN, Cloth};
 use crate::contact::{Contact, ContactFinder};
+use crate::crossing::Crossing;
 use crate::directions::all_round;
+use crate::passes::verify::inside;
 
-/// A node inside the body moves by at most this, in metres.
+/// A node inside the body moves by at most this, in metres. Farther ones find more places, among them
+/// such on the wrong side of a limb.
 const INSIDE_RADIUS: f32 = 0.06;
 
-/// A node outside, but too near to the skin, moves by at most this, in metres.
+/// A node outside, but too near to the skin, moves by at most this, in metres: it is better too near
+/// than far from its neighbours.
 const NEAR_RADIUS: f32 = 0.012;
 
-/// Steps along each direction are no shorter than this, in metres.
+/// Steps along each direction are no shorter than this, in metres. Longer ones are faster and step
+/// over narrow gaps.
 const MIN_STEP: f32 = 5e-4;
 
 /// Edges may be stretched this much by the move before it counts as longer than it is.
 const FREE_STRETCH: f32 = 1.5;
 
-/// A place that stretches an edge by 1 more than that counts as this much farther, in metres.
+/// A place that stretches an edge by its rest length more than that counts as this much farther, in
+/// metres. Higher keeps nodes nearer to their neighbours than to where they were.
 const STRETCH_COST: f32 = 0.03;
+
+/// Moves single nodes that are left inside the body or too near to it to the nearest free
+/// place; returns those that found one.
+pub(crate) fn rescue(cloth: &mut Cloth<'_>, crossing: &Crossing) -> Vec<u32> {
+    let is_inside = inside(
+        cloth.scene.garment,
+        cloth.scene.finder.skin,
+        &cloth.positions,
+        &crossing.faces,
+    );
+    let lacks = |&node: &u32| {
+        let node = node as usize;
+        let position = cloth.positions[node];
+        let contact = &cloth.contacts[node];
+        let moved = (position - contact.position).norm();
+        let is_clear = moved < contact.distance - cloth.scene.options.clearance;
+        // Cloth that a simulation has put between two walls stays there.
+        let is_squeezed = cloth.scene.options.keeps_sides && contact.is_between();
+        if (is_clear || is_squeezed) && !is_inside[node] {
+            return false;
+        }
+        let hint = contact.closest.face;
+        let closest = cloth.scene.finder.skin.closest_from(position, hint);
+        let is_near = closest.distance_squared < cloth.scene.options.clearance.powi(2);
+        let is_trapped = cloth.scene.finder.traps.holds(&closest);
+        (is_inside[node] || is_near) && !is_trapped
+    };
+    let nodes = 0..cloth.positions.len() as u32;
+    let lacking: Vec<u32> = nodes.filter(lacks).collect();
+    let goal = cloth.scene.options.clearance + 0.5 * CLEARANCE_MARGIN;
+    let places = free_places(
+        cloth.scene.finder,
+        cloth.scene.garment.graph(),
+        &lacking,
+        &cloth.positions,
+        &cloth.contacts,
+        goal,
+    );
+    let mut moved = Vec::new();
+    for (node, place) in lacking.into_iter().zip(places) {
+        if let Some(place) = place {
+            let normal = cloth.contacts[node as usize].home;
+            cloth.positions[node as usize] = place;
+            cloth.contacts[node as usize] = cloth.found_on_the_way(node as usize, place, normal);
+            moved.push(node);
+        }
+    }
+    moved
+}
 
 /// The nearest place around each of `nodes` that is outside the body and keeps `clearance`, if there
 /// is one in reach.
-pub(crate) fn free_places(
+fn free_places(
     finder: &ContactFinder<'_>,
     graph: &ClothGraph,
     nodes: &[u32],

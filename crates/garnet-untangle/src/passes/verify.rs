@@ -6,8 +6,8 @@ use garnet_skin::BoundGarment;
 use rayon::prelude::*;
 
 use crate::UntangleReport;
-use crate::cloth::Cloth;
-use crate::contact::ContactFinder;
+use crate::cloth::{Cloth, Scene};
+use crate::crossing::Crossing;
 
 /// Nodes that one task measures.
 const CHUNK: usize = 256;
@@ -16,24 +16,20 @@ const CHUNK: usize = 256;
 const MOVED: f32 = 1e-4;
 
 /// Tests every node by winding number and distance, and counts what is left; tells which nodes are
-/// trapped.
-pub(crate) fn verified(
-    garment: &BoundGarment,
-    finder: &ContactFinder<'_>,
-    warped: &[Point3],
+/// trapped `[node]`.
+pub(crate) fn verify(
     cloth: &Cloth<'_>,
-    crossing: &[u32],
+    warped: &[Point3],
+    crossing: &Crossing,
 ) -> (UntangleReport, Vec<bool>) {
-    let skin = finder.skin;
+    let Scene {
+        garment, finder, ..
+    } = cloth.scene;
     let mut report = UntangleReport {
-        inside_before: cloth.inside_before.0,
-        deepest_before: cloth.inside_before.1,
-        contact_rounds: cloth.contact_rounds,
-        crossing_rounds: cloth.crossing_rounds,
         min_distance: f32::INFINITY,
-        ..UntangleReport::default()
+        ..cloth.report.clone()
     };
-    let is_inside = inside(garment, skin, &cloth.positions, crossing);
+    let is_inside = inside(garment, finder.skin, &cloth.positions, &crossing.faces);
     let mut is_trapped = vec![false; cloth.positions.len()];
     let measured = |node: usize| {
         let (closest, distance) = if is_inside[node] {
@@ -41,7 +37,7 @@ pub(crate) fn verified(
         } else {
             cloth.closest_outside(node)
         };
-        (distance, finder.embedded.is_trap(&closest))
+        (distance, finder.traps.holds(&closest))
     };
     let nodes = (0..cloth.positions.len())
         .into_par_iter()
@@ -61,13 +57,13 @@ pub(crate) fn verified(
             report.deepest = report.deepest.max(distance);
         } else {
             report.min_distance = report.min_distance.min(distance);
-            if distance < cloth.options.clearance {
+            if distance < cloth.scene.options.clearance {
                 report.below_clearance += 1;
                 report.squeezed += usize::from(contact.is_between());
             }
         }
     }
-    for &face in crossing {
+    for &face in &crossing.faces {
         let corners = garment.faces()[face as usize];
         if corners.iter().any(|&node| is_trapped[node as usize]) {
             report.crossing_faces_trapped += 1;

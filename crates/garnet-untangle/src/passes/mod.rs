@@ -1,0 +1,19 @@
+//! The passes of untangling, one a file, in the order in which [`untangle`](crate::untangle) runs them.
+
+mod ease;
+mod give_in;
+mod lift;
+mod mend;
+mod push;
+mod relax;
+mod rescue;
+mod verify;
+
+pub(crate) use ease::ease;
+pub(crate) use give_in::give_in;
+pub(crate) use lift::lift;
+pub(crate) use mend::mend;
+pub(crate) use push::push;
+pub(crate) use relax::{StretchRange, clamped_edges, relax};
+pub(crate) use rescue::rescue;
+pub(crate) use verify::verify;
