@@ -10,6 +10,9 @@ const PROBE: f32 = 5e-4;
 /// Skin this near to embedded skin leaves no room, in metres.
 const TRAP: f32 = 0.01;
 
+/// Slits and creases of one part leave cloth no room that is no deeper than this, in metres.
+const SLIT: f32 = 0.005;
+
 /// Edges shorter than this at rest have no stretch, in metres.
 const SHORTEST_EDGE: f32 = 1e-6;
 
@@ -30,7 +33,9 @@ pub struct Judgement {
     /// Vertices with room that are inside the body: winding number above 0.5.
     pub inside: usize,
     /// Vertices caught where the body runs through itself: their closest face, or a face whose
-    /// center is within 10 mm of their closest point, lies inside another part of the body.
+    /// center is within 10 mm of their closest point, lies inside another part of the body, probed
+    /// 0.5 mm before it; in a slit or crease of one part only if they are no farther from the skin than
+    /// 5 mm. The definition is that of [`garnet_knn::Traps`], written down once more.
     pub trapped: usize,
     /// Smallest distance to the skin of vertices outside and not trapped, in metres.
     pub min_distance: f32,
@@ -166,22 +171,37 @@ pub fn trapped(positions: &[Point3], skin: &Surface) -> Vec<bool> {
         Point3::from((a + b + c) / 3.0)
     };
     let centers: Vec<Point3> = skin.faces().iter().map(center).collect();
-    let probes = centers
-        .iter()
-        .zip(&normals)
-        .map(|(center, normal)| center + PROBE * normal);
-    let is_embedded = skin.contains_all(&probes.collect::<Vec<_>>());
-    let embedded = centers
-        .iter()
-        .zip(&is_embedded)
-        .filter(|(_, is_embedded)| **is_embedded);
-    let embedded: Vec<Point3> = embedded.map(|(center, _)| *center).collect();
-    let tree = VertexTree::new(&embedded).expect("centers of faces are finite");
+    let probed = |side: f32| {
+        let places = centers.iter().zip(&normals);
+        places.map(move |(center, normal)| center + side * PROBE * normal)
+    };
+    let is_covered = skin.contains_all(&probed(1.0).collect::<Vec<_>>());
+    let parts_behind = probed(-1.0).map(|place| skin.parts_around(place));
+    let has_room = is_covered.iter().map(|is_covered| !is_covered);
+    // How far from each face cloth is caught, at most.
+    let depth = |(has_room, parts): (bool, i32)| match (has_room, parts) {
+        (true, _) => 0.0,
+        (false, ..=1) => SLIT,
+        (false, _) => f32::INFINITY,
+    };
+    let depths: Vec<f32> = has_room.zip(parts_behind).map(depth).collect();
+    let tree_of = |least: f32| {
+        let faces = centers.iter().zip(&depths);
+        let faces = faces.filter(|(_, depth)| **depth >= least);
+        let middles: Vec<Point3> = faces.map(|(center, _)| *center).collect();
+        VertexTree::new(&middles).expect("centers of faces are finite")
+    };
+    let (slits, embedded) = (tree_of(SLIT), tree_of(f32::INFINITY));
     let closest = skin.closest_all(positions);
     let is_trap = closest.iter().map(|closest| {
-        let near = tree.nearest(closest.point);
-        is_embedded[closest.face as usize]
-            || near.is_some_and(|near| near.distance_squared < TRAP * TRAP)
+        let distance = closest.distance_squared.sqrt();
+        let is_near = |tree: &VertexTree| {
+            let near = tree.nearest(closest.point);
+            near.is_some_and(|near| near.distance_squared < TRAP * TRAP)
+        };
+        distance < depths[closest.face as usize]
+            || is_near(&embedded)
+            || (distance < SLIT && is_near(&slits))
     });
     is_trap.collect()
 }

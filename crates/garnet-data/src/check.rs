@@ -17,14 +17,15 @@ pub struct SceneReport {
     pub strain_max: f32,
     /// Share of the vertices faster than 5 mm/s.
     pub moving: f32,
-    /// Vertices inside the body that are not caught where it runs through itself.
+    /// Vertices inside the body that the simulator has [lost](garnet_sim::Lost): not those that it caught.
     pub inside: u32,
     /// The deepest of them, in metres.
     pub deepest: f32,
     /// Pairs of triangles of the garment that cross.
     pub self_intersections: u32,
     /// Such pairs where the body has no room for two layers of cloth, apart from those.
-    pub trapped_intersections: u32,
+    #[serde(rename = "trapped_intersections")]
+    pub squeezed_intersections: u32,
     /// How the reference solver brought the garment into balance, if it did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub balance: Option<BalanceReport>,
@@ -58,7 +59,7 @@ pub struct BalanceReport {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    /// Vertices inside the body.
+    /// Vertices inside the body that the simulator has [lost](garnet_sim::Lost).
     pub inside: u32,
     /// Strain that 1 % of the edges exceed.
     pub strain_p99: f32,
@@ -67,7 +68,8 @@ pub struct Limits {
     /// Pairs of triangles of the garment that cross.
     pub self_intersections: u32,
     /// Such pairs where the body has no room for two layers of cloth.
-    pub trapped_intersections: u32,
+    #[serde(rename = "trapped_intersections")]
+    pub squeezed_intersections: u32,
 }
 
 impl Default for Limits {
@@ -77,7 +79,7 @@ impl Default for Limits {
             strain_p99: 0.25,
             moving: 0.015,
             self_intersections: 20,
-            trapped_intersections: 100,
+            squeezed_intersections: 100,
         }
     }
 }
@@ -89,10 +91,10 @@ impl From<&DrapeReport> for SceneReport {
             strain_p99: report.strain.p99,
             strain_max: report.strain.max,
             moving: report.speeds.share_moving,
-            inside: report.penetration.num_inside as u32,
-            deepest: report.penetration.deepest,
+            inside: report.lost.num as u32,
+            deepest: report.lost.deepest,
             self_intersections: report.self_intersections.num_free as u32,
-            trapped_intersections: report.self_intersections.num_trapped as u32,
+            squeezed_intersections: report.self_intersections.num_squeezed as u32,
             balance: report.balance.as_ref().map(BalanceReport::from),
         }
     }
@@ -125,7 +127,7 @@ impl fmt::Display for Limits {
             100.0 * self.strain_p99,
             100.0 * self.moving,
             self.self_intersections,
-            self.trapped_intersections
+            self.squeezed_intersections
         )
     }
 }
@@ -137,7 +139,7 @@ impl Limits {
         strain_p99: f32::MAX,
         moving: f32::MAX,
         self_intersections: u32::MAX,
-        trapped_intersections: u32::MAX,
+        squeezed_intersections: u32::MAX,
     };
 
     /// The same for cloth that has not settled: it moves, and folds that press on each other have not slid yet.
@@ -168,8 +170,8 @@ impl Limits {
             let reason = format!("{} pairs of triangles cross", report.self_intersections);
             return Some(("self-intersection", reason));
         }
-        if report.trapped_intersections > self.trapped_intersections {
-            let pairs = report.trapped_intersections;
+        if report.squeezed_intersections > self.squeezed_intersections {
+            let pairs = report.squeezed_intersections;
             let reason = format!("{pairs} pairs of triangles cross where the body has no room");
             return Some(("trapped self-intersection", reason));
         }

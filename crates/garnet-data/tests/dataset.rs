@@ -39,7 +39,7 @@ fn options(threads: usize) -> DatasetOptions {
             strain_p99: 1.0,
             moving: 1.0,
             self_intersections: 10_000,
-            trapped_intersections: 10_000,
+            squeezed_intersections: 10_000,
         },
         part: (0, 1),
         threads,

@@ -17,7 +17,8 @@ use crate::parts::{allowed_parts, collider};
 use crate::{BodyPath, GarmentPackage, Moment, PackageError, Settling};
 
 /// Distances from the skin at rest from which on air carries cloth along, a little and wholly, in
-/// metres. With air between skin and the tightest cloth, too, more dresses do not come to rest.
+/// metres. Lower ones hold tight cloth to the warp, which strains it and lets fewer dresses rest; higher
+/// ones leave loose cloth to chance. 0 for both was tried (docs/experiments/013).
 const LOOSE: [f32; 2] = [0.002, 0.006];
 
 /// More of the vertices inside the body at rest than this, and the garment does not lie on it.

@@ -96,7 +96,7 @@ fn line(drape: &Drape) -> String {
     });
     balance
         + &format!(
-            "strain p50 {:.2} p99 {:.2} max {:.0} % | {:.2} % moving, at most {:.1} mm/s | {} inside, {} trapped, {} freed | {} crossings and {} trapped",
+            "strain p50 {:.2} p99 {:.2} max {:.0} % | {:.2} % moving, at most {:.1} mm/s | {} inside, {} trapped, {} freed | {} crossings and {} squeezed",
             1e2 * strain.p50,
             1e2 * strain.p99,
             1e2 * strain.max,
@@ -106,7 +106,7 @@ fn line(drape: &Drape) -> String {
             inside.num_trapped,
             report.num_freed,
             report.self_intersections.num_free,
-            report.self_intersections.num_trapped,
+            report.self_intersections.num_squeezed,
         )
 }
 

@@ -2,9 +2,11 @@
 
 use std::ops::ControlFlow;
 
+use garnet_knn::TORN_STRETCH;
+
 use crate::body_on_way::BodyOnWay;
 use crate::reference::{Balance, balance};
-use crate::report::{Penetration, SelfIntersections, Speeds, Strain, free};
+use crate::report::{Lost, Penetration, SelfIntersections, Speeds, Strain, free};
 use crate::solver::Solver;
 use crate::{Cloth, DrapeReport, Energy, Point3, Scene, Schedule, SimError, Stage};
 
@@ -49,8 +51,9 @@ pub enum Event<'a> {
     },
 }
 
-/// Edges more often as long as at rest than this are torn.
-const TORN: f32 = 10.0;
+/// Cloth with an edge that is longer than this over its length at rest has flown apart and is refused.
+/// Lower ones refuse cloth that is torn at one edge alone.
+const FLOWN_APART: f32 = 5.0 * TORN_STRETCH;
 
 /// Speeds are measured over the frames of the last so many seconds.
 const SPEED_SECONDS: f32 = 0.1;
@@ -131,16 +134,18 @@ pub fn drape(
         arrived,
         midway,
     } = run;
+    let surface = skin.as_ref().map(|body| body.skin().surface());
     let report = DrapeReport {
         strain: Strain::of(scene.cloth, &positions),
         rib_strain: Strain::of_ribs(scene.cloth, &positions),
         speeds,
         balance,
         num_freed,
-        penetration: skin.as_ref().map_or_else(Penetration::default, |body| {
-            Penetration::of(&positions, body.skin().surface())
+        penetration: surface.map_or_else(Penetration::default, |skin| {
+            Penetration::of(&positions, skin)
         }),
-        self_intersections: SelfIntersections::of(scene.cloth, &positions, solver.is_trapped()),
+        lost: surface.map_or_else(Lost::default, |skin| Lost::of(&positions, skin)),
+        self_intersections: SelfIntersections::of(scene.cloth, &positions, solver.is_squeezed()),
         energy: Energy::of(scene.cloth, &positions, schedule.gravity),
         num_substeps: clock.substeps_done,
         seconds: clock.seconds(),
@@ -316,11 +321,13 @@ impl Run<'_> {
         // Of all numbers NaN is the largest in this order.
         let longest = factors.reduce(|a, b| if b.0.total_cmp(&a.0).is_gt() { b } else { a });
         match longest {
-            Some((factor, vertices)) if factor.is_nan() || factor > TORN => Err(SimError::Torn {
-                vertices,
-                factor,
-                seconds: self.clock.seconds(),
-            }),
+            Some((factor, vertices)) if factor.is_nan() || factor > FLOWN_APART => {
+                Err(SimError::Torn {
+                    vertices,
+                    factor,
+                    seconds: self.clock.seconds(),
+                })
+            }
             _ => Ok(()),
         }
     }

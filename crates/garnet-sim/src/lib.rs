@@ -29,7 +29,7 @@ pub use fabric::{DEFAULT_THICKNESS, FABRIC_NAMES, Fabric, USUAL_COMPRESSION};
 pub use garnet_mesh::{Point3, Vector3};
 pub use moment::{FALLEN, Moment};
 pub use report::{
-    DrapeReport, Energy, Penetration, STILL_SPEED, SelfIntersections, Speeds, Strain,
+    DrapeReport, Energy, Lost, Penetration, STILL_SPEED, SelfIntersections, Speeds, Strain,
 };
 pub use rest_shape::{GRIP, RestShape};
 pub use scene::{MovingBody, Scene, Wind};

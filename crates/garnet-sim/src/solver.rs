@@ -200,7 +200,7 @@ impl<'a> Solver<'a> {
 
     /// Whether each vertex lay where the body has no room for it when the contacts were refreshed last
     /// `[vertex]`.
-    pub(crate) fn is_trapped(&self) -> &[bool] {
+    pub(crate) fn is_squeezed(&self) -> &[bool] {
         &self.contacts.is_squeezed
     }
 

@@ -128,7 +128,7 @@ impl Measured {
             strain_p99: of(|report| report.strain_p99)?,
             moving: of(|report| report.moving)?,
             self_intersections: pairs(|report| report.self_intersections)?,
-            trapped_intersections: pairs(|report| report.trapped_intersections)?,
+            trapped_intersections: pairs(|report| report.squeezed_intersections)?,
         })
     }
 }

@@ -142,9 +142,11 @@ pub(crate) struct SimulationReport {
 pub(crate) struct PenetrationReport {
     pub(crate) inside: usize,
     pub(crate) deepest_m: f32,
-    /// Those of simulated cloth that the body leaves no room for, because it runs through itself there,
-    /// apart; none of warped cloth, where all count as inside.
+    /// Vertices of simulated cloth that are trapped, inside or not; none of warped cloth, where all that
+    /// is inside counts.
     pub(crate) trapped: Option<usize>,
+    /// Trapped vertices inside the body.
+    pub(crate) trapped_inside: Option<usize>,
     /// Faces of the garment that cross skin which lies in no other part of the body.
     pub(crate) crossing_faces: usize,
 }
@@ -160,6 +162,7 @@ impl PenetrationReport {
                 inside: found.num_inside,
                 deepest_m: found.deepest,
                 trapped: Some(found.num_trapped),
+                trapped_inside: Some(found.num_trapped_inside),
                 crossing_faces,
             };
         }
@@ -168,6 +171,7 @@ impl PenetrationReport {
             inside: found.inside,
             deepest_m: found.deepest,
             trapped: None,
+            trapped_inside: None,
             crossing_faces,
         }
     }
