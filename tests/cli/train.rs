@@ -417,7 +417,6 @@ fn what_cannot_be_followed_is_refused() {
         "global --config global.toml",
         "naive --config tiny.toml",
         "local-params --preset tiny",
-        "mine --from w.safetensors --preset light",
     ] {
         train(own, "cannot read `nowhere/dataset.json`");
     }
