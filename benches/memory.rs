@@ -56,7 +56,7 @@ fn measure(preset: &str, size: usize, what: &str) {
     let mut kept = None;
     if what == "prediction" {
         let config = GarNetConfig::preset(preset).expect("the preset is there");
-        let mut predictor = stage.predictor(config);
+        let predictor = stage.predictor(config);
         for _ in 0..3 {
             predictor
                 .predict(&stage.input())

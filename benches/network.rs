@@ -113,8 +113,8 @@ fn drape(criterion: &mut Criterion) {
             let make = || {
                 let scene = Scene::new(size);
                 let bound = scene.bound();
-                let network = Network::untrained(name, &bound, &scene.body);
-                (scene, bound, network.expect("the preset is there"))
+                let network = Network::untrained(name, &bound).expect("the preset is there");
+                (scene, Draper::new(bound).with_network(network, 0))
             };
             on_threads(
                 criterion,
@@ -122,12 +122,8 @@ fn drape(criterion: &mut Criterion) {
                 BenchmarkId::new(name, size),
                 make,
                 |made| {
-                    let (scene, bound, network) = made;
-                    let warped = network.warped(bound, &scene.posed);
-                    let warped = warped.expect("the body is that of the garment");
-                    let moved = network.moved(bound, &scene.posed, &warped);
-                    let moved = moved.expect("the body is finite");
-                    let draped = Draper::new().finish(bound, &scene.posed, &moved.garment);
+                    let (scene, draper) = made;
+                    let draped = draper.drape(&scene.posed);
                     draped.expect("the body is that of the garment");
                 },
             );

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use garnet::{
-    Body, Draper, PackagedGarment, PosedBody,
+    Body, Draper, Package, PosedBody,
     io::ObjFile,
     package::GarmentPackage,
     poses::{PoseSampler, Poser, SelfContact},
@@ -51,11 +51,16 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/tshirt")
 }
 
-fn opened(variant: Option<&str>) -> PackagedGarment {
-    PackagedGarment::open(&folder(), variant).expect("the package has the variant")
+fn opened(variant: Option<&str>) -> Draper {
+    let package = Package::open(folder()).expect("the package can be read");
+    let draper = match variant {
+        Some(variant) => package.draper(variant),
+        None => package.default_draper(),
+    };
+    draper.expect("the package has the variant")
 }
 
-fn drape(shirt: &mut PackagedGarment, target: &PosedBody) {
+fn drape(shirt: &Draper, target: &PosedBody) {
     shirt.drape(target).expect("the target is of the body");
 }
 
@@ -86,26 +91,26 @@ fn people(body: &Body) -> Vec<PosedBody> {
 
 fn package(criterion: &mut Criterion) {
     let variants = variants();
-    let target = reach(opened(None).body());
+    let target = reach(opened(None).garment().body());
     for (name, variant) in &variants {
         let variant = variant.as_deref();
-        let run = |(): &mut ()| drape(&mut opened(variant), &target);
+        let run = |(): &mut ()| drape(&opened(variant), &target);
         let id = BenchmarkId::from_parameter(name);
         on_threads(criterion, "package/cold", id, || (), run);
     }
     for (name, variant) in &variants {
         let make = || opened(variant.as_deref());
-        let run = |shirt: &mut PackagedGarment| drape(shirt, &target);
+        let run = |shirt: &mut Draper| drape(shirt, &target);
         let id = BenchmarkId::from_parameter(name);
         on_threads(criterion, "package/bound", id, make, run);
     }
     for (name, variant) in &variants {
         let make = || {
             let shirt = opened(variant.as_deref());
-            let people = people(shirt.body());
+            let people = people(shirt.garment().body());
             (shirt, people)
         };
-        let run = |(shirt, people): &mut (PackagedGarment, Vec<PosedBody>)| {
+        let run = |(shirt, people): &mut (Draper, Vec<PosedBody>)| {
             people.iter().for_each(|target| drape(shirt, target));
         };
         let id = BenchmarkId::from_parameter(name);
@@ -117,20 +122,12 @@ fn own(criterion: &mut Criterion) {
     for size in SIZES {
         let make = || {
             let scene = Scene::new(size);
-            (scene.bound(), scene.posed, Draper::new())
+            (Draper::new(scene.bound()), scene.posed)
         };
         let id = BenchmarkId::from_parameter(size);
-        on_threads(
-            criterion,
-            "own/bound",
-            id,
-            make,
-            |(garment, posed, draper)| {
-                draper
-                    .drape(garment, posed)
-                    .expect("the tunic can be draped");
-            },
-        );
+        on_threads(criterion, "own/bound", id, make, |(draper, posed)| {
+            draper.drape(posed).expect("the tunic can be draped");
+        });
     }
 }
 

@@ -3,6 +3,7 @@
 //! `GARNET_ASSETS` names a folder with `scenes/*/scene.json`; without it there is nothing to measure.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use garnet::{
@@ -40,13 +41,14 @@ fn bench_scenes(criterion: &mut Criterion) {
         let finer = subdivided(&authored).expect("the mesh can be subdivided");
         for mesh in [finer, authored] {
             let bound = Garment::new(mesh).bind(&body).expect("the garment binds");
-            let draper = Draper::new();
-            let warped = draper.warp(&bound, &posed).expect("the body fits");
             let num_nodes = bound.cloth().rest().len();
+            let draper = Draper::new(bound);
+            let placed = draper.place(&posed, &AtomicBool::new(false));
+            let placed = placed.expect("the body fits");
             group.throughput(Throughput::Elements(num_nodes as u64));
             let id = BenchmarkId::new(&scene.name, num_nodes);
             group.bench_function(id, |bencher| {
-                bencher.iter(|| draper.finish(&bound, &posed, &warped));
+                bencher.iter(|| draper.untangle(placed.clone()));
             });
         }
     }

@@ -32,7 +32,7 @@ fn draped(garment: TriMesh, body: &Body, pose: &Pose) {
         return;
     };
     let Ok(posed) = body.posed(pose) else { return };
-    if let Ok(drape) = Draper::new().drape(&bound, &posed) {
+    if let Ok(drape) = Draper::new(bound).drape(&posed) {
         let mut values = drape.positions.iter().flat_map(|p| p.iter());
         assert!(values.all(|value| value.is_finite()));
     }
@@ -89,7 +89,7 @@ proptest! {
         if let (Ok(posed), Ok(bound)) =
             (body.fitted(&positions), Garment::new(body.rest().clone()).bind(&body))
         {
-            let _either = Draper::new().drape(&bound, &posed);
+            let _either = Draper::new(bound).drape(&posed);
         }
     }
 }

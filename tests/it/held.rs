@@ -58,7 +58,7 @@ pub(crate) fn held(
     body: &PosedBody,
     bars: Bars,
 ) -> Held {
-    let drape = Draper::new().drape(garment, body).unwrap();
+    let drape = Draper::new(garment.clone()).drape(body).unwrap();
     let report = drape.report.unwrap();
     let judgement = judge.judge(&drape.positions, body.skin());
     let clearance = UntangleOptions::default().clearance;

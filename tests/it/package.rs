@@ -1,103 +1,85 @@
 //! The trained garment that comes with the repository, by the library, as the README says.
 
-use std::{path::Path, sync::atomic::AtomicBool};
+use std::path::{Path, PathBuf};
 
 use garnet::{
-    Draper, Garment, Moment, Network, PackagedGarment, Pose, UnitQuaternion, Vector3, Warped,
+    DrapeOptions, Draper, Fallback, Package, Point3, Pose, PosedBody, UnitQuaternion, Vector3,
     edge_stretch, io,
-    package::{BodyPath, GarmentPackage, Settling, Teacher},
+    package::{Limit, Moment},
 };
+
+fn models() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../models")
+}
+
+fn shirt() -> Package {
+    Package::open(models().join("tshirt")).unwrap()
+}
+
+fn reach(shirt: &Package) -> PosedBody {
+    let reach = io::ObjFile::read(models().join("demo/reach.obj")).unwrap();
+    shirt.body().fitted(reach.positions()).unwrap()
+}
+
+/// What 1 % of the edges exceed, over their length at rest.
+fn stretch(shirt: &Package, positions: &[Point3]) -> f32 {
+    let mesh = shirt.garment().mesh();
+    let edges = garnet_mesh::Topology::new(mesh.num_vertices(), mesh.faces());
+    let found = edge_stretch(mesh.positions(), positions, edges.edges());
+    found.unwrap().p99
+}
 
 #[test]
 fn the_shirt_settles_from_where_it_arrives_and_is_free() {
-    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
-    let folder = models.join("tshirt");
-    let package = GarmentPackage::read(&folder).unwrap();
-    let variant = package.manifest.variant("arrival").unwrap();
-    let weights = package.manifest.weights_of(&folder, "arrival").unwrap();
-    let garment = Garment::new(package.mesh.clone())
-        .bind(&package.body)
-        .unwrap();
-    let mut network = Network::load(weights, &garment, &package.body, &[]).unwrap();
-    let moment = network.moment();
-    assert_eq!(
-        (moment, variant.settle_frames),
-        (Moment::Arrival, Some(moment.settle_frames()))
-    );
-
-    let reach = io::ObjFile::read(models.join("demo/reach.obj")).unwrap();
-    let target = package.body.fitted(reach.positions()).unwrap();
-    let warped = network.warped(&garment, &target).unwrap();
-    let moved = network.moved(&garment, &target, &warped).unwrap();
-    assert!(moved.fallback.is_none());
-    let from = moved.garment.positions(&garment);
-    let teacher = Teacher::new(&package).unwrap();
-    let (settling, stop) = (Settling::of(moment), AtomicBool::new(false));
-    let settled = teacher
-        .settled(&package.body, &target, &from, settling, &stop)
-        .unwrap();
-    let draper = Draper::new();
-    let arrived = Warped::at(&garment, &from);
-    let rested = Warped::settled(&garment, &settled, settling);
-    let [arrived, rested] =
-        [arrived, rested].map(|put| draper.finish(&garment, &target, &put).unwrap());
-    let report = rested.report.as_ref().unwrap();
-    assert_eq!(report.inside, 0);
-
-    let edges = garnet_mesh::Topology::new(package.mesh.num_vertices(), package.mesh.faces());
-    let stretch = |places: &[garnet::Point3]| {
-        let rest = package.mesh.positions();
-        edge_stretch(rest, places, edges.edges()).unwrap().p99
-    };
-    let [arrived, rested] = [arrived, rested].map(|drape| stretch(&drape.positions));
+    let shirt = shirt();
+    let target = reach(&shirt);
+    let draper = shirt.draper("arrival").unwrap();
+    let rested = draper.drape(&target).unwrap();
+    assert_eq!(rested.provenance.predicted, Some(Moment::Arrival));
+    assert_eq!(rested.provenance.relaxed_from, Some(Moment::Arrival));
+    assert_eq!(rested.report.as_ref().unwrap().inside, 0);
+    let options = DrapeOptions::default().with_relax_frames(0);
+    let arrived = draper.with_options(options).drape(&target).unwrap();
+    assert_eq!(arrived.provenance.relaxed_from, None);
+    let [arrived, rested] = [arrived, rested].map(|drape| stretch(&shirt, &drape.positions));
     println!("stretch p99 {arrived:.3}, settled {rested:.3}");
     assert!(rested < 1.08 && rested < arrived, "{arrived} {rested}");
 }
 
 #[test]
 fn the_shirt_goes_on_from_where_it_is_midway() {
-    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
-    let folder = models.join("tshirt");
-    let package = GarmentPackage::read(&folder).unwrap();
-    let weights = package.manifest.weights_of(&folder, "midway").unwrap();
-    let garment = Garment::new(package.mesh.clone())
-        .bind(&package.body)
-        .unwrap();
-    let mut network = Network::load(weights, &garment, &package.body, &[]).unwrap();
-    let moment = network.moment();
-    assert_eq!(moment, Moment::Midway);
-
-    let reach = io::ObjFile::read(models.join("demo/reach.obj")).unwrap();
-    let target = package.body.fitted(reach.positions()).unwrap();
-    let path = BodyPath::to_posed(&package.body, &target);
-    let halfway = path.posed(&package.body, moment.motion_share()).unwrap();
-    let warped = network.warped(&garment, &halfway).unwrap();
-    let moved = network.moved(&garment, &halfway, &warped).unwrap();
-    assert!(moved.fallback.is_none());
-    let from = moved.garment.positions(&garment);
-    let (teacher, stop) = (Teacher::new(&package).unwrap(), AtomicBool::new(false));
-    let settled = teacher
-        .settled(&package.body, &target, &from, Settling::of(moment), &stop)
-        .unwrap();
-    let put = Warped::settled(&garment, &settled, Settling::of(moment));
-    let drape = Draper::new().finish(&garment, &target, &put).unwrap();
+    let shirt = shirt();
+    let target = reach(&shirt);
+    let drape = shirt.draper("midway").unwrap().drape(&target).unwrap();
+    let provenance = &drape.provenance;
+    assert_eq!(provenance.predicted, Some(Moment::Midway));
+    assert!(provenance.fallback.is_none() && provenance.unrelaxed.is_none());
     assert_eq!(drape.report.as_ref().unwrap().inside, 0);
-    let edges = garnet_mesh::Topology::new(package.mesh.num_vertices(), package.mesh.faces());
-    let rest = package.mesh.positions();
-    let stretch = edge_stretch(rest, &drape.positions, edges.edges()).unwrap();
-    assert!(stretch.p99 < 1.08, "{}", stretch.p99);
+    let found = stretch(&shirt, &drape.positions);
+    assert!(found < 1.08, "{found}");
+    let same = shirt.default_draper().unwrap().drape(&target).unwrap();
+    assert_eq!(same.positions, drape.positions, "it is the default");
+}
 
-    let mut packaged = PackagedGarment::open(&folder, None).unwrap();
-    let same = packaged.drape(&target).unwrap();
-    assert!(same.fallback.is_none() && same.unsettled.is_none());
-    assert_eq!(same.drape.positions, drape.positions, "it is the default");
+#[test]
+fn threads_share_a_draper_and_drape_as_one_does() {
+    let shirt = shirt();
+    let target = reach(&shirt);
+    for variant in ["fast", "local"] {
+        let draper = shirt.draper(variant).unwrap();
+        let alone = draper.drape(&target).unwrap().positions;
+        let together = std::thread::scope(|scope| {
+            let threads = [(); 2].map(|()| scope.spawn(|| draper.drape(&target).unwrap()));
+            threads.map(|thread| thread.join().unwrap().positions)
+        });
+        assert!(together.iter().all(|found| *found == alone), "{variant}");
+    }
 }
 
 #[test]
 fn a_packaged_shirt_does_without_its_network_where_that_knows_no_better() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/tshirt");
-    let package = GarmentPackage::read(&folder).unwrap();
-    let skeleton = package.body.skeleton();
+    let shirt = shirt();
+    let skeleton = shirt.body().skeleton();
     let mut pose = Pose::rest(skeleton.num_joints());
     // Bent backwards as nobody can.
     for (joint, rotation) in skeleton.joints().iter().zip(&mut pose.rotations) {
@@ -105,55 +87,81 @@ fn a_packaged_shirt_does_without_its_network_where_that_knows_no_better() {
             *rotation = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -1.2);
         }
     }
-    let target = package.body.posed(&pose).unwrap();
-    let edges = garnet_mesh::Topology::new(package.mesh.num_vertices(), package.mesh.faces());
-    let mut stretch = Vec::new();
-    for variant in ["pose-space", "midway"] {
-        let mut shirt = PackagedGarment::open(&folder, Some(variant)).unwrap();
-        let draped = shirt.drape(&target).unwrap();
-        assert!(draped.unsettled.is_none(), "{:?}", draped.unsettled);
-        assert!(draped.fallback.is_some(), "{variant}");
-        let drape = draped.drape;
+    let target = shirt.body().posed(&pose).unwrap();
+    let mut found = Vec::new();
+    for variant in ["falling", "midway"] {
+        let drape = shirt.draper(variant).unwrap().drape(&target).unwrap();
+        let provenance = &drape.provenance;
+        let unrelaxed = &provenance.unrelaxed;
+        assert!(unrelaxed.is_none(), "{unrelaxed:?}");
+        let fallback = provenance.fallback.as_ref();
+        assert!(
+            matches!(fallback, Some(Fallback::Unfamiliar(_))),
+            "{variant}"
+        );
         assert_eq!(drape.report.as_ref().unwrap().inside, 0);
-        let rest = package.mesh.positions();
-        let found = edge_stretch(rest, &drape.positions, edges.edges()).unwrap();
-        stretch.push(found.p99);
-        if variant == "pose-space" {
-            let warped = Draper::new().drape(shirt.garment(), &target).unwrap();
+        found.push(stretch(&shirt, &drape.positions));
+        if variant == "falling" {
+            let warped = Draper::new(shirt.garment().clone()).drape(&target).unwrap();
             assert_eq!(drape.positions, warped.positions);
         }
     }
     println!(
         "stretch p99 warped {:.2}, simulated {:.2}",
-        stretch[0], stretch[1]
+        found[0], found[1]
     );
-    assert!(stretch[1] < 0.9 * stretch[0], "{stretch:?}");
+    assert!(found[1] < 0.9 * found[0], "{found:?}");
 
-    let error = PackagedGarment::open(&folder, Some("best")).unwrap_err();
+    let error = shirt.draper("best").unwrap_err();
     assert!(error.to_string().contains("`best`"), "{error}");
 }
 
 #[test]
-fn a_shirt_beside_the_body_is_refused() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/tshirt");
-    let package = GarmentPackage::read(&folder).unwrap();
-    let shifted = |shift: Vector3| {
-        let moved = package.mesh.positions().iter().map(|point| point + shift);
-        let mesh = package.mesh.with_positions(moved.collect()).unwrap();
-        Garment::new(mesh).bind(&package.body)
-    };
-    assert!(shifted(Vector3::zeros()).is_ok());
-    for way in [
-        Vector3::x(),
-        -Vector3::x(),
-        Vector3::y(),
-        Vector3::z(),
-        -Vector3::z(),
+fn variants_have_the_names_that_people_choose_by_and_their_old_ones() {
+    let shirt = shirt();
+    for (name, old) in [
+        ("fast", "falling"),
+        ("balanced", "arrival"),
+        ("accurate", "midway"),
     ] {
-        let found = shifted(way * 0.7);
-        assert!(
-            matches!(found, Err(garnet::Error::Misplaced(_))),
-            "{way} is accepted"
-        );
+        let variant = shirt.manifest().variant(name).unwrap();
+        assert_eq!(Some(variant), shirt.manifest().variant(old));
+        assert_eq!(variant.name, name);
     }
+    let within = |limit| {
+        let (_, choice) = shirt.draper_within(limit).unwrap();
+        let chosen = choice.candidate().map(|found| found.variant.clone());
+        (choice.is_met, chosen)
+    };
+    let accurate = Some("accurate".to_owned());
+    assert_eq!(within(Limit::Seconds(3600.0)), (true, accurate));
+    assert_eq!(within(Limit::Seconds(1e-9)), (false, None));
+    let fast = Some("fast".to_owned());
+    assert_eq!(within(Limit::Distance(0.0055)), (true, fast));
+}
+
+#[test]
+fn a_drape_is_written_with_all_but_the_positions_of_the_template() {
+    let shirt = shirt();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("draped.obj");
+    let moved: Vec<Point3> = (shirt.garment().mesh().positions().iter())
+        .map(|place| place + Vector3::new(0.0, 0.5, 0.0))
+        .collect();
+    shirt.write(&path, &moved).unwrap();
+    let rest_of = |text: &str| {
+        let is_kept = |line: &&str| !line.starts_with("v ") && !line.starts_with("vn ");
+        let lines = text.lines().filter(is_kept).map(str::to_owned);
+        lines.collect::<Vec<_>>()
+    };
+    let written = std::fs::read_to_string(&path).unwrap();
+    let template = std::fs::read_to_string(models().join("tshirt/template.obj")).unwrap();
+    assert!(template.lines().any(|line| line.starts_with("vt ")));
+    assert_eq!(rest_of(&written), rest_of(&template));
+    let first = |text: &str| {
+        text.lines()
+            .find(|line| line.starts_with("v "))
+            .map(str::to_owned)
+    };
+    assert_ne!(first(&written), first(&template));
 }

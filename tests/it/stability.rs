@@ -46,7 +46,7 @@ fn drape_on(threads: usize, garment: &TriMesh) -> Vec<Point3> {
         let body = mannequin(0.025);
         let bound = Garment::new(garment.clone()).bind(&body).unwrap();
         let target = body.posed(&reach()).unwrap();
-        Draper::new().drape(&bound, &target).unwrap().positions
+        Draper::new(bound).drape(&target).unwrap().positions
     })
 }
 
@@ -72,25 +72,21 @@ fn a_drape_is_the_same_to_the_bit_on_every_run_with_any_number_of_threads() {
 fn one_bound_garment_drapes_many_bodies_at_once() {
     let body = figure();
     let bound = Garment::new(skirt()).bind(&body).unwrap();
-    let draper = Draper::new();
+    let draper = Draper::new(bound);
     let angles = [0.0, 0.2, 0.4, 0.6];
     let alone: Vec<_> = angles
         .iter()
         .map(|&angle| {
             draper
-                .drape(&bound, &body.posed(&step(angle)).unwrap())
+                .drape(&body.posed(&step(angle)).unwrap())
                 .unwrap()
                 .positions
         })
         .collect();
     let together: Vec<_> = std::thread::scope(|scope| {
         let spawned = angles.map(|angle| {
-            let (bound, body, draper) = (&bound, &body, &draper);
-            scope.spawn(move || {
-                draper
-                    .drape(bound, &body.posed(&step(angle)).unwrap())
-                    .unwrap()
-            })
+            let (body, draper) = (&body, &draper);
+            scope.spawn(move || draper.drape(&body.posed(&step(angle)).unwrap()).unwrap())
         });
         spawned
             .into_iter()
@@ -114,11 +110,12 @@ fn an_arm_that_comes_to_rest_on_the_trunk_does_not_make_the_shirt_jump() {
     let body = figure();
     let garment = shirt();
     let bound = Garment::new(garment.clone()).bind(&body).unwrap();
+    let draper = Draper::new(bound);
     let mut last: Option<Vec<Point3>> = None;
     let mut worst = [0.0_f32; 2];
     for index in 0..NUM_STEPS {
         let posed = body.posed(&lowered(0.85 + STEP * index as f32)).unwrap();
-        let positions = Draper::new().drape(&bound, &posed).unwrap().positions;
+        let positions = draper.drape(&posed).unwrap().positions;
         let farthest = |from: &[Point3]| {
             let distances = from.iter().zip(&positions).map(|(a, b)| (a - b).norm());
             distances.fold(0.0, f32::max)

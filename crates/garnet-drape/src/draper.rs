@@ -1,22 +1,101 @@
-//! Draping: warp, then untangle.
+//! The drape: warp, predict, relax, untangle.
+
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 use garnet_mesh::Point3;
-use garnet_skin::{PosedBody, Warp};
+#[cfg(feature = "package")]
+use garnet_sim::Moment;
+use garnet_skin::{BodyAtHome, PosedBody, Warp};
 use garnet_untangle::{UntangleOptions, UntangleReport, untangle};
 
+#[cfg(feature = "package")]
+use crate::predicted::Learned;
 use crate::{BoundGarment, Error};
 
 /// How a garment is draped.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+///
+/// ```
+/// use garnet_drape::DrapeOptions;
+///
+/// let options = DrapeOptions::default().with_clearance(0.003).with_relax_frames(12);
+/// assert_eq!(options.untangle.map(|untangle| untangle.clearance), Some(0.003));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct DrapeOptions {
-    /// How the garment is brought to the target body.
+    /// How the garment is brought to the body where no network predicts it.
     pub warp: Warp,
-    /// How it is freed of penetrations; `None` leaves the warp as it is.
+    /// How it is freed of penetrations; `None` leaves them.
     pub untangle: Option<UntangleOptions>,
+    /// For how many frames of a sixtieth of a second the cloth is simulated where it was brought;
+    /// `None` leaves that to what brings it. Only garments with a simulator are relaxed.
+    pub relax_frames: Option<u32>,
+}
+
+impl Default for DrapeOptions {
+    fn default() -> Self {
+        Self {
+            warp: Warp::Shape,
+            untangle: Some(UntangleOptions::default()),
+            relax_frames: None,
+        }
+    }
+}
+
+impl DrapeOptions {
+    /// The same with another warp.
+    #[must_use]
+    pub fn with_warp(self, warp: Warp) -> Self {
+        Self { warp, ..self }
+    }
+
+    /// The same with another smallest distance between cloth and skin, in metres.
+    #[must_use]
+    pub fn with_clearance(self, clearance: f32) -> Self {
+        let untangle = self.untangle.unwrap_or_default();
+        Self {
+            untangle: Some(UntangleOptions {
+                clearance,
+                ..untangle
+            }),
+            ..self
+        }
+    }
+
+    /// The same, freed of penetrations as is said.
+    #[must_use]
+    pub fn with_untangling(self, untangle: UntangleOptions) -> Self {
+        Self {
+            untangle: Some(untangle),
+            ..self
+        }
+    }
+
+    /// The same with penetrations left as they are.
+    #[must_use]
+    pub fn without_untangling(self) -> Self {
+        Self {
+            untangle: None,
+            ..self
+        }
+    }
+
+    /// The same with so many frames of relaxation, each a sixtieth of a second.
+    #[must_use]
+    pub fn with_relax_frames(self, frames: u32) -> Self {
+        Self {
+            relax_frames: Some(frames),
+            ..self
+        }
+    }
 }
 
 /// A draped garment.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Drape {
     /// Positions `[vertex]`, in metres, in the order of the garment's mesh.
     pub positions: Vec<Point3>,
@@ -25,75 +104,180 @@ pub struct Drape {
     pub is_trapped: Vec<bool>,
     /// What untangling found and left; `None` if it was not asked for.
     pub report: Option<UntangleReport>,
+    /// How the drape came about.
+    pub provenance: Provenance,
+    /// How long each step took.
+    pub seconds: DrapeSeconds,
 }
 
-/// Drapes bound garments on posed bodies.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Draper {
-    options: DrapeOptions,
+/// How a drape came about.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct Provenance {
+    /// The moment at which a network has predicted the cloth; `None` without a prediction.
+    #[cfg(feature = "package")]
+    pub predicted: Option<Moment>,
+    /// The moment from which the cloth was simulated; `None` if it was not.
+    #[cfg(feature = "package")]
+    pub relaxed_from: Option<Moment>,
+    /// Why the drape is not the one that was asked for; `None` if it is.
+    pub fallback: Option<Fallback>,
+    /// Why the cloth could not be simulated from where it was brought; `None` if it could, or was not
+    /// to be.
+    pub unrelaxed: Option<Arc<Error>>,
 }
 
-/// A garment warped to a body, not yet untangled.
-#[derive(Debug, Clone)]
-pub struct Warped {
-    /// Positions `[node]`, in metres; see [`garnet_skin::Weld`].
-    pub(crate) nodes: Vec<Point3>,
-    pub(crate) put_by: PutBy,
+/// Why a drape is not the one that was asked for.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Fallback {
+    /// The network was not trusted: the garment was warped by pose and shape, or, if the network
+    /// predicts cloth on the way, simulated all the way from the body at rest.
+    #[cfg(feature = "package")]
+    Unfamiliar(crate::Unfamiliar),
+    /// What the network predicts on the way could not be simulated further: the garment was warped by
+    /// pose and shape.
+    OnTheWay,
+}
+
+impl fmt::Display for Fallback {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            #[cfg(feature = "package")]
+            Self::Unfamiliar(reason) => reason.fmt(formatter),
+            Self::OnTheWay => formatter.write_str("what is midway could not be simulated further"),
+        }
+    }
+}
+
+/// Times of the steps of a drape, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct DrapeSeconds {
+    /// The warp; or, for [`Draper::simulate`], the simulation.
+    pub warp: f64,
+    /// The network, with all that it needs of a scene; 0 without one.
+    pub predict: f64,
+    /// The simulation of what was brought; 0 if it was left there.
+    pub relax: f64,
+    /// Untangling; 0 if it was not asked for.
+    pub untangle: f64,
+}
+
+impl DrapeSeconds {
+    /// All steps together.
+    pub fn total(&self) -> f64 {
+        self.warp + self.predict + self.relax + self.untangle
+    }
 }
 
 /// What has brought a garment to where it is untangled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum PutBy {
-    Skinning,
+pub enum PlacedBy {
+    /// Skinning: cloth is stretched and compressed where the body bends.
+    Warp,
+    /// A network: its strain is relaxed further than that of a warp.
     Network,
+    /// A simulation: it keeps its folds and its strain.
     Simulation,
 }
 
-impl Warped {
-    /// A garment that a network has brought to the body, to be untangled: positions
-    /// `[vertex]` of its mesh, in metres. Its strain is relaxed further than that of a warp.
-    ///
-    /// # Panics
-    ///
-    /// If there are fewer positions than vertices.
-    pub fn at(garment: &BoundGarment, positions: &[Point3]) -> Self {
-        Self {
-            nodes: garment.cloth.weld().gather(positions),
-            put_by: PutBy::Network,
-        }
-    }
-
-    /// A garment that a simulation has brought to the body, to be untangled: positions
-    /// `[vertex]` of its mesh, in metres. It keeps its folds and its strain.
-    ///
-    /// # Panics
-    ///
-    /// If there are fewer positions than vertices.
-    pub fn simulated(garment: &BoundGarment, positions: &[Point3]) -> Self {
-        Self {
-            put_by: PutBy::Simulation,
-            ..Self::at(garment, positions)
-        }
-    }
-
-    /// Positions `[vertex]` of the mesh of the garment, in metres.
-    pub fn positions(&self, garment: &BoundGarment) -> Vec<Point3> {
-        garment.cloth.weld().scatter(&self.nodes)
-    }
+/// A garment that was brought to a body, not yet untangled.
+#[derive(Debug, Clone)]
+pub struct Placed<'a> {
+    home: BodyAtHome<'a>,
+    brought: Brought,
 }
 
-impl Draper {
-    /// Warps by pose and shape and untangles with the default clearance.
-    pub fn new() -> Self {
-        Self::with_options(DrapeOptions {
-            warp: Warp::Shape,
-            untangle: Some(UntangleOptions::default()),
+/// Where a garment is near the body at home.
+#[derive(Debug, Clone)]
+pub(crate) struct Brought {
+    /// Positions `[node]`, in metres.
+    pub(crate) nodes: Vec<Point3>,
+    pub(crate) by: PlacedBy,
+    pub(crate) provenance: Provenance,
+    pub(crate) seconds: DrapeSeconds,
+}
+
+impl<'a> Placed<'a> {
+    /// A garment that something else has brought to a body: positions `[vertex]` of its mesh, in metres.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Skin`] if `body` is not of the body that the garment was bound to.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer positions than vertices.
+    pub fn at(
+        garment: &BoundGarment,
+        body: &'a PosedBody,
+        positions: &[Point3],
+        by: PlacedBy,
+    ) -> Result<Self, Error> {
+        let home = body.at_home(garment.body())?;
+        let positions = home.from_target(positions.to_vec());
+        Ok(Self {
+            brought: Brought {
+                nodes: garment.cloth().weld().gather(&positions),
+                by,
+                provenance: Provenance::default(),
+                seconds: DrapeSeconds::default(),
+            },
+            home,
         })
     }
 
-    /// Drapes as `options` say.
-    pub fn with_options(options: DrapeOptions) -> Self {
-        Self { options }
+    #[cfg(feature = "package")]
+    pub(crate) fn new(home: BodyAtHome<'a>, brought: Brought) -> Self {
+        Self { home, brought }
+    }
+
+    /// Positions `[vertex]` of the mesh of `garment` on the body, in metres.
+    pub fn positions(&self, garment: &BoundGarment) -> Vec<Point3> {
+        let at_home = garment.cloth().weld().scatter(&self.brought.nodes);
+        self.home.to_target(at_home)
+    }
+
+    /// How it came there.
+    pub fn provenance(&self) -> &Provenance {
+        &self.brought.provenance
+    }
+
+    /// How long each step took so far.
+    pub fn seconds(&self) -> DrapeSeconds {
+        self.brought.seconds
+    }
+}
+
+/// Drapes a bound garment on one posed body after the other.
+///
+/// The garment is warped to the body; a network, if there is one, predicts where the cloth is; the
+/// simulation, if there is one, relaxes it from there; and penetrations are removed. What takes memory
+/// is kept inside, so that threads may share a draper.
+#[derive(Debug, Clone)]
+pub struct Draper {
+    pub(crate) garment: Arc<BoundGarment>,
+    pub(crate) options: DrapeOptions,
+    #[cfg(feature = "package")]
+    pub(crate) learned: Learned,
+}
+
+impl Draper {
+    /// Warps a garment by pose and shape, and untangles it with the default clearance.
+    pub fn new(garment: impl Into<Arc<BoundGarment>>) -> Self {
+        Self {
+            garment: garment.into(),
+            options: DrapeOptions::default(),
+            #[cfg(feature = "package")]
+            learned: Learned::default(),
+        }
+    }
+
+    /// The same with other options.
+    #[must_use]
+    pub fn with_options(self, options: DrapeOptions) -> Self {
+        Self { options, ..self }
     }
 
     /// How this draper drapes.
@@ -101,74 +285,116 @@ impl Draper {
         &self.options
     }
 
-    /// Drapes a garment on a posed body.
+    /// The garment that it drapes.
+    pub fn garment(&self) -> &Arc<BoundGarment> {
+        &self.garment
+    }
+
+    /// Drapes the garment on a posed body, wherever that [stands](PosedBody::at_home).
     ///
     /// # Errors
     ///
-    /// [`Error::Skin`] or [`Error::Untangle`] if `body` is not of the body that the garment was
-    /// bound to.
-    pub fn drape(&self, garment: &BoundGarment, body: &PosedBody) -> Result<Drape, Error> {
-        let warped = self.warp(garment, body)?;
-        self.finish(garment, body, &warped)
+    /// [`Error::Skin`] or [`Error::Untangle`] if `body` is not of the body that the garment was bound
+    /// to, or has coordinates out of any range. A network that is not trusted and a simulation that
+    /// fails are no errors: see [`Provenance`].
+    pub fn drape(&self, body: &PosedBody) -> Result<Drape, Error> {
+        self.drape_until(body, &AtomicBool::new(false))
     }
 
-    /// Drapes a garment on one body after the other.
+    /// As [`Draper::drape`]; `stop` ends it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Draper::drape`], and [`Error::is_stopped`] once `stop` is set.
+    pub fn drape_until(&self, body: &PosedBody, stop: &AtomicBool) -> Result<Drape, Error> {
+        let placed = self.place(body, stop)?;
+        self.untangle(placed)
+    }
+
+    /// Drapes the garment on one body after the other.
     ///
     /// # Errors
     ///
     /// Each item as [`Draper::drape`].
     pub fn drape_all<'a>(
         &'a self,
-        garment: &'a BoundGarment,
         bodies: impl IntoIterator<Item = PosedBody> + 'a,
     ) -> impl Iterator<Item = Result<Drape, Error>> + 'a {
-        let bodies = bodies.into_iter();
-        bodies.map(move |body| self.drape(garment, &body))
+        bodies.into_iter().map(|body| self.drape(&body))
     }
 
-    /// The first half of [`Draper::drape`], for those who time the halves.
+    /// The first half of [`Draper::drape`]: all but untangling.
     ///
     /// # Errors
     ///
-    /// As [`Draper::drape`].
-    pub fn warp(&self, garment: &BoundGarment, body: &PosedBody) -> Result<Warped, Error> {
-        let nodes = garment.cloth.warped(body, self.options.warp)?;
-        Ok(Warped {
-            nodes,
-            put_by: PutBy::Skinning,
-        })
+    /// As [`Draper::drape_until`].
+    pub fn place<'a>(&self, body: &'a PosedBody, stop: &AtomicBool) -> Result<Placed<'a>, Error> {
+        let home = body.at_home(self.garment.body())?;
+        #[cfg(feature = "package")]
+        let brought = self.brought(home.body(), stop)?;
+        #[cfg(not(feature = "package"))]
+        let brought = {
+            let _ = stop;
+            self.warped(home.body(), self.options.warp)?
+        };
+        Ok(Placed { home, brought })
     }
 
     /// The second half of [`Draper::drape`].
     ///
     /// # Errors
     ///
-    /// As [`Draper::drape`].
-    pub fn finish(
-        &self,
-        garment: &BoundGarment,
-        body: &PosedBody,
-        warped: &Warped,
-    ) -> Result<Drape, Error> {
-        let weld = garment.cloth.weld();
+    /// [`Error::Untangle`] for a garment that was placed on another body.
+    pub fn untangle(&self, placed: Placed<'_>) -> Result<Drape, Error> {
+        let Placed { home, brought } = placed;
+        let weld = self.garment.cloth().weld();
+        let Brought {
+            nodes,
+            by,
+            provenance,
+            mut seconds,
+        } = brought;
         let Some(options) = &self.options.untangle else {
             return Ok(Drape {
-                positions: weld.scatter(&warped.nodes),
+                positions: home.to_target(weld.scatter(&nodes)),
                 is_trapped: Vec::new(),
                 report: None,
+                provenance,
+                seconds,
             });
         };
-        let options = match warped.put_by {
-            PutBy::Skinning => *options,
-            PutBy::Network => options.for_drapes(),
-            PutBy::Simulation => options.for_simulated(),
+        let options = match by {
+            PlacedBy::Warp => *options,
+            PlacedBy::Network => options.for_drapes(),
+            PlacedBy::Simulation => options.for_simulated(),
         };
-        let (cloth, binding) = (&garment.cloth, &garment.binding);
-        let untangled = untangle(cloth, binding, body, &warped.nodes, &options)?;
+        let start = Instant::now();
+        let (cloth, binding) = (self.garment.cloth(), self.garment.binding());
+        let untangled = untangle(cloth, binding, home.body(), &nodes, &options)?;
+        let positions = weld.scatter(&untangled.positions);
+        let is_trapped = weld.scatter(&untangled.is_trapped);
+        seconds.untangle = start.elapsed().as_secs_f64();
         Ok(Drape {
-            positions: weld.scatter(&untangled.positions),
-            is_trapped: weld.scatter(&untangled.is_trapped),
+            positions: home.to_target(positions),
+            is_trapped,
             report: Some(untangled.report),
+            provenance,
+            seconds,
+        })
+    }
+
+    /// The garment warped to a body at home.
+    pub(crate) fn warped(&self, body: &PosedBody, warp: Warp) -> Result<Brought, Error> {
+        let start = Instant::now();
+        let nodes = self.garment.cloth().warped(body, warp)?;
+        Ok(Brought {
+            nodes,
+            by: PlacedBy::Warp,
+            provenance: Provenance::default(),
+            seconds: DrapeSeconds {
+                warp: start.elapsed().as_secs_f64(),
+                ..DrapeSeconds::default()
+            },
         })
     }
 }

@@ -1,5 +1,7 @@
 //! Garments: bound once, draped many times.
 
+use std::sync::Arc;
+
 use garnet_io::{Frame, check_offsets, check_sizes};
 use garnet_mesh::{Bounds, MeshError, Point3, TriMesh};
 use garnet_skin::{Body, PosedBody, TransferOptions, Warp};
@@ -50,16 +52,16 @@ impl Garment {
         let pairs = cloth.rest().iter().zip(cloth.skin());
         let offsets: Vec<_> = pairs.map(|(node, skin)| node - skin.point).collect();
         check_offsets(&offsets, &body_bounds)?;
-        let binding = Binding::new(&cloth)?;
-        Ok(BoundGarment { cloth, binding })
+        BoundGarment::of_cloth(cloth, Arc::new(body.clone()))
     }
 }
 
 /// A garment bound to a body: everything that is computed once.
 #[derive(Debug, Clone)]
 pub struct BoundGarment {
-    pub(crate) cloth: garnet_skin::BoundGarment,
-    pub(crate) binding: Binding,
+    cloth: Arc<garnet_skin::BoundGarment>,
+    binding: Binding,
+    body: Arc<Body>,
 }
 
 impl BoundGarment {
@@ -68,9 +70,47 @@ impl BoundGarment {
         self.cloth.mesh()
     }
 
+    /// Cloth that was bound to `body`, made ready to be untangled. Whether it lies on the body is not
+    /// looked at.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Untangle`] for a garment too degenerate to be smoothed.
+    pub fn of_cloth(
+        cloth: impl Into<Arc<garnet_skin::BoundGarment>>,
+        body: Arc<Body>,
+    ) -> Result<Self, Error> {
+        let cloth = cloth.into();
+        let binding = Binding::new(&cloth)?;
+        Ok(Self {
+            cloth,
+            binding,
+            body,
+        })
+    }
+
     /// The cloth inside: nodes, weights and the skin below them.
     pub fn cloth(&self) -> &garnet_skin::BoundGarment {
         &self.cloth
+    }
+
+    /// The same, to be kept.
+    pub fn shared_cloth(&self) -> &Arc<garnet_skin::BoundGarment> {
+        &self.cloth
+    }
+
+    /// The body that the garment lies on at rest.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// The same, to be kept.
+    pub fn shared_body(&self) -> &Arc<Body> {
+        &self.body
+    }
+
+    pub(crate) fn binding(&self) -> &Binding {
+        &self.binding
     }
 
     /// Positions `[vertex]` of the garment warped to a posed body, in metres.

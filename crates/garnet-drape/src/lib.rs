@@ -1,40 +1,75 @@
 //! The drape: a garment is warped to a body, moved by a network, relaxed by simulation, untangled.
 //!
-//! A [`Garment`] that lies on a body at rest is [bound](Garment::bind) once; a [`Draper`] warps and
-//! untangles it on one posed body after the other. A [`GarmentPackage`] is a garment with trained
-//! networks; a [`PackagedGarment`] drapes it by one of them.
+//! A [`Garment`] that lies on a body at rest is [bound](Garment::bind) once; a [`Draper`] drapes it on
+//! one posed body after the other. A [`Package`] is a garment with trained variants, and makes the
+//! draper of each.
+//!
+//! Without features the crate warps and untangles. `package` adds garment packages, pose-space
+//! deformations and the simulator; `network` adds GarNet, which runs on Burn.
 
-mod body_path;
 mod draper;
 mod error;
 mod garment;
-mod lock;
-mod network;
-mod package;
-mod packaged;
-mod parts;
 mod penetration;
 mod refit;
+
+#[cfg(feature = "package")]
+mod body_path;
+#[cfg(feature = "package")]
+mod choice;
+#[cfg(feature = "package")]
+mod lock;
+#[cfg(feature = "package")]
+mod network;
+#[cfg(feature = "package")]
+mod package;
+#[cfg(feature = "package")]
+mod packaged;
+#[cfg(feature = "package")]
+mod parts;
+#[cfg(feature = "package")]
+mod predicted;
+#[cfg(feature = "package")]
 mod settling;
+#[cfg(feature = "package")]
 mod teacher;
+#[cfg(feature = "package")]
 pub mod tensors;
+#[cfg(feature = "package")]
 mod unfamiliar;
 
+#[cfg(feature = "package")]
 pub use body_path::BodyPath;
-pub use draper::{Drape, DrapeOptions, Draper, Warped};
+#[cfg(feature = "package")]
+pub use choice::{Candidate, Choice, Limit, calibration};
+pub use draper::{
+    Drape, DrapeOptions, DrapeSeconds, Draper, Fallback, Placed, PlacedBy, Provenance,
+};
 pub use error::Error;
 pub use garment::{BoundGarment, Garment};
+#[cfg(feature = "package")]
 pub use garnet_sim::Moment;
+#[cfg(feature = "package")]
 pub use lock::{Attempt, FileLock};
-pub use network::{Moved, Network};
+#[cfg(feature = "package")]
+pub use network::{Network, Predicted};
+#[cfg(feature = "package")]
 pub use package::{
     GarmentPackage, MANIFEST_FILE, Manifest, PACKAGE_SCHEMA, PackageError, PackageParts,
-    StoredFabric, StoredParameters, StoredPattern, StoredRestBody, Variant, toml_problem,
+    StoredCost, StoredFabric, StoredParameters, StoredPattern, StoredRestBody, Variant,
+    toml_problem,
 };
-pub use packaged::{PackagedDrape, PackagedGarment};
+#[cfg(feature = "package")]
+pub use packaged::{MeasuredCost, Package};
+#[cfg(feature = "package")]
 pub use parts::collider;
 pub use penetration::{Penetration, penetration};
+#[cfg(feature = "package")]
+pub use predicted::Progress;
 pub use refit::Refit;
+#[cfg(feature = "package")]
 pub use settling::Settling;
+#[cfg(feature = "package")]
 pub use teacher::{Quality, Teacher, check_stop, quality_name, quality_of, stopping};
+#[cfg(feature = "package")]
 pub use unfamiliar::Unfamiliar;

@@ -1,33 +1,36 @@
-//! Learned drapes: a network between the warp and the untangling.
+//! Networks that predict where cloth is, bound to a garment.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use garnet_net::{BodySampling, GarNetConfig, GarmentGraph, Model, ModelFile, Moment, SceneInput};
+use garnet_mesh::Point3;
+use garnet_net::{GarmentGraph, Model, ModelFile, SceneInput};
+use garnet_sim::Moment;
 use garnet_skin::{Body, PosedBody, Warp, WarpedGarment};
 
-use crate::draper::PutBy;
 use crate::unfamiliar::{moving_joints, torn, unfamiliar};
-use crate::{BoundGarment, Error, Unfamiliar, Warped};
+use crate::{BoundGarment, Error, Unfamiliar};
 
 /// A network bound to a garment and the body that it lies on.
 ///
-/// It takes the place of [`Draper::warp`](crate::Draper::warp): what it gives is still to be
-/// untangled.
-#[derive(Debug)]
+/// It stands between warp and untangling of a [`Draper`](crate::Draper), and may be shared by threads.
+#[derive(Debug, Clone)]
 pub struct Network {
-    model: Model,
-    body: Body,
+    model: Arc<Model>,
+    /// What the network is told of the garment, if it is another one than the model was bound to.
+    graph: Option<Arc<GarmentGraph>>,
+    body: Arc<Body>,
     /// Whether each joint moves the garment.
     moves: Vec<bool>,
 }
 
-/// What a network makes of a warped garment.
+/// Where a network predicts the cloth of a scene.
 #[derive(Debug, Clone)]
-pub struct Moved {
-    /// Where the garment is.
-    pub garment: Warped,
-    /// Why it is where the warp by pose and shape has put it, and not where the network would.
-    pub fallback: Option<Unfamiliar>,
+pub enum Predicted {
+    /// Positions `[vertex]` of the garment's mesh, in metres.
+    At(Vec<Point3>),
+    /// Nowhere: why the network is not to be trusted.
+    Unfamiliar(Unfamiliar),
 }
 
 impl Network {
@@ -43,10 +46,9 @@ impl Network {
     pub fn load(
         weights: impl AsRef<Path>,
         garment: &BoundGarment,
-        body: &Body,
         sewing_parameters: &[f32],
     ) -> Result<Self, Error> {
-        Self::bind(ModelFile::read(weights)?, garment, body, sewing_parameters)
+        Self::bind(ModelFile::read(weights)?, garment, sewing_parameters)
     }
 
     /// The same for weights that were [read](ModelFile::read) while the garment was bound.
@@ -57,24 +59,42 @@ impl Network {
     pub fn bind(
         weights: ModelFile,
         garment: &BoundGarment,
-        body: &Body,
         sewing_parameters: &[f32],
     ) -> Result<Self, Error> {
         let mesh = garment.mesh();
         let graph = GarmentGraph::new(mesh, sewing_parameters)?;
-        let rest = body.rest().positions();
-        Ok(Self {
-            model: Model::bind(weights, graph, mesh.positions(), rest)?,
-            body: body.clone(),
-            moves: moving_joints(&garment.cloth, body.skeleton().num_joints()),
-        })
+        let rest = garment.body().rest().positions();
+        let model = Model::bind(weights, graph, mesh.positions(), rest)?;
+        Ok(Self::of_model(Arc::new(model), garment))
     }
 
-    /// The moment at which it predicts the cloth. Before [`Moment::Arrival`] it takes the
-    /// [body on its way](crate::BodyPath::posed); before [`Moment::Rest`]
-    /// [`Teacher::settled`](crate::Teacher::settled) has to go on.
-    pub fn moment(&self) -> Moment {
-        self.model.moment()
+    /// A model that was bound to this garment.
+    pub fn of_model(model: Arc<Model>, garment: &BoundGarment) -> Self {
+        let body = Arc::clone(garment.shared_body());
+        Self {
+            moves: moving_joints(garment.cloth(), body.skeleton().num_joints()),
+            model,
+            graph: None,
+            body,
+        }
+    }
+
+    /// A model that was bound to a garment of the same topology: another size, another body.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Net`] for a graph of another topology, or without the sewing parameters that the
+    /// network asks for.
+    pub fn for_size(
+        model: Arc<Model>,
+        garment: &BoundGarment,
+        graph: GarmentGraph,
+    ) -> Result<Self, Error> {
+        let graph = Arc::new(model.accepted(graph)?);
+        Ok(Self {
+            graph: Some(graph),
+            ..Self::of_model(model, garment)
+        })
     }
 
     /// A network of a named size with random weights: it leaves the warp as it is, but takes as long
@@ -83,98 +103,82 @@ impl Network {
     /// # Errors
     ///
     /// [`Error::Net`] for a name that there is not.
-    pub fn untrained(preset: &str, garment: &BoundGarment, body: &Body) -> Result<Self, Error> {
+    #[cfg(feature = "network")]
+    pub fn untrained(preset: &str, garment: &BoundGarment) -> Result<Self, Error> {
+        use garnet_net::{BodySampling, GarNetConfig};
+
         let mesh = garment.mesh();
         let graph = GarmentGraph::new(mesh, &[])?;
         let config = graph.configured(GarNetConfig::preset(preset)?);
-        let rest = body.rest().positions();
+        let rest = garment.body().rest().positions();
         let sampling = BodySampling::for_garment(rest, mesh.positions(), &config)?;
-        Ok(Self {
-            model: Model::untrained(&config, 1, graph, sampling)?,
-            body: body.clone(),
-            moves: moving_joints(&garment.cloth, body.skeleton().num_joints()),
-        })
+        let model = Model::untrained(&config, 1, graph, sampling)?;
+        Ok(Self::of_model(Arc::new(model), garment))
     }
 
-    /// What the network starts from.
+    /// The moment at which it predicts the cloth.
+    pub fn moment(&self) -> Moment {
+        self.model.moment()
+    }
+
+    /// The warp that it starts from.
     pub fn warp(&self) -> Warp {
         self.model.warp()
     }
 
-    /// The garment warped to a posed body, as [`Network::moved`] takes it.
+    /// The garment warped to a posed body, as [`Network::predict`] takes it.
     ///
     /// # Errors
     ///
     /// [`Error::Skin`] if `body` is not of the body that the garment was bound to.
     pub fn warped(&self, garment: &BoundGarment, body: &PosedBody) -> Result<WarpedGarment, Error> {
-        Ok(WarpedGarment::new(
-            &garment.cloth,
-            &self.body,
-            body,
-            self.warp(),
-        )?)
+        let cloth = garment.cloth();
+        Ok(WarpedGarment::new(cloth, &self.body, body, self.warp())?)
     }
 
-    /// A warped garment, moved to where the network puts it; where the body is unlike those that the
-    /// network was trained on, or the garment would be torn, to where the warp by pose and shape puts it. Bodies elsewhere than at
-    /// rest are unlike them: [`PosedBody::at_home`].
+    /// Predicts where a warped garment is; nowhere, if the body is unlike those that the network was
+    /// trained on, or the garment would be torn. Bodies elsewhere than at rest are unlike them:
+    /// [`PosedBody::at_home`].
     ///
     /// # Errors
     ///
     /// [`Error::Net`] for bodies with coordinates out of any range.
-    pub fn moved(
-        &mut self,
+    pub fn predict(
+        &self,
         garment: &BoundGarment,
         body: &PosedBody,
         warped: &WarpedGarment,
-    ) -> Result<Moved, Error> {
+    ) -> Result<Predicted, Error> {
         let parameters = self.body.pose_and_shape(body);
         let joints = self.body.skeleton().joints();
         let range = self.model.range();
         let unfamiliar =
             range.and_then(|range| unfamiliar(&range.excess(&parameters), joints, &self.moves));
         if let Some(reason) = unfamiliar {
-            return Self::fallen_back(garment, body, reason);
+            return Ok(Predicted::Unfamiliar(reason));
         }
         let body_normals = if self.model.needs_body_normals() {
             body.vertex_normals()
         } else {
             Vec::new()
         };
-        let moved = self.model.predict(&SceneInput {
+        let input = SceneInput {
             warped: &warped.positions,
             body: body.skin().positions(),
             body_normals: &body_normals,
             world_from_root: warped.world_from_root,
             rotations: &warped.rotations,
             parameters: &parameters,
-        })?;
-        let weld = garment.cloth.weld();
-        let (before, after) = (weld.gather(&warped.positions), weld.gather(&moved));
-        if let Some(reason) = torn(&garment.cloth, &before, &after) {
-            return Self::fallen_back(garment, body, reason);
-        }
-        Ok(Moved {
-            garment: Warped {
-                nodes: after,
-                put_by: PutBy::Network,
-            },
-            fallback: None,
-        })
-    }
-
-    fn fallen_back(
-        garment: &BoundGarment,
-        body: &PosedBody,
-        reason: Unfamiliar,
-    ) -> Result<Moved, Error> {
-        let nodes = garment.cloth.warped(body, Warp::Shape)?;
-        Ok(Moved {
-            garment: Warped {
-                nodes,
-                put_by: PutBy::Skinning,
-            },
-            fallback: Some(reason),
+        };
+        let predicted = match &self.graph {
+            Some(graph) => self.model.predict_on(graph, &input)?,
+            None => self.model.predict(&input)?,
+        };
+        let weld = garment.cloth().weld();
+        let (before, after) = (weld.gather(&warped.positions), weld.gather(&predicted));
+        Ok(match torn(garment.cloth(), &before, &after) {
+            Some(reason) => Predicted::Unfamiliar(reason),
+            None => Predicted::At(predicted),
         })
     }
 }

@@ -1,169 +1,226 @@
-//! A garment package that drapes by itself.
+//! Garment packages that drape.
 
-use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
 
 use garnet_mesh::Point3;
-use garnet_skin::{Body, PosedBody};
+use garnet_sim::Moment;
+use garnet_skin::{Body, Pose};
 
-use crate::{BodyPath, GarmentPackage, Moment, Settling, Teacher};
-use crate::{BoundGarment, Drape, Draper, Error, Garment, Moved, Network, Unfamiliar, Warped};
+use crate::{
+    BoundGarment, Choice, Draper, Error, Garment, GarmentPackage, Limit, Manifest, Network,
+    Settling, StoredCost, Teacher, calibration,
+};
 
-/// A garment of a package with one of its networks, ready for one body after another: what `garnet drape PACKAGE` does.
-///
-/// The network tells where the cloth is, the simulation lets it settle from there if that brings it nearer to the teacher, and
-/// it is freed of penetrations. The parts are [`Network`], [`Teacher`] and [`Draper`].
+/// The garment of a package, bound to its body, with its trained variants.
 ///
 /// # Examples
 ///
 /// ```no_run
-/// use std::path::Path;
+/// use garnet_drape::Package;
+/// use garnet_io::ObjFile;
 ///
-/// use garnet_drape::PackagedGarment;
-/// use garnet_io::{ObjFile, write_obj};
-///
-/// let mut shirt = PackagedGarment::open(Path::new("models/tshirt"), None)?;
+/// let shirt = Package::open("models/tshirt")?;
+/// let draper = shirt.draper("fast")?;
 /// let reach = ObjFile::read("models/demo/reach.obj")?;
-/// let target = shirt.body().fitted(reach.positions())?;
-/// let drape = shirt.drape(&target)?.drape;
-/// write_obj("draped.obj", &shirt.garment().mesh().with_positions(drape.positions)?)?;
+/// let drape = draper.drape(&shirt.body().fitted(reach.positions())?)?;
+/// shirt.write("draped.obj", &drape.positions)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct PackagedGarment {
-    body: Body,
-    garment: BoundGarment,
-    network: Network,
-    teacher: Teacher,
-    settling: Settling,
-    draper: Draper,
+pub struct Package {
+    folder: PathBuf,
+    content: GarmentPackage,
+    garment: Arc<BoundGarment>,
+    simulator: OnceLock<Arc<Teacher>>,
 }
 
-/// A drape by a network.
-#[derive(Debug)]
-pub struct PackagedDrape {
-    /// Where the garment is.
-    pub drape: Drape,
-    /// Why the network was not asked: the garment was warped by pose and shape, or, if the network tells where cloth is midway,
-    /// simulated all the way from the body at rest.
-    pub fallback: Option<Unfamiliar>,
-    /// Why the cloth did not settle: it is where the network has put it, or, if that was on the way, warped.
-    pub unsettled: Option<Error>,
-}
-
-impl PackagedGarment {
-    /// Reads a package, binds its garment to its body, and reads the weights of a variant; of the default one
-    /// if none is named.
+impl Package {
+    /// Reads a package and binds its garment to its body.
     ///
     /// # Errors
     ///
-    /// What [`GarmentPackage::read`], [`Garment::bind`] and [`Network::load`] refuse, and [`Error::Package`] for a variant that the package
-    /// does not have.
-    pub fn open(folder: &Path, variant: Option<&str>) -> Result<Self, Error> {
-        let package = GarmentPackage::read(folder)?;
-        let manifest = &package.manifest;
-        let default = manifest.default_variant();
-        let name = variant.or(default.map(|variant| variant.name.as_str()));
-        let name = name.unwrap_or("default");
-        let weights = manifest.weights_of(folder, name)?;
-        let garment = Garment::new(package.mesh.clone()).bind(&package.body)?;
-        let parameters = manifest.sewing_parameters();
-        let network = Network::load(weights, &garment, &package.body, &parameters)?;
-        let from = network.moment();
-        let settling = (manifest.variant(name)).map(|variant| variant.settling(from));
+    /// What [`GarmentPackage::read`] and [`Garment::bind`] refuse.
+    pub fn open(folder: impl AsRef<Path>) -> Result<Self, Error> {
+        let folder = folder.as_ref();
+        let content = GarmentPackage::read(folder)?;
+        let garment = Garment::new(content.mesh.clone()).bind(&content.body)?;
         Ok(Self {
-            teacher: Teacher::new(&package)?,
-            settling: settling.unwrap_or(Settling::of(from)),
-            body: package.body,
-            garment,
-            network,
-            draper: Draper::new(),
+            folder: folder.to_path_buf(),
+            content,
+            garment: Arc::new(garment),
+            simulator: OnceLock::new(),
         })
     }
 
-    /// The body that the garment lies on at rest; targets are this body, [posed](Body::posed) or [fitted](Body::fitted).
+    /// What the package says of itself: its variants, with their errors and costs.
+    pub fn manifest(&self) -> &Manifest {
+        &self.content.manifest
+    }
+
+    /// What is in the package.
+    pub fn content(&self) -> &GarmentPackage {
+        &self.content
+    }
+
+    /// The body that the garment lies on at rest; targets are this body, [posed](Body::posed) or
+    /// [fitted](Body::fitted).
     pub fn body(&self) -> &Body {
-        &self.body
+        self.garment.body()
     }
 
     /// The garment on that body.
-    pub fn garment(&self) -> &BoundGarment {
+    pub fn garment(&self) -> &Arc<BoundGarment> {
         &self.garment
     }
 
-    /// Drapes the garment on the body in another pose and shape, wherever it [stands](PosedBody::at_home).
+    /// What simulates the garment; it is made once.
     ///
     /// # Errors
     ///
-    /// [`Error::Skin`] if `target` is not of [this body](Self::body); [`Error::Net`] or [`Error::Untangle`] for
-    /// coordinates out of any range. A simulation that fails is [no error](PackagedDrape::unsettled).
-    pub fn drape(&mut self, target: &PosedBody) -> Result<PackagedDrape, Error> {
-        let home = target.at_home(&self.body)?;
-        let mut draped = self.drape_at_home(home.body())?;
-        draped.drape.positions = home.to_target(draped.drape.positions);
-        Ok(draped)
+    /// As [`Teacher::of_garment`].
+    pub fn simulator(&self) -> Result<Arc<Teacher>, Error> {
+        if let Some(simulator) = self.simulator.get() {
+            return Ok(Arc::clone(simulator));
+        }
+        let fabric = self.manifest().fabric.fabric();
+        let cloth = Arc::clone(self.garment.shared_cloth());
+        let simulator = Teacher::of_garment(cloth, self.body(), &self.content.rest, &fabric)?;
+        Ok(Arc::clone(
+            self.simulator.get_or_init(|| Arc::new(simulator)),
+        ))
     }
 
-    fn drape_at_home(&mut self, target: &PosedBody) -> Result<PackagedDrape, Error> {
-        let moment = self.settling.from;
-        let on_way = if moment.is_on_way() {
-            let path = BodyPath::to_posed(&self.body, target);
-            Some(path.posed(&self.body, moment.motion_share())?)
-        } else {
-            None
+    /// Drapes by a variant: `fast`, `balanced`, `accurate`, or another name that the package has.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Package`] for a variant that there is not, and what [`Network::load`] refuses.
+    pub fn draper(&self, variant: &str) -> Result<Draper, Error> {
+        self.draper_relaxed(variant, None)
+    }
+
+    /// Drapes by the variant that the package names as its default; without variants, by the warp.
+    ///
+    /// # Errors
+    ///
+    /// As [`Package::draper`].
+    pub fn default_draper(&self) -> Result<Draper, Error> {
+        match self.manifest().default_variant() {
+            Some(variant) => self.draper(&variant.name),
+            None => Ok(Draper::new(Arc::clone(&self.garment))),
+        }
+    }
+
+    /// Drapes by the variant that keeps within a limit; by the warp, if none does. The choice says so.
+    ///
+    /// # Errors
+    ///
+    /// As [`Package::draper`].
+    pub fn draper_within(&self, limit: Limit) -> Result<(Draper, Choice), Error> {
+        let choice = Choice::new(&self.folder, self.manifest(), limit, None);
+        let draper = match choice.candidate() {
+            Some(chosen) => self.draper_relaxed(&chosen.variant, Some(chosen.is_relaxed))?,
+            None => Draper::new(Arc::clone(&self.garment)),
         };
-        let seen = on_way.as_ref().unwrap_or(target);
-        let warped = self.network.warped(&self.garment, seen)?;
-        let Moved { garment, fallback } = self.network.moved(&self.garment, seen, &warped)?;
-        let from = match (&fallback, &on_way) {
-            (None, _) => Some((garment.positions(&self.garment), self.settling)),
-            (Some(_), Some(_)) => {
-                let settling = Settling {
-                    from: Moment::Start,
-                    ..self.settling
-                };
-                Some((self.garment.mesh().positions().to_vec(), settling))
-            }
-            // What fell back to the warp is far from where cloth rests.
-            (Some(_), None) => None,
+        Ok((draper, choice))
+    }
+
+    fn draper_relaxed(&self, name: &str, is_relaxed: Option<bool>) -> Result<Draper, Error> {
+        let weights = self.manifest().weights_of(&self.folder, name)?;
+        let parameters = self.manifest().sewing_parameters();
+        let network = Network::load(weights, &self.garment, &parameters)?;
+        let relaxation = self
+            .manifest()
+            .relaxation(name, network.moment(), is_relaxed);
+        let draper = Draper::new(Arc::clone(&self.garment));
+        let draper = draper.with_network(network, relaxation.frames);
+        // For those who ask for more frames than the variant does, too.
+        Ok(draper.with_simulator(self.simulator()?))
+    }
+
+    /// Measures what drapes of a variant cost here, on the body at rest: each is done twice, and the
+    /// second time counts.
+    ///
+    /// # Errors
+    ///
+    /// As [`Package::draper`] and [`Draper::drape`].
+    pub fn measure(&self, variant: &str) -> Result<MeasuredCost, Error> {
+        let rest = self
+            .body()
+            .posed(&Pose::rest(self.body().skeleton().num_joints()))?;
+        let seconds = |draper: &Draper| {
+            draper.drape(&rest)?;
+            Ok::<_, Error>(draper.drape(&rest)?.seconds.total())
         };
-        let settled = from.map(|(from, settling)| self.settled(target, &from, settling));
-        let (put, unsettled) = match settled {
-            Some(Ok(settled)) => (settled, None),
-            None => (garment, None),
-            Some(Err(error)) if on_way.is_none() => (garment, Some(error)),
-            Some(Err(error)) => (self.draper.warp(&self.garment, target)?, Some(error)),
+        let relaxed = |is_relaxed| {
+            let draper = self.draper_relaxed(variant, Some(is_relaxed))?;
+            let takes_time = draper.relaxation().takes_time();
+            let seconds = (takes_time == is_relaxed).then(|| seconds(&draper));
+            seconds.transpose()
         };
-        Ok(PackagedDrape {
-            drape: self.draper.finish(&self.garment, target, &put)?,
-            fallback,
-            unsettled,
+        Ok(MeasuredCost {
+            cost: StoredCost {
+                calibration: calibration(),
+                warp: seconds(&Draper::new(Arc::clone(&self.garment)))?,
+            },
+            seconds: relaxed(false)?,
+            settled_seconds: relaxed(true)?,
         })
     }
 
-    fn settled(
-        &self,
-        target: &PosedBody,
-        from: &[Point3],
-        settling: Settling,
-    ) -> Result<Warped, Error> {
-        let never = AtomicBool::new(false);
-        let settled = (self.teacher).settled(&self.body, target, from, settling, &never)?;
-        Ok(Warped::settled(&self.garment, &settled, settling))
+    /// Writes a drape as OBJ: the template with all but its `v` and `vn` lines byte for byte.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Obj`] for another number of positions than the template has vertices, or if the file
+    /// cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>, positions: &[Point3]) -> Result<(), Error> {
+        Ok(self
+            .content
+            .template
+            .write_with_positions(path, positions)?)
     }
 }
 
-impl Warped {
-    /// A garment that has [settled](Teacher::settled) where something else had put it, to be untangled: positions `[vertex]` of its mesh, in metres.
-    ///
-    /// # Panics
-    ///
-    /// If there are fewer positions than vertices.
-    pub fn settled(garment: &BoundGarment, positions: &[Point3], settling: Settling) -> Self {
-        if settling.finds_folds() {
-            Self::simulated(garment, positions)
-        } else {
-            Self::at(garment, positions)
+/// What drapes of a variant cost on a machine, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct MeasuredCost {
+    /// The machine, and the warp on it.
+    pub cost: StoredCost,
+    /// A drape without relaxation; `None` where the cloth is on no body without it.
+    pub seconds: Option<f64>,
+    /// A drape with relaxation.
+    pub settled_seconds: Option<f64>,
+}
+
+impl Manifest {
+    /// Stores what a variant costs, on the machine that the manifest speaks of: that of the first
+    /// variant which was measured.
+    pub fn set_cost(&mut self, variant: &str, measured: &MeasuredCost) {
+        let cost = *self.cost.get_or_insert(measured.cost);
+        let share = cost.calibration / measured.cost.calibration;
+        let mut variants = self.variants.iter_mut();
+        if let Some(variant) = variants.find(|other| other.name == variant) {
+            variant.seconds = measured.seconds.map(|seconds| share * seconds);
+            variant.settled_seconds = measured.settled_seconds.map(|seconds| share * seconds);
+        }
+    }
+
+    /// How what a variant predicts at a moment is relaxed: as the variant says, or as is said here.
+    pub fn relaxation(&self, name: &str, moment: Moment, is_relaxed: Option<bool>) -> Settling {
+        let variant = self.variant(name);
+        let by_default = Settling::of(moment);
+        let own = variant.map_or(by_default, |variant| variant.settling(moment));
+        let frames = variant.and_then(|variant| variant.settle_frames);
+        match is_relaxed {
+            None => own,
+            Some(false) => Settling { frames: 0, ..own },
+            Some(true) => Settling {
+                frames: frames.unwrap_or(by_default.frames),
+                ..own
+            },
         }
     }
 }

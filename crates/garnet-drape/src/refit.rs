@@ -14,7 +14,6 @@ use crate::{BoundGarment, Draper, Error, Garment};
 /// itself.
 #[derive(Debug, Clone)]
 pub struct Refit {
-    own: Body,
     garment: BoundGarment,
     registration: Registration,
 }
@@ -25,19 +24,18 @@ impl Refit {
     /// # Errors
     ///
     /// [`Error::Figure`] if one of the skeletons is no human figure, and those of [`Garment::bind`].
-    pub fn new(garment: Garment, own: Body, other: &Body) -> Result<Self, Error> {
+    pub fn new(garment: Garment, own: &Body, other: &Body) -> Result<Self, Error> {
         let (registration, garment) =
-            rayon::join(|| Registration::new(&own, other), || garment.bind(&own));
+            rayon::join(|| Registration::new(own, other), || garment.bind(own));
         Ok(Self {
             registration: registration?,
             garment: garment?,
-            own,
         })
     }
 
     /// The body that the garment was made for.
     pub fn own(&self) -> &Body {
-        &self.own
+        self.garment.body()
     }
 
     /// The garment on that body.
@@ -56,8 +54,8 @@ impl Refit {
         let warped = self.garment.mesh().with_positions(warped)?;
         let bound = Garment::new(warped).bind(other)?;
         let rest = other.posed(&Pose::rest(other.skeleton().num_joints()))?;
-        let drape = Draper::new().drape(&bound, &rest)?;
-        Ok(bound.mesh().with_positions(drape.positions)?)
+        let drape = Draper::new(bound).drape(&rest)?;
+        Ok(self.garment.mesh().with_positions(drape.positions)?)
     }
 
     /// The own body with shape and pose of the other one, from the vertices `[vertex]` of that, in metres.
@@ -66,6 +64,6 @@ impl Refit {
     ///
     /// [`Error::Skin`] if they are too degenerate to find the pose.
     pub fn stand_in(&self, skin: &[Point3]) -> Result<PosedBody, Error> {
-        Ok(self.own.fitted(&self.registration.carried(skin))?)
+        Ok(self.own().fitted(&self.registration.carried(skin))?)
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_mesh::Point3;
@@ -55,7 +56,7 @@ pub fn quality_of(name: &str) -> Option<Quality> {
 /// cloth that they sit on.
 #[derive(Debug, Clone)]
 pub struct Teacher {
-    garment: BoundGarment,
+    garment: Arc<BoundGarment>,
     /// Nodes of the garment that are simulated.
     nodes: Vec<u32>,
     /// For nodes of loose pieces: the simulated node that they follow.
@@ -91,11 +92,12 @@ impl Teacher {
     /// [`PackageError::InsideAtStart`] if a third of the garment is inside the body; [`PackageError::Sim`]
     /// for a mesh that no cloth can be, by its vertices, or constants that no fabric has.
     pub fn of_garment(
-        garment: BoundGarment,
+        garment: impl Into<Arc<BoundGarment>>,
         body: &Body,
         rest: &RestShape,
         fabric: &Fabric,
     ) -> Result<Self, PackageError> {
+        let garment = garment.into();
         let nodes = simulated_nodes(&garment);
         let mut number = vec![u32::MAX; garment.rest().len()];
         for (place, &node) in (0..).zip(&nodes) {

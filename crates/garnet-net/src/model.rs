@@ -216,30 +216,47 @@ impl Model {
             })
     }
 
-    /// Goes on with another garment of the same topology; other places at rest, other
-    /// sewing parameters.
+    /// Another garment of the same topology, as [`Model::predict_on`] takes it: other places at rest,
+    /// other sewing parameters.
     ///
     /// # Errors
     ///
     /// [`NetError::OtherGarment`], or [`NetError::Count`] for another number of sewing parameters.
-    pub fn rebind(&mut self, garment: GarmentGraph) -> Result<(), NetError> {
-        let Some(network) = &mut self.network else {
-            return Ok(());
-        };
-        let garment = match network.config().num_sewing_parameters {
-            0 => garment.with_sewing_parameters(&[])?,
-            _ => garment,
-        };
-        network.rebind(garment)
+    pub fn accepted(&self, garment: GarmentGraph) -> Result<GarmentGraph, NetError> {
+        match &self.network {
+            Some(network) => network.accepted(garment),
+            None => Ok(garment),
+        }
     }
 
-    /// Drapes: the vertices of a scene `[vertex]`, in metres.
+    /// Predicts the vertices of a scene `[vertex]`, in metres.
     ///
     /// # Errors
     ///
     /// As [`PoseSpace::coefficients`] and [`PoseSpace::moved`]; those of a network are
     /// [`NetError::Diverged`] and those of its scene.
-    pub fn predict(&mut self, input: &SceneInput<'_>) -> Result<Vec<Point3>, NetError> {
+    pub fn predict(&self, input: &SceneInput<'_>) -> Result<Vec<Point3>, NetError> {
+        self.run(None, input)
+    }
+
+    /// As [`Model::predict`], of a garment that [`Model::accepted`] has given.
+    ///
+    /// # Errors
+    ///
+    /// As [`Model::predict`].
+    pub fn predict_on(
+        &self,
+        garment: &GarmentGraph,
+        input: &SceneInput<'_>,
+    ) -> Result<Vec<Point3>, NetError> {
+        self.run(Some(garment), input)
+    }
+
+    fn run(
+        &self,
+        garment: Option<&GarmentGraph>,
+        input: &SceneInput<'_>,
+    ) -> Result<Vec<Point3>, NetError> {
         let started = match &self.pose_space {
             None => None,
             Some(space) => {
@@ -248,9 +265,11 @@ impl Model {
             }
         };
         let warped = started.as_deref().unwrap_or(input.warped);
-        match &mut self.network {
-            Some(network) => network.predict(&SceneInput { warped, ..*input }),
-            None => Ok(warped.to_vec()),
+        let input = SceneInput { warped, ..*input };
+        match (&self.network, garment) {
+            (Some(network), Some(garment)) => network.predict_on(garment, &input),
+            (Some(network), None) => network.predict(&input),
+            (None, _) => Ok(warped.to_vec()),
         }
     }
 }

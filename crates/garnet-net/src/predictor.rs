@@ -1,7 +1,7 @@
 //! Inference: bind once, predict many times.
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use burn::tensor::Device;
 use garnet_mesh::Point3;
@@ -16,14 +16,17 @@ use crate::{
 /// A network bound to a garment and a body, without derivatives and without tensors.
 ///
 /// Weights are copied out, tables of the template are made, and all memory is kept from scene to
-/// scene.
+/// scene. It may be shared by threads: each scene has memory of its own.
 #[derive(Debug)]
 pub struct Predictor {
     model: GarNet,
     engine: SliceEngine,
     garment: GarmentGraph,
     sampling: BodySampling,
+    /// What [`Predictor::prepare`] has prepared.
     scene: Scene,
+    /// Memory of scenes that are done.
+    scenes: Mutex<Vec<Scene>>,
     range: Option<TrainedRange>,
 }
 
@@ -46,6 +49,7 @@ impl Predictor {
             garment,
             sampling,
             scene: Scene::default(),
+            scenes: Mutex::default(),
             range: None,
         })
     }
@@ -110,19 +114,33 @@ impl Predictor {
         })
     }
 
-    /// Goes on with another garment of the same topology: other places at rest, other sewing
-    /// parameters.
+    /// Another garment of the same topology, as [`Predictor::predict_on`] takes it: other places at
+    /// rest, other sewing parameters.
     ///
     /// # Errors
     ///
     /// [`NetError::OtherGarment`], or [`NetError::Count`] for another number of sewing parameters.
-    pub fn rebind(&mut self, garment: GarmentGraph) -> Result<(), NetError> {
+    pub fn accepted(&self, garment: GarmentGraph) -> Result<GarmentGraph, NetError> {
         let (expected, found) = (self.garment.fingerprint(), garment.fingerprint());
         if expected != found {
             return Err(NetError::OtherGarment { expected, found });
         }
+        // More is known of a garment than every network asks for.
+        let garment = match self.model.config().num_sewing_parameters {
+            0 => garment.with_sewing_parameters(&[])?,
+            _ => garment,
+        };
         check_sewing_parameters(&self.model, &garment)?;
-        self.garment = garment;
+        Ok(garment)
+    }
+
+    /// Goes on with another garment of the same topology.
+    ///
+    /// # Errors
+    ///
+    /// As [`Predictor::accepted`].
+    pub fn rebind(&mut self, garment: GarmentGraph) -> Result<(), NetError> {
+        self.garment = self.accepted(garment)?;
         Ok(())
     }
 
@@ -160,10 +178,27 @@ impl Predictor {
     /// # Errors
     ///
     /// As [`Scene::prepare`], and [`NetError::Diverged`].
-    pub fn predict(&mut self, input: &SceneInput<'_>) -> Result<Vec<Point3>, NetError> {
-        self.prepare(input)?;
-        let translations = self.run();
-        self.scene.moved(translations.values())
+    pub fn predict(&self, input: &SceneInput<'_>) -> Result<Vec<Point3>, NetError> {
+        self.predict_on(&self.garment, input)
+    }
+
+    /// As [`Predictor::predict`], of a garment that [`Predictor::accepted`] has given.
+    ///
+    /// # Errors
+    ///
+    /// As [`Predictor::predict`].
+    pub fn predict_on(
+        &self,
+        garment: &GarmentGraph,
+        input: &SceneInput<'_>,
+    ) -> Result<Vec<Point3>, NetError> {
+        let spare = self.scenes.lock().map(|mut scenes| scenes.pop());
+        let mut scene = spare.unwrap_or_default().unwrap_or_default();
+        scene.prepare(self.model.config(), garment, &self.sampling, input)?;
+        let moved = scene.moved(self.run(garment, &scene).values());
+        let mut scenes = self.scenes.lock().unwrap_or_else(PoisonError::into_inner);
+        scenes.push(scene);
+        moved
     }
 
     /// The first half of [`Predictor::predict`]: neighbors, frames, features.
@@ -183,7 +218,7 @@ impl Predictor {
     ///
     /// If no scene was prepared.
     pub fn translations(&mut self) -> Vec<f32> {
-        self.run().values().to_vec()
+        self.run(&self.garment, &self.scene).values().to_vec()
     }
 
     /// Memory kept between scenes, in bytes.
@@ -191,10 +226,10 @@ impl Predictor {
         self.engine.num_bytes()
     }
 
-    fn run(&self) -> Arc<Buffer> {
+    fn run(&self, garment: &GarmentGraph, scene: &Scene) -> Arc<Buffer> {
         let config = self.model.config();
         let matrix = |values: &[f32], columns| self.engine.matrix(values, columns);
-        let inputs = Inputs::new(config, &self.garment, &self.sampling, &self.scene, matrix);
+        let inputs = Inputs::new(config, garment, &self.sampling, scene, matrix);
         self.model.run(&self.engine, &inputs)
     }
 }

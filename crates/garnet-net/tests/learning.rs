@@ -88,7 +88,7 @@ impl School {
     /// Mean vertex distance over the examples, in metres: of the network and of the warp.
     fn errors(&self, net: GarNet) -> [f32; 2] {
         let sampling = self.sampling.clone();
-        let mut predictor = Predictor::new(net, self.garment.clone(), sampling).unwrap();
+        let predictor = Predictor::new(net, self.garment.clone(), sampling).unwrap();
         let mut sums = [0.0; 2];
         for example in &self.examples {
             let normals = vertex_normals(example.body.positions(), example.body.faces());

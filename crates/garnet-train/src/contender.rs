@@ -1,41 +1,26 @@
 //! A way to drape, ready to be timed.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
-use garnet_drape::{PackageError, Settling};
-use garnet_mesh::Point3;
+use garnet_drape::{Drape, DrapeOptions, Draper, Network, Placed};
 use garnet_net::{Cost, GarNetConfig, Model, Moment};
 use garnet_skin::Warp;
 
-use crate::network_input::predicted;
 use crate::teachers::Teachers;
-use crate::{Candidate, Stage, StagedScene, TrainError};
+use crate::{Candidate, Finish, Stage, StagedScene, TrainError, Worn};
 
 /// A candidate, bound to the garment.
 #[derive(Debug)]
 pub(crate) struct Contender<'a> {
     name: String,
     warp: Warp,
-    model: Option<Model>,
+    model: Option<Arc<Model>>,
     cost: Option<Cost>,
     /// For how many frames cloth settles, and who simulates it.
     settle: Option<(u32, Teachers<'a>)>,
-}
-
-/// A drape that is not untangled yet.
-#[derive(Debug)]
-pub(crate) struct Draped {
-    /// `[vertex]`, in metres.
-    pub(crate) positions: Vec<Point3>,
-    /// Time of skinning or warp, in seconds.
-    pub(crate) warp: f64,
-    /// Time of the network with all that it needs of a scene, in seconds.
-    pub(crate) network: Option<f64>,
-    /// Whether a simulation has given the cloth its folds.
-    pub(crate) is_simulated: bool,
-    /// Time of settling, in seconds; none if the cloth was left where the network had put it.
-    pub(crate) settle: Option<f64>,
+    /// What drapes the last garment.
+    last: Option<(Arc<Worn>, Draper)>,
 }
 
 impl<'a> Contender<'a> {
@@ -58,7 +43,7 @@ impl<'a> Contender<'a> {
                 let rest = package.body.rest().positions();
                 let template = package.mesh.positions();
                 let model = Model::load(weights, graph, template, rest)?;
-                (name.as_str(), model.warp(), Some(model), *settle)
+                (name.as_str(), model.warp(), Some(Arc::new(model)), *settle)
             }
         };
         // Cloth on the way is on no body before the rest of the motion.
@@ -71,6 +56,7 @@ impl<'a> Contender<'a> {
             cost: cost.transpose()?,
             model,
             settle: (settle > 0 || is_on_way).then(|| (settle, Teachers::new(stage))),
+            last: None,
         })
     }
 
@@ -81,12 +67,7 @@ impl<'a> Contender<'a> {
 
     /// The moment at which the network predicts the cloth; rest, of skinning and warp.
     pub(crate) fn moment(&self) -> Moment {
-        self.model.as_ref().map_or(Moment::Rest, Model::moment)
-    }
-
-    /// Whether cloth is simulated where the network has put it.
-    pub(crate) fn is_simulated(&self) -> bool {
-        self.settle.is_some()
+        (self.model.as_ref()).map_or(Moment::Rest, |model| model.moment())
     }
 
     /// For how many frames cloth settles.
@@ -101,73 +82,67 @@ impl<'a> Contender<'a> {
 
     /// What the network is made of, if it is one.
     pub(crate) fn config(&self) -> Option<&GarNetConfig> {
-        self.model.as_ref().and_then(Model::config)
+        self.model.as_ref().and_then(|model| model.config())
     }
 
     /// Memory that the network keeps between scenes, in bytes.
     pub(crate) fn num_bytes(&self) -> Option<usize> {
-        self.model.as_ref().map(Model::num_bytes)
+        self.model.as_ref().map(|model| model.num_bytes())
     }
 
-    /// Drapes without untangling.
-    pub(crate) fn drape(&mut self, staged: &StagedScene) -> Result<Draped, TrainError> {
-        self.draped(staged).map_err(|source| TrainError::Scene {
+    /// Drapes as `garnet drape` does, and gives the garment before and after untangling to `take`.
+    pub(crate) fn drape<T>(
+        &mut self,
+        staged: &StagedScene,
+        finish: Finish,
+        take: impl FnOnce(&Draper, &Placed<'_>, Option<Drape>) -> Result<T, TrainError>,
+    ) -> Result<T, TrainError> {
+        let mut drape = || {
+            let options = DrapeOptions::default().with_warp(self.warp);
+            let options = match finish {
+                Finish::None => options.without_untangling(),
+                Finish::Untangle(untangle) => options.with_untangling(untangle),
+            };
+            let draper = self.draper(staged)?.clone().with_options(options);
+            let placed = draper.place(&staged.posed, &AtomicBool::new(false))?;
+            let drape = match finish {
+                Finish::None => None,
+                Finish::Untangle(_) => Some(draper.untangle(placed.clone())?),
+            };
+            Ok((draper, placed, drape))
+        };
+        let (draper, placed, drape) = drape().map_err(|source: TrainError| TrainError::Scene {
             scene: staged.name,
             source: Box::new(source),
-        })
+        })?;
+        take(&draper, &placed, drape)
     }
 
-    fn draped(&mut self, staged: &StagedScene) -> Result<Draped, TrainError> {
-        let worn = &staged.worn;
-        let Some(model) = &mut self.model else {
-            let start = Instant::now();
-            let nodes = worn.garment.warped(&staged.posed, self.warp)?;
-            let warp = start.elapsed().as_secs_f64();
-            return Ok(Draped {
-                positions: worn.garment.weld().scatter(&nodes),
-                warp,
-                network: None,
-                is_simulated: false,
-                settle: None,
-            });
+    /// What drapes the garment of a scene.
+    fn draper(&mut self, staged: &StagedScene) -> Result<&Draper, TrainError> {
+        let last = self.last.take();
+        let known = last.filter(|(worn, _)| Arc::ptr_eq(worn, &staged.worn));
+        let known = match known {
+            Some(known) => known,
+            None => (Arc::clone(&staged.worn), self.new_draper(staged)?),
         };
-        model.rebind(worn.graph.clone())?;
-        let from = model.moment();
-        let start = Instant::now();
-        let posed = staged.posed_for(from)?;
-        let warped = staged.warped(self.warp, &posed)?;
-        let warp = start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let mut positions = predicted(model, &warped, &worn.body, &posed)?;
-        let network = start.elapsed().as_secs_f64();
-        let (mut settle, mut is_simulated) = (None, false);
-        if let Some((frames, teachers)) = &mut self.settle {
-            let teacher = teachers.of(staged)?;
-            let start = Instant::now();
-            let stop = AtomicBool::new(false);
-            let (own, frames) = (&worn.body, *frames);
-            let settling = Settling { from, frames };
-            match teacher.settled(own, &staged.posed, &positions, settling, &stop) {
-                Ok(settled) => {
-                    positions = settled;
-                    is_simulated = settling.finds_folds();
-                    settle = Some(start.elapsed().as_secs_f64());
-                }
-                // As in `garnet drape`: cloth that flies apart stays where it was put, if that is on the body.
-                Err(PackageError::Sim(_)) if !from.is_on_way() => {}
-                Err(PackageError::Sim(_)) => {
-                    let nodes = worn.garment.warped(&staged.posed, self.warp)?;
-                    positions = worn.garment.weld().scatter(&nodes);
-                }
-                Err(error) => return Err(error.into()),
-            }
-        }
-        Ok(Draped {
-            positions,
-            warp,
-            network: Some(network),
-            is_simulated,
-            settle,
-        })
+        Ok(&self.last.insert(known).1)
+    }
+
+    fn new_draper(&mut self, staged: &StagedScene) -> Result<Draper, TrainError> {
+        let garment = staged.worn.ready()?;
+        let draper = Draper::new(Arc::clone(&garment));
+        let Some(model) = &self.model else {
+            return Ok(draper);
+        };
+        let graph = staged.worn.graph.clone();
+        let network = Network::for_size(Arc::clone(model), &garment, graph)?;
+        let Some((frames, teachers)) = &mut self.settle else {
+            return Ok(draper.with_network(network, 0));
+        };
+        let simulator = teachers.of(staged)?;
+        Ok(draper
+            .with_network(network, *frames)
+            .with_simulator(simulator))
     }
 }

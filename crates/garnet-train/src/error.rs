@@ -295,6 +295,9 @@ pub enum TrainError {
     /// A data set is not usable.
     #[error(transparent)]
     Data(Box<DataError>),
+    /// A garment cannot be draped.
+    #[error(transparent)]
+    Drape(Box<garnet_drape::Error>),
     /// A package is not usable, or its garment not simulated.
     #[error(transparent)]
     Package(Box<PackageError>),
@@ -400,6 +403,15 @@ const fn plural(count: usize) -> &'static str {
 impl From<DataError> for TrainError {
     fn from(source: DataError) -> Self {
         Self::Data(Box::new(source))
+    }
+}
+
+impl From<garnet_drape::Error> for TrainError {
+    fn from(source: garnet_drape::Error) -> Self {
+        match source {
+            garnet_drape::Error::Package(source) => Self::Package(source),
+            source => Self::Drape(Box::new(source)),
+        }
     }
 }
 

@@ -5,14 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_data::Split;
 use garnet_net::{GarNetConfig, ModelHeader, Moment};
-use garnet_untangle::Binding;
 use serde::Serialize;
 
 use crate::contender::Contender;
 use crate::curves::Counts;
-use crate::finish::Finished;
 use crate::measure::Measure;
-use crate::scores::{Errors, Tally};
+use crate::scores::Tally;
 use crate::{Curves, Finish, Left, Percentiles, Scores, Stage, StagedScene, TrainError};
 
 /// A way to drape that is measured.
@@ -109,6 +107,9 @@ pub struct Row {
     pub settle: u32,
     /// Scenes whose cloth flew apart when it was to settle, and was left where the network had put it.
     pub unsettled: usize,
+    /// Scenes whose bodies are unlike those that the network was trained on, or whose cloth it would have torn, and was
+    /// not moved by it.
+    pub fallbacks: usize,
     /// Weights of the network.
     pub parameters: u64,
     /// Multiplications and additions of a forward pass.
@@ -207,6 +208,7 @@ struct Entrant<'a> {
     untangled: Option<Tally>,
     left: Left,
     unsettled: usize,
+    fallbacks: usize,
     times: [Vec<f64>; 4],
 }
 
@@ -220,6 +222,7 @@ impl<'a> Entrant<'a> {
             untangled: None,
             left: Left::NOTHING,
             unsettled: 0,
+            fallbacks: 0,
             times: Default::default(),
         }
     }
@@ -233,6 +236,7 @@ impl<'a> Entrant<'a> {
             moment: self.contender.moment(),
             settle: self.contender.settle_frames(),
             unsettled: self.unsettled,
+            fallbacks: self.fallbacks,
             parameters: cost.map_or(0, |cost| cost.parameters),
             flops: cost.map_or(0, |cost| cost.flops),
             scores: self.tally.scores(),
@@ -261,29 +265,39 @@ fn scene(
     finish: Finish,
     staged: &StagedScene,
 ) -> Result<(), TrainError> {
-    let binding = match finish {
-        Finish::None => None,
-        Finish::Untangle(options) => Some((Binding::new(&staged.worn.garment)?, options)),
-    };
     for entrant in entrants {
-        let draped = entrant.contender.drape(staged)?;
-        entrant.times[0].push(draped.warp);
-        entrant.times[1].extend(draped.network);
-        entrant.times[2].extend(draped.settle);
-        let settles = entrant.contender.is_simulated();
-        entrant.unsettled += usize::from(settles && draped.settle.is_none());
-        let Errors { distances, angles } =
-            measure.add(&mut entrant.tally, staged, &draped.positions)?;
-        entrant.distances.add(&distances);
-        entrant.angles.add(&angles);
-        let Some((binding, options)) = &binding else {
-            continue;
-        };
-        let finished = Finished::new(staged, binding, &draped, options)?;
-        entrant.times[3].push(finished.seconds);
-        entrant.left.add(finished.left);
-        let tally = entrant.untangled.get_or_insert_with(Tally::default);
-        measure.add(tally, staged, &finished.positions)?;
+        let Entrant {
+            contender,
+            tally,
+            distances,
+            angles,
+            untangled,
+            left,
+            unsettled,
+            fallbacks,
+            times,
+        } = entrant;
+        let has_network = contender.config().is_some() || contender.cost().is_some();
+        contender.drape(staged, finish, |draper, placed, drape| {
+            let (seconds, provenance) = (placed.seconds(), placed.provenance());
+            times[0].push(seconds.warp);
+            times[1].extend(has_network.then_some(seconds.predict));
+            times[2].extend(provenance.relaxed_from.map(|_| seconds.relax));
+            *unsettled += usize::from(provenance.unrelaxed.is_some());
+            *fallbacks += usize::from(provenance.fallback.is_some());
+            let positions = placed.positions(draper.garment());
+            let errors = measure.add(tally, staged, &positions)?;
+            distances.add(&errors.distances);
+            angles.add(&errors.angles);
+            let Some(drape) = drape else {
+                return Ok(());
+            };
+            times[3].push(drape.seconds.untangle);
+            left.add(Left::of(&drape));
+            let tally = untangled.get_or_insert_with(Tally::default);
+            measure.add(tally, staged, &drape.positions)?;
+            Ok(())
+        })?;
     }
     Ok(())
 }

@@ -1,13 +1,7 @@
-//! Drapes freed of penetrations, and how long that takes.
+//! What is done to drapes before they are measured, and what is left of penetrations.
 
-use std::time::Instant;
-
-use garnet_mesh::Point3;
-use garnet_untangle::{Binding, UntangleOptions, UntangleReport, untangle};
+use garnet_untangle::{UntangleOptions, UntangleReport};
 use serde::{Deserialize, Serialize};
-
-use crate::contender::Draped;
-use crate::{StagedScene, TrainError};
 
 /// What is done to drapes before they are measured a second time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,6 +32,11 @@ impl Left {
         crossing_faces: Some(0),
     };
 
+    /// Of a drape that was untangled; nothing, of one that was not.
+    pub(crate) fn of(drape: &garnet_drape::Drape) -> Self {
+        drape.report.as_ref().map_or(Self::NOTHING, Self::from)
+    }
+
     /// Adds what was left in another scene.
     pub(crate) fn add(&mut self, other: Self) {
         self.inside += other.inside;
@@ -54,41 +53,5 @@ impl From<&UntangleReport> for Left {
             trapped: report.trapped,
             crossing_faces: Some(report.crossing_faces),
         }
-    }
-}
-
-/// A drape that was untangled.
-#[derive(Debug)]
-pub(crate) struct Finished {
-    /// `[vertex]`, in metres.
-    pub(crate) positions: Vec<Point3>,
-    pub(crate) left: Left,
-    /// How long it took.
-    pub(crate) seconds: f64,
-}
-
-impl Finished {
-    /// Untangles a drape `[vertex]`; one that was learned or simulated as such.
-    pub(crate) fn new(
-        staged: &StagedScene,
-        binding: &Binding,
-        draped: &Draped,
-        options: &UntangleOptions,
-    ) -> Result<Self, TrainError> {
-        let garment = &staged.worn.garment;
-        let options = match draped.network {
-            _ if draped.is_simulated => options.for_simulated(),
-            Some(_) => options.for_drapes(),
-            None => *options,
-        };
-        let start = Instant::now();
-        let nodes = garment.weld().gather(&draped.positions);
-        let untangled = untangle(garment, binding, &staged.posed, &nodes, &options)?;
-        let positions = garment.weld().scatter(&untangled.positions);
-        Ok(Self {
-            positions,
-            left: (&untangled.report).into(),
-            seconds: start.elapsed().as_secs_f64(),
-        })
     }
 }

@@ -2,11 +2,10 @@
 
 use garnet_data::Split;
 use garnet_mesh::{Point3, TriMesh};
-use garnet_untangle::{Binding, UntangleOptions};
+use garnet_untangle::UntangleOptions;
 
 use crate::contender::Contender;
-use crate::finish::Finished;
-use crate::{Candidate, SceneName, Stage, StagedScene, TrainError};
+use crate::{Candidate, Finish, SceneName, Stage, StagedScene, TrainError};
 
 /// A scene with all its drapes; places are in metres.
 #[derive(Debug, Clone)]
@@ -50,12 +49,14 @@ fn shown(
     options: &UntangleOptions,
     staged: &StagedScene,
 ) -> Result<Exhibit, TrainError> {
-    let binding = Binding::new(&staged.worn.garment)?;
     let mut drapes = Vec::with_capacity(contenders.len());
     for contender in contenders {
-        let draped = contender.drape(staged)?;
-        let finished = Finished::new(staged, &binding, &draped, options)?;
-        drapes.push(finished.positions);
+        let finish = Finish::Untangle(*options);
+        let untangled = contender.drape(staged, finish, |draper, placed, drape| {
+            let before = || placed.positions(draper.garment());
+            Ok(drape.map_or_else(before, |drape| drape.positions))
+        })?;
+        drapes.push(untangled);
     }
     let skin = staged.posed.skin().positions().to_vec();
     Ok(Exhibit {

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use burn::tensor::Device;
 use garnet_data::Split;
-use garnet_drape::{GarmentPackage, Manifest, Variant};
+use garnet_drape::{GarmentPackage, Manifest, MeasuredCost, Package, Variant};
 use garnet_net::{Checkpoint, ModelHeader, PoseSpace, Precision, TrainedRange};
 
 use crate::evaluate::evaluate_until;
@@ -156,6 +156,9 @@ pub(crate) fn publish(
         subject.sampling.used().len(),
     )?;
     let variant = Variant {
+        aliases: Vec::new(),
+        seconds: None,
+        settled_seconds: None,
         name: progress.name.clone(),
         weights: file,
         default: false,
@@ -226,12 +229,23 @@ pub(crate) fn add_variant(
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
 ) -> Result<Option<f64>, TrainError> {
-    let add = |variant: &Variant| {
+    let add = |variant: &Variant, cost: Option<&MeasuredCost>| {
         let variant = variant.clone();
         // Another training may have added a variant meanwhile.
-        GarmentPackage::change_manifest(folder, |manifest| manifest.add(variant)).map(drop)
+        let changed = GarmentPackage::change_manifest(folder, |manifest| {
+            let name = variant.name.clone();
+            manifest.add(variant);
+            if let Some(cost) = cost {
+                manifest.set_cost(&name, cost);
+            }
+        });
+        changed.map(drop)
     };
-    add(&variant)?;
+    add(&variant, None)?;
+    // Without it no budget of time chooses the variant.
+    let cost = Package::open(folder).and_then(|package| package.measure(&variant.name));
+    let cost = cost.ok();
+    add(&variant, cost.as_ref())?;
     if !splits.test {
         return Ok(None);
     }
@@ -254,7 +268,7 @@ pub(crate) fn add_variant(
     if splits.valid && variant.settling(moment).frames > 0 {
         variant.valid_error = settle(Split::Valid).map(|(error, _)| error);
     }
-    add(&variant)?;
+    add(&variant, cost.as_ref())?;
     Ok(Some(error))
 }
 

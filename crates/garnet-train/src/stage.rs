@@ -1,7 +1,7 @@
 //! From the records of a data set to garments that are warped to posed bodies.
 
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use garnet_body::shape::ParametricBody;
 use garnet_data::{BodyRecord, Dataset, Posed, SceneRecord, Shard, Sizing, Split};
@@ -37,13 +37,29 @@ pub struct Worn {
     pub graph: GarmentGraph,
     /// The garment at rest `[vertex]`, in metres.
     pub rest: Arc<[Point3]>,
+    ready: OnceLock<Arc<garnet_drape::BoundGarment>>,
 }
 
 impl Worn {
+    /// The garment as drapes take it; it is made once.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Drape`] for a garment too degenerate to be untangled.
+    pub fn ready(&self) -> Result<Arc<garnet_drape::BoundGarment>, TrainError> {
+        if let Some(ready) = self.ready.get() {
+            return Ok(Arc::clone(ready));
+        }
+        let body = Arc::new(self.body.clone());
+        let ready = garnet_drape::BoundGarment::of_cloth(self.garment.clone(), body)?;
+        Ok(Arc::clone(self.ready.get_or_init(|| Arc::new(ready))))
+    }
+
     fn new(garment: BoundGarment, body: Body, parameters: &[f32]) -> Result<Self, TrainError> {
         Ok(Self {
             graph: GarmentGraph::new(garment.mesh(), parameters)?,
             rest: garment.mesh().positions().into(),
+            ready: OnceLock::new(),
             garment,
             body,
         })
@@ -369,6 +385,7 @@ impl Stage {
                     .clone()
                     .with_sewing_parameters(&parameters)?,
                 rest: Arc::clone(&self.template.rest),
+                ready: OnceLock::new(),
             }),
         };
         Ok(Dressed {

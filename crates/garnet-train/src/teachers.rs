@@ -13,7 +13,7 @@ use crate::{Stage, StagedScene, TrainError, Worn};
 #[derive(Debug)]
 pub(crate) struct Teachers<'a> {
     stage: &'a Stage,
-    last: Option<(Arc<Worn>, Teacher)>,
+    last: Option<(Arc<Worn>, Arc<Teacher>)>,
 }
 
 impl<'a> Teachers<'a> {
@@ -22,14 +22,17 @@ impl<'a> Teachers<'a> {
     }
 
     /// The teacher that made a scene.
-    pub(crate) fn of(&mut self, staged: &StagedScene) -> Result<&Teacher, TrainError> {
+    pub(crate) fn of(&mut self, staged: &StagedScene) -> Result<Arc<Teacher>, TrainError> {
         let last = self.last.take();
         let known = last.filter(|(worn, _)| Arc::ptr_eq(worn, &staged.worn));
         let known = match known {
             Some(known) => known,
-            None => (Arc::clone(&staged.worn), teacher_of(self.stage, staged)?),
+            None => (
+                Arc::clone(&staged.worn),
+                Arc::new(teacher_of(self.stage, staged)?),
+            ),
         };
-        Ok(&self.last.insert(known).1)
+        Ok(Arc::clone(&self.last.insert(known).1))
     }
 }
 
@@ -58,5 +61,12 @@ fn teacher_of(stage: &Stage, staged: &StagedScene) -> Result<Teacher, TrainError
         let worn = tailor.dress(body, &wearer, &AtomicBool::new(false))?;
         return Ok(tailor.teacher(&worn, body)?);
     }
-    Ok(Teacher::new(package)?)
+    let cloth = Arc::clone(stage.template().ready()?.shared_cloth());
+    let fabric = package.manifest.fabric.fabric();
+    Ok(Teacher::of_garment(
+        cloth,
+        &package.body,
+        &package.rest,
+        &fabric,
+    )?)
 }

@@ -27,9 +27,10 @@
 //! let garment = Garment::new(sleeve).bind(&body)?;
 //! let mut pose = Pose::rest(2);
 //! pose.rotations[1] = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 1.2);
-//! let drape = Draper::new().drape(&garment, &body.posed(&pose)?)?;
+//! let draper = Draper::new(garment);
+//! let drape = draper.drape(&body.posed(&pose)?)?;
 //!
-//! assert_eq!(drape.positions.len(), garment.mesh().num_vertices());
+//! assert_eq!(drape.positions.len(), draper.garment().mesh().num_vertices());
 //! assert_eq!(drape.report.map(|report| report.inside), Some(0));
 //! # Ok::<(), garnet::Error>(())
 //! ```
@@ -41,8 +42,8 @@ pub use garnet_body::{motion, poses, shape};
 #[cfg(feature = "train")]
 pub use garnet_data as data;
 pub use garnet_drape::{
-    BoundGarment, Drape, DrapeOptions, Draper, Error, Garment, Moved, Network, PackagedDrape,
-    PackagedGarment, Penetration, Refit, Unfamiliar, Warped, penetration,
+    BoundGarment, Drape, DrapeOptions, DrapeSeconds, Draper, Error, Fallback, Garment, Network,
+    Package, Penetration, Placed, PlacedBy, Predicted, Provenance, Refit, Unfamiliar, penetration,
 };
 pub use garnet_knn::{ClosestPoint, Surface};
 pub use garnet_mesh::{

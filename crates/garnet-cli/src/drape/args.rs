@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use anyhow::ensure;
 use clap::{Args, ValueEnum};
 use garnet::{
-    DrapeOptions, UnitError, UntangleOptions, UpAxis, Warp,
+    DrapeOptions, UnitError, UpAxis, Warp,
     io::{ObjFile, PoseSource, SceneFiles, SceneUnits},
-    package::{GarmentPackage, Quality, StoredFabric},
+    package::{GarmentPackage, Limit, Quality, StoredFabric},
 };
 
 use crate::{
@@ -139,15 +139,6 @@ pub(crate) enum NetworkChoice {
     Named(String),
 }
 
-/// What a network that is chosen has to keep within.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Limit {
-    /// Time of a drape.
-    Seconds(f64),
-    /// Mean distance to the teacher, in metres.
-    Distance(f64),
-}
-
 /// The axis that points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum UpName {
@@ -240,13 +231,13 @@ impl Job {
         let mut job = Self::of_input(args.input, args.output)?;
         job.take_report(args.report)?;
         let body_out = args.body_out.map(|path| job.named(path)).transpose()?;
-        job.options = DrapeOptions {
-            warp: args.method.warp(),
-            untangle: (!args.no_untangle).then(|| UntangleOptions {
-                clearance: args.clearance,
-                ..UntangleOptions::default()
-            }),
-        };
+        job.options = DrapeOptions::default()
+            .with_warp(args.method.warp())
+            .with_clearance(args.clearance);
+        if args.no_untangle {
+            job.options = job.options.without_untangling();
+        }
+        job.options.relax_frames = args.settle;
         job.simulation = (args.method == MethodName::Sim).then_some(Simulation {
             quality: Quality::Teacher,
             fabric: None,
@@ -297,7 +288,7 @@ impl Job {
             body_out: None,
             report: None,
             prints_report: false,
-            options: DrapeOptions::default(),
+            options: DrapeOptions::default().without_untangling(),
             simulation: None,
             network: NetworkChoice::None,
             limit: None,

@@ -2,48 +2,46 @@
 
 mod args;
 mod choice;
-mod learned;
 mod outputs;
 mod prepared;
+mod ready;
 mod report;
-mod settled;
 mod simulated;
 mod summary;
 mod timing;
 mod warning;
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, atomic::AtomicBool},
+};
 
 use anyhow::Context;
 use garnet::{
-    Body, BoundGarment, Drape, DrapeOptions, Draper, Garment, Moment, Point3, PosedBody, Refit,
-    TriMesh, Warp,
+    Body, BoundGarment, Drape, Garment, Point3, PosedBody, Refit, TriMesh, Warp,
     data::SceneReport,
     edge_stretch,
     io::{self, Frame, PoseSource, RestSource, Target},
-    package::Settling,
+    package::Moment,
 };
 
 pub(crate) use args::DrapeArgs;
 pub(crate) use args::{InputArgs, Job, Simulation, Source, SourceFiles, UpName, units};
-use choice::ChoiceReport;
-use learned::{Found, Learned, Unbound};
 use outputs::{body_out_of, check_outputs, outputs_on};
 pub(crate) use prepared::Prepared;
+use ready::{Found, Method, Ready};
 pub(crate) use report::WarningReport;
 use report::{
     BodyReport, DrapeOutput, DrapeReport, DrapeSeconds, GarmentReport, OnceSeconds,
     PenetrationReport, PoseReport, RepeatedSeconds, Stretch,
 };
-use settled::Settler;
-use simulated::Teaching;
 use timing::timed;
 pub(crate) use warning::warnings_of;
 use warning::{Problem, Warning};
 
 use crate::{
     console::{Console, print_document},
-    failure::{ExitStatus, Hint},
+    failure::ExitStatus,
     machine, output,
 };
 
@@ -66,64 +64,16 @@ pub(crate) fn do_job(
         for note in &prepared.notes {
             console.summary(&format_args!("note: {note}"));
         }
-        let read_network = || match job.limit {
-            None => Unbound::find(&job.network, &job.source),
-            Some(_) => Ok(Found::NotAsked),
-        };
-        let ((bound, bind), unbound) = rayon::join(|| timed(|| Bound::new(prepared)), read_network);
-        let mut bound = bound?;
-        if let Some(simulation) = &job.simulation {
-            bound.teacher = Some(Teaching::new(&bound, simulation, &job.source)?);
-        }
-        let found = match job.limit {
-            None => unbound?.bound_to(&bound)?,
-            Some(limit) => {
-                let (found, choice) = choice::choose(&bound, &job, limit, console)?;
-                if choice.is_met {
-                    console.summary(&format_args!("note: {}", choice.text));
-                }
-                bound.choice = Some(choice);
-                found
-            }
-        };
-        match found {
-            Found::Network(learned) => bound.learned = Some(*learned),
-            Found::NotAsked => {}
-            Found::NoneInPackage => console.summary(
-                &"note: the package has no trained network: the garment is warped and untangled",
-            ),
-        }
-        let settles = match (&bound.choice, &bound.learned) {
-            (Some(choice), _) => choice.settles(),
-            (None, learned) => learned.as_ref().is_some_and(Learned::settles),
-        };
-        let of_warp = Settling::of(Moment::Rest);
-        let mut settling = (bound.learned.as_ref()).map_or(of_warp, Learned::settling);
-        if !settles {
-            settling.frames = 0;
-        }
-        match Settler::find(&bound, &job, settling) {
-            Ok(settler) => bound.settler = settler,
-            Err(error) if job.settle.is_some() => return Err(error),
-            // A template that was cut and put on can be simulated, on its own body at least.
-            Err(error) if bound.is_of_package(&job) => {
-                return Err(error).hint(|| {
-                    "the package is damaged: make it anew, or take a copy of it".to_owned()
-                });
-            }
-            Err(error) => bound.warnings.push(Warning {
-                path: bound.garment_file.path().to_path_buf(),
-                problem: Problem::Unsettled(format!("{error:#}")),
-            }),
-        }
-        let drapes = drape_all(&mut bound, &job, &outputs, console)?;
+        let ((bound, bind), found) =
+            rayon::join(|| timed(|| Bound::new(prepared)), || Found::read(&job));
+        let mut ready = Ready::new(bound?, found?, &job, console)?;
+        let drapes = drape_all(&mut ready, &job, &outputs, console)?;
         let seconds = OnceSeconds {
             read,
             bind,
             total: 0.0,
         };
-        let choice = bound.choice.take();
-        anyhow::Ok((bound.report(&job, drapes, (seconds, choice)), job))
+        anyhow::Ok((report_of(ready, &job, drapes, seconds), job))
     });
     let (mut report, job) = done?;
     report.seconds.total = total;
@@ -133,25 +83,16 @@ pub(crate) fn do_job(
 
 /// The garment, bound, and what it is draped on.
 struct Bound {
-    garment: BoundGarment,
+    garment: Arc<BoundGarment>,
     /// How it came to the body, if it was made for another one.
-    refit: Option<Refit>,
+    refit: Option<Arc<Refit>>,
     garment_file: io::ObjFile,
     garment_frame: Frame,
     /// Edges of the polygons of the garment.
     edges: Vec<[u32; 2]>,
-    body: Body,
     rest: RestSource,
     targets: Vec<Target>,
     pose: Option<PoseSource>,
-    /// The simulation, if that is the method.
-    teacher: Option<Teaching>,
-    /// The network, if one drapes.
-    learned: Option<Learned>,
-    /// The simulation of what was put, if it settles.
-    settler: Option<Settler>,
-    /// How that was chosen, if it was.
-    choice: Option<ChoiceReport>,
     warnings: Vec<Warning>,
 }
 
@@ -189,33 +130,22 @@ impl Bound {
         let warnings = of_garment.chain(found.body.into_iter().map(at(&rest.path)));
         Ok(Self {
             warnings: warnings.collect(),
-            garment,
-            refit,
+            garment: Arc::new(garment),
+            refit: refit.map(Arc::new),
             garment_file,
             garment_frame,
             edges,
-            body,
             rest,
             targets,
             pose,
-            teacher: None,
-            learned: None,
-            settler: None,
-            choice: None,
         })
     }
 }
 
 impl Bound {
-    /// Whether the garment is that of a package, on the body of the package.
-    fn is_of_package(&self, job: &Job) -> bool {
-        let has_package = matches!(&job.source, Source::Files(files) if files.package.is_some());
-        has_package && self.refit.is_none()
-    }
-
     /// The garment as it was made `[vertex]`, in metres: what stretch is measured against.
     fn rest_positions(&self) -> &[Point3] {
-        let made = (self.refit.as_ref()).map_or(&self.garment, Refit::garment);
+        let made = (self.refit.as_ref()).map_or(&*self.garment, |refit| refit.garment());
         made.mesh().positions()
     }
 }
@@ -233,11 +163,12 @@ fn unusual(garment: &TriMesh, body: &Body) -> Unusual {
 }
 
 fn drape_all(
-    bound: &mut Bound,
+    ready: &mut Ready,
     job: &Job,
     outputs: &[PathBuf],
     console: &Console,
 ) -> anyhow::Result<Vec<DrapeOutput>> {
+    let bound = &ready.bound;
     for folder in job.folder.iter().chain(&job.new_folders) {
         output::open_folder(folder)?;
     }
@@ -245,16 +176,11 @@ fn drape_all(
     if let Some(folder) = job.body_out.as_ref().filter(|_| has_named) {
         output::open_folder(folder)?;
     }
-    let mut way = Way {
-        draper: Draper::with_options(job.options),
-        learned: bound.learned.take(),
-        settler: bound.settler.take(),
-    };
     let bar = console.progress(bound.targets.len());
     let mut drapes = Vec::with_capacity(bound.targets.len());
     for (target, output) in bound.targets.iter().zip(outputs) {
         bar.set_message(target.path.display().to_string());
-        let (drape, problems) = drape_one(bound, &mut way, target, output, job, console)?;
+        let (drape, problems) = drape_one(ready, target, output, job, console)?;
         let warnings = problems.into_iter().map(|problem| Warning {
             path: output.clone(),
             problem,
@@ -263,43 +189,39 @@ fn drape_all(
         bar.inc(1);
     }
     bar.finish_and_clear();
-    bound.learned = way.learned;
-    bound.settler = way.settler;
     let (drapes, warnings): (Vec<_>, Vec<_>) = drapes.into_iter().unzip();
-    bound.warnings.extend(warnings.into_iter().flatten());
+    ready.bound.warnings.extend(warnings.into_iter().flatten());
     Ok(drapes)
 }
 
-/// What drapes.
-struct Way {
-    draper: Draper,
-    learned: Option<Learned>,
-    settler: Option<Settler>,
-}
-
 fn drape_one(
-    bound: &Bound,
-    way: &mut Way,
+    ready: &Ready,
     target: &Target,
     output: &Path,
     job: &Job,
     console: &Console,
 ) -> anyhow::Result<(DrapeOutput, Vec<Problem>)> {
+    let bound = &ready.bound;
     let mut times = Vec::with_capacity(job.repeat as usize);
-    let mut draped = drape_timed(bound, way, target, console)?;
+    let mut draped = drape_timed(ready, target, console)?;
     times.push(draped.time);
     for _ in 1..job.repeat {
-        draped = drape_timed(bound, way, target, console)?;
+        draped = drape_timed(ready, target, console)?;
         times.push(draped.time);
     }
     let Draped {
         posed,
         drape,
         simulated,
-        fallback,
-        unsettled,
         mut time,
     } = draped;
+    let provenance = &drape.provenance;
+    let fallback = provenance.fallback.as_ref().map(ToString::to_string);
+    let unsettled = (provenance.unrelaxed.as_ref()).map(|error| {
+        let error = anyhow::Error::new(Arc::clone(error)).context("the cloth does not settle");
+        format!("{error:#}")
+    });
+    let is_from_rest = provenance.relaxed_from == Some(Moment::Start);
     let rest = bound.rest_positions();
     let (free, trapped): (Vec<[u32; 2]>, Vec<[u32; 2]>) = bound
         .edges
@@ -308,7 +230,6 @@ fn drape_one(
     let stretch = edge_stretch(rest, &drape.positions, &free)?;
     let stretch_at_trapped = edge_stretch(rest, &drape.positions, &trapped)?;
     let mut problems: Vec<Problem> = warning::of_fit(posed.max_residual()).into_iter().collect();
-    let is_from_rest = time.settle > 0.0;
     problems.extend((fallback.clone()).map(|reason| Problem::Fallback(reason, is_from_rest)));
     problems.extend(unsettled.map(Problem::Unsettled));
     problems.extend(warning::of_stretch(&stretch));
@@ -371,87 +292,43 @@ struct Draped {
     posed: PosedBody,
     drape: Drape,
     simulated: Option<SceneReport>,
-    /// Why the network was not used.
-    fallback: Option<String>,
-    /// Why the cloth was left where it was put.
-    unsettled: Option<String>,
     time: DrapeSeconds,
 }
 
-fn drape_timed(
-    bound: &Bound,
-    way: &mut Way,
-    target: &Target,
-    console: &Console,
-) -> anyhow::Result<Draped> {
-    let (posed, fit) = timed(|| target.posed(&bound.body));
-    let target_body = posed?;
+fn drape_timed(ready: &Ready, target: &Target, console: &Console) -> anyhow::Result<Draped> {
+    let Ready { bound, draper, .. } = ready;
+    let (posed, fit) = timed(|| target.posed(bound.garment.body()));
+    let posed = posed?;
     let cannot = || {
         let garment = bound.garment_file.path().display();
         format!("cannot drape `{garment}` on `{}`", target.path.display())
     };
-    let home = target_body.at_home(&bound.body).with_context(cannot)?;
-    let posed = home.body();
-    let Way {
-        draper,
-        learned,
-        settler,
-    } = way;
-    let is_on_way = learned.as_ref().is_some_and(Learned::is_on_way);
-    let (mut network, mut fallback) = (0.0, None);
-    let (brought, mut warp) = timed(|| match (&bound.teacher, learned) {
-        (Some(teaching), _) => teaching.drape(bound, target, &home, console),
-        (None, Some(learned)) => {
-            let (moved, seconds) = learned.drape(bound, posed)?;
-            (network, fallback) = (seconds, moved.fallback);
-            Ok((moved.garment, None))
+    let placed = match &ready.method {
+        Method::Simulation(simulated) => {
+            let placed = simulated.drape((bound, draper), target, &posed, console);
+            placed.map(|(placed, report)| (placed, Some(report)))
         }
-        (None, None) => Ok((draper.warp(&bound.garment, posed)?, None)),
-    });
-    warp -= network;
-    let (mut warped, simulated) = brought.with_context(cannot)?;
-    let (mut settle, mut unsettled) = (0.0, None);
-    let settled = settler.as_ref().and_then(|settler| match fallback {
-        None => Some(settler.settled(bound, posed, &warped)),
-        // Of a motion that is simulated in any case the network has told the first half.
-        Some(_) if is_on_way => Some(settler.whole_way(bound, posed)),
-        // What fell back to the warp is far from where cloth rests.
-        Some(_) => None,
-    });
-    let is_settled = matches!(settled, Some(Ok(_)));
-    match settled {
-        Some(Ok(settled)) => (warped, settle) = settled,
-        Some(Err(error)) => unsettled = Some(format!("{error:#}")),
-        None => {}
-    }
-    let is_left_on_way = is_on_way && fallback.is_none() && !is_settled;
-    if is_left_on_way {
-        warped = draper.warp(&bound.garment, posed).with_context(cannot)?;
-    }
-    let (drape, untangle) = timed(|| draper.finish(&bound.garment, posed, &warped));
-    let mut drape = drape.with_context(cannot)?;
-    drape.positions = home.to_target(drape.positions);
+        Method::Warp | Method::Network(_) => {
+            let placed = draper.place(&posed, &AtomicBool::new(false));
+            placed
+                .map(|placed| (placed, None))
+                .map_err(anyhow::Error::from)
+        }
+    };
+    let (placed, simulated) = placed.with_context(cannot)?;
+    let drape = draper.untangle(placed).with_context(cannot)?;
     let time = DrapeSeconds {
         fit,
-        warp,
-        network,
-        settle,
-        untangle,
+        warp: drape.seconds.warp,
+        network: drape.seconds.predict,
+        settle: drape.seconds.relax,
+        untangle: drape.seconds.untangle,
         write: 0.0,
     };
-    drop(home);
     Ok(Draped {
-        posed: target_body,
+        posed,
         drape,
         simulated,
-        fallback: match fallback {
-            Some(reason) => Some(reason.to_string()),
-            None if is_left_on_way => {
-                Some("what is midway could not be simulated further".to_owned())
-            }
-            None => None,
-        },
-        unsettled,
         time,
     })
 }
@@ -468,61 +345,59 @@ fn write_body(path: &Path, rest: &RestSource, posed: &PosedBody) -> anyhow::Resu
     Ok(())
 }
 
-impl Bound {
-    fn report(
-        &self,
-        job: &Job,
-        drapes: Vec<DrapeOutput>,
-        (seconds, choice): (OnceSeconds, Option<ChoiceReport>),
-    ) -> DrapeReport {
-        let DrapeOptions { warp, untangle } = job.options;
-        let shown = |path: &Path| path.display().to_string();
-        let rest = self.body.rest();
-        DrapeReport {
-            schema: job.schema,
-            version: env!("CARGO_PKG_VERSION"),
-            garment: GarmentReport {
-                path: shown(self.garment_file.path()),
-                vertices: self.garment_file.num_vertices(),
-                faces: self.garment_file.num_polygons(),
-                triangles: self.garment.mesh().num_faces(),
-                nodes: self.garment.cloth().rest().len(),
-                units: self.garment_frame.unit.to_string(),
-                up: self.garment_frame.up.to_string(),
-            },
-            rest_body: BodyReport {
-                path: shown(&self.rest.path),
-                rig: shown(&self.rest.rig_path),
-                vertices: rest.num_vertices(),
-                triangles: rest.num_faces(),
-                joints: self.body.skeleton().num_joints(),
-                units: self.rest.frame.unit.to_string(),
-                up: self.rest.frame.up.to_string(),
-            },
-            pose: self.pose.as_ref().map(|pose| PoseReport {
-                path: shown(&pose.path),
-                frame: pose.frames.map_or(0, garnet::motion::FrameRange::first),
-            }),
-            method: match (&self.teacher, &self.learned) {
-                (Some(_), _) => "sim".to_owned(),
-                (None, Some(learned)) => learned.name().to_owned(),
-                (None, None) => method_name(warp).to_owned(),
-            },
-            network: self.learned.as_ref().map(Learned::report),
-            choice,
-            simulation: self.teacher.as_ref().map(Teaching::report),
-            settle_frames: self.settler.as_ref().map_or(0, Settler::frames),
-            untangled: untangle.is_some(),
-            clearance_m: untangle.map(|options| options.clearance),
-            max_penetration_m: job.max_penetration,
-            max_crossing_faces: job.max_crossing,
-            threads: rayon::current_num_threads(),
-            repeat: job.repeat,
-            drapes,
-            peak_bytes: machine::peak_bytes(),
-            seconds,
-            warnings: self.warnings.iter().map(WarningReport::from).collect(),
-        }
+/// The report of a job that is done.
+fn report_of(
+    ready: Ready,
+    job: &Job,
+    drapes: Vec<DrapeOutput>,
+    seconds: OnceSeconds,
+) -> DrapeReport {
+    let (method, settle_frames) = (ready.method_name(), ready.relax_frames());
+    let (network, simulation) = (ready.network_report(), ready.simulation_report());
+    let Ready { bound, choice, .. } = ready;
+    let untangle = job.options.untangle;
+    let shown = |path: &Path| path.display().to_string();
+    let rest = bound.garment.body().rest();
+    DrapeReport {
+        schema: job.schema,
+        version: env!("CARGO_PKG_VERSION"),
+        garment: GarmentReport {
+            path: shown(bound.garment_file.path()),
+            vertices: bound.garment_file.num_vertices(),
+            faces: bound.garment_file.num_polygons(),
+            triangles: bound.garment.mesh().num_faces(),
+            nodes: bound.garment.cloth().rest().len(),
+            units: bound.garment_frame.unit.to_string(),
+            up: bound.garment_frame.up.to_string(),
+        },
+        rest_body: BodyReport {
+            path: shown(&bound.rest.path),
+            rig: shown(&bound.rest.rig_path),
+            vertices: rest.num_vertices(),
+            triangles: rest.num_faces(),
+            joints: bound.garment.body().skeleton().num_joints(),
+            units: bound.rest.frame.unit.to_string(),
+            up: bound.rest.frame.up.to_string(),
+        },
+        pose: bound.pose.as_ref().map(|pose| PoseReport {
+            path: shown(&pose.path),
+            frame: pose.frames.map_or(0, garnet::motion::FrameRange::first),
+        }),
+        method,
+        network,
+        choice,
+        simulation,
+        settle_frames,
+        untangled: untangle.is_some(),
+        clearance_m: untangle.map(|options| options.clearance),
+        max_penetration_m: job.max_penetration,
+        max_crossing_faces: job.max_crossing,
+        threads: rayon::current_num_threads(),
+        repeat: job.repeat,
+        drapes,
+        peak_bytes: machine::peak_bytes(),
+        seconds,
+        warnings: bound.warnings.iter().map(WarningReport::from).collect(),
     }
 }
 

@@ -75,7 +75,7 @@ fn refitted(source: &SourceFiles, scene: &mut Scene, own: Body) -> anyhow::Resul
         format!("cannot bring `{garment}` from the body of its package to the other one")
     };
     let garment = Garment::new(scene.garment.mesh.clone());
-    let refit = Refit::new(garment, own, &scene.body).with_context(cannot)?;
+    let refit = Refit::new(garment, &own, &scene.body).with_context(cannot)?;
     scene.garment.mesh = refit.dressed(&scene.body).with_context(cannot)?;
     Ok(refit)
 }

@@ -120,7 +120,7 @@ pub(crate) struct DrapeOutput {
 }
 
 /// The network that moved the warped garment.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub(crate) struct NetworkReport {
     pub(crate) variant: String,
     pub(crate) weights: String,

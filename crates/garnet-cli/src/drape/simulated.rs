@@ -4,45 +4,43 @@ use std::{
     ffi::OsStr,
     fs,
     path::{Path, PathBuf},
-    sync::atomic::AtomicBool,
+    sync::{Arc, atomic::AtomicBool},
 };
 
 use anyhow::Context;
 use garnet::{
-    BodyAtHome, Warped,
+    Draper, Placed, PosedBody,
     data::SceneReport,
     io::{Target, remove_stale_temporaries},
-    package::{BodyPath, GarmentPackage, Quality, StoredFabric, Teacher, quality_name},
+    package::{GarmentPackage, Progress, Quality, StoredFabric, Teacher, quality_name},
     sim::{Event, Fabric, RestShape},
 };
 
 use super::{
     Bound,
     args::{Simulation, Source},
+    ready::package_of,
     report::SimulationReport,
 };
 use crate::{console::Console, output};
 
-/// A garment that is simulated.
-pub(super) struct Teaching {
-    teacher: Teacher,
+/// How a garment is simulated.
+pub(super) struct Simulated {
     quality: Quality,
     fabric: StoredFabric,
+    /// Vertices that are simulated.
+    vertices: usize,
     frames: Option<PathBuf>,
 }
 
 /// The simulation of a garment: of a fabric, or of that of its package, or of cotton.
-pub(super) fn teacher_of(
+pub(super) fn simulator_of(
     bound: &Bound,
     fabric: Option<&StoredFabric>,
     source: &Source,
-) -> anyhow::Result<(Teacher, StoredFabric)> {
-    let package = match source {
-        Source::Files(files) => files.package.as_deref(),
-        Source::Scene(_) => None,
-    };
+) -> anyhow::Result<(Arc<Teacher>, StoredFabric)> {
     let mesh = bound.garment.mesh();
-    let (own, rest) = if let Some(package) = package {
+    let (own, rest) = if let Some(package) = package_of(source) {
         GarmentPackage::read_cloth(package, mesh)?
     } else {
         let worn = mesh.positions().to_vec();
@@ -50,33 +48,34 @@ pub(super) fn teacher_of(
         (cotton, RestShape::Worn(worn))
     };
     let fabric = fabric.cloned().unwrap_or(own);
-    let cloth = bound.garment.cloth().clone();
-    let teacher = Teacher::of_garment(cloth, &bound.body, &rest, &fabric.fabric());
-    let teacher = teacher
+    let cloth = Arc::clone(bound.garment.shared_cloth());
+    let simulator = Teacher::of_garment(cloth, bound.garment.body(), &rest, &fabric.fabric());
+    let simulator = simulator
         .with_context(|| format!("cannot simulate `{}`", bound.garment_file.path().display()))?;
-    Ok((teacher, fabric))
+    Ok((Arc::new(simulator), fabric))
 }
 
-impl Teaching {
+impl Simulated {
     pub(super) fn new(
         bound: &Bound,
         simulation: &Simulation,
         source: &Source,
-    ) -> anyhow::Result<Self> {
-        let (teacher, fabric) = teacher_of(bound, simulation.fabric.as_ref(), source)?;
-        Ok(Self {
-            teacher,
+    ) -> anyhow::Result<(Arc<Teacher>, Self)> {
+        let (simulator, fabric) = simulator_of(bound, simulation.fabric.as_ref(), source)?;
+        let simulated = Self {
             quality: simulation.quality,
             fabric,
+            vertices: simulator.num_simulated(),
             frames: simulation.frames.clone(),
-        })
+        };
+        Ok((simulator, simulated))
     }
 
     pub(super) fn report(&self) -> SimulationReport {
         SimulationReport {
             quality: quality_name(self.quality),
             fabric: self.fabric.clone(),
-            vertices: self.teacher.num_simulated(),
+            vertices: self.vertices,
         }
     }
 
@@ -97,31 +96,28 @@ impl Teaching {
     }
 
     /// Moves the body from rest to its target, with the garment on it. Frames are where the target is.
-    pub(super) fn drape(
+    pub(super) fn drape<'a>(
         &self,
-        bound: &Bound,
+        (bound, draper): (&Bound, &Draper),
         target: &Target,
-        home: &BodyAtHome<'_>,
+        body: &'a PosedBody,
         console: &Console,
-    ) -> anyhow::Result<(Warped, Option<SceneReport>)> {
-        let path = BodyPath::to_posed(&bound.body, home.body());
-        let stop = AtomicBool::new(false);
+    ) -> anyhow::Result<(Placed<'a>, SceneReport)> {
         let frames = self.frames_of(bound, target);
         let mut num_written = 0;
         let mut written: anyhow::Result<()> = Ok(());
         let bar = console.progress(1000);
-        let mut watch = |event: Event<'_>| match event {
-            Event::Frame {
+        let mut watch = |progress: Progress<'_>| match progress.event {
+            &Event::Frame {
                 num_done,
-                progress,
-                positions,
+                progress: share,
                 ..
             } => {
-                bar.set_position((1000.0 * progress) as u64);
-                if let Some(folder) = frames.as_ref().filter(|_| written.is_ok()) {
+                bar.set_position((1000.0 * share) as u64);
+                let folder = frames.as_ref().filter(|_| written.is_ok());
+                if let Some((folder, vertices)) = folder.zip(progress.frame()) {
                     let name = folder.join(frame_name(num_done));
                     num_written = num_written.max(num_done);
-                    let vertices = home.to_target(self.teacher.vertices(positions));
                     let vertices = bound.garment_frame.to_file(vertices);
                     let write = || bound.garment_file.write_with_positions(&name, &vertices);
                     // No frame, no folder.
@@ -141,18 +137,15 @@ impl Teaching {
             }
             _ => {}
         };
-        let drape = self.teacher.drape(&path, self.quality, &stop, &mut watch);
+        let stop = AtomicBool::new(false);
+        let simulated = draper.simulate(body, self.quality, &stop, &mut watch);
         bar.finish_and_clear();
         written?;
-        let drape = drape?;
+        let (placed, report) = simulated?;
         if let Some(folder) = &frames {
             remove_after(folder, num_written)?;
         }
-        let report = SceneReport::from(&drape.report);
-        Ok((
-            Warped::simulated(&bound.garment, &drape.positions),
-            Some(report),
-        ))
+        Ok((placed, SceneReport::from(&report)))
     }
 }
 

@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 use super::{MANIFEST_FILE, PackageError, StoredParameters};
 use crate::{Moment, Settling};
 
+/// One kind of network under two names.
+const PARAMETERS: [&str; 2] = ["params", "global-params"];
+
 /// What this version writes and reads.
 pub const PACKAGE_SCHEMA: &str = "garnet.garment/1";
 
@@ -32,6 +35,9 @@ pub struct Manifest {
     pub pattern: Option<StoredPattern>,
     /// The body that the template lies on.
     pub rest_body: StoredRestBody,
+    /// What its drapes cost where that was measured; see [`Variant::seconds`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cost: Option<StoredCost>,
     /// The trained variants.
     #[serde(default, rename = "variant", skip_serializing_if = "Vec::is_empty")]
     pub variants: Vec<Variant>,
@@ -40,9 +46,9 @@ pub struct Manifest {
 impl Manifest {
     /// Makes a variant the default, and no other one; a name that there is not changes nothing.
     pub fn make_default(&mut self, name: &str) {
-        if self.variant(name).is_none() {
+        let Some(name) = self.variant(name).map(|variant| variant.name.clone()) else {
             return;
-        }
+        };
         for variant in &mut self.variants {
             variant.default = variant.name == name;
         }
@@ -82,6 +88,7 @@ impl Manifest {
     #[must_use]
     pub fn of_garment(&self) -> Self {
         let mut garment = self.clone();
+        garment.cost = None;
         garment.variants.clear();
         garment.rest_body.checksum = None;
         garment
@@ -122,9 +129,20 @@ impl Manifest {
         PackageError::check(&path, Fingerprint::of_bytes(&bytes), expected)
     }
 
-    /// The variant of a name.
+    /// The variant of a name, which may be an [alias](Variant::aliases).
     pub fn variant(&self, name: &str) -> Option<&Variant> {
-        self.variants.iter().find(|variant| variant.name == name)
+        let by_name = |name: &str| self.variants.iter().find(|variant| variant.name == name);
+        let is_alias = |variant: &&Variant| variant.aliases.iter().any(|alias| alias == name);
+        // Training calls the kind `params` which the paper calls `Global-Params`.
+        let is_parameters = PARAMETERS.contains(&name);
+        by_name(name)
+            .or_else(|| self.variants.iter().find(is_alias))
+            .or_else(|| {
+                PARAMETERS
+                    .into_iter()
+                    .filter(|_| is_parameters)
+                    .find_map(by_name)
+            })
     }
 
     /// Where the weights of a variant are in a package.
@@ -253,12 +271,25 @@ pub struct StoredRestBody {
     pub parameters: Option<StoredParameters>,
 }
 
+/// What drapes cost on the machine where that was measured, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoredCost {
+    /// The time of [`calibration`](crate::calibration) there.
+    pub calibration: f64,
+    /// Warp and untangling of the garment, without a network.
+    pub warp: f64,
+}
+
 /// A trained variant, with its measured error and cost.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variant {
     /// Its name.
     pub name: String,
+    /// Other names that it is known by.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub aliases: Vec<String>,
     /// File with its weights, in the package.
     pub weights: String,
     /// Whether it is taken if none is asked for.
@@ -277,6 +308,12 @@ pub struct Variant {
     /// that settles: what the default is chosen by. None without such a split, and for variants of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub valid_error: Option<f64>,
+    /// Time of a drape without relaxation, in seconds, where [`Manifest::cost`] was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+    /// The same with relaxation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settled_seconds: Option<f64>,
     /// Floating-point operations of one forward pass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flop: Option<f64>,
@@ -314,6 +351,9 @@ mod tests {
         let mut manifest: Manifest = toml::from_str(&text).unwrap();
         for &(name, valid_error) in variants {
             manifest.add(Variant {
+                aliases: Vec::new(),
+                seconds: None,
+                settled_seconds: None,
                 name: name.to_owned(),
                 weights: format!("{name}.safetensors"),
                 default: false,

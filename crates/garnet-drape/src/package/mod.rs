@@ -16,7 +16,7 @@ use garnet_skin::{Body, Rig};
 
 pub use error::{PackageError, toml_problem};
 pub use manifest::{
-    Manifest, PACKAGE_SCHEMA, StoredFabric, StoredPattern, StoredRestBody, Variant,
+    Manifest, PACKAGE_SCHEMA, StoredCost, StoredFabric, StoredPattern, StoredRestBody, Variant,
 };
 
 pub use stored_parameters::StoredParameters;
@@ -98,6 +98,7 @@ impl GarmentPackage {
                 checksum: None,
                 parameters: parts.parameters,
             },
+            cost: None,
             variants: Vec::new(),
         };
         Ok(Self {

@@ -48,11 +48,19 @@ impl Network {
         match *self {}
     }
 
-    pub(super) fn rebind(&mut self, _garment: GarmentGraph) -> Result<(), NetError> {
+    pub(super) fn accepted(&self, _garment: GarmentGraph) -> Result<GarmentGraph, NetError> {
         match *self {}
     }
 
-    pub(super) fn predict(&mut self, _input: &SceneInput<'_>) -> Result<Vec<Point3>, NetError> {
+    pub(super) fn predict_on(
+        &self,
+        _garment: &GarmentGraph,
+        _input: &SceneInput<'_>,
+    ) -> Result<Vec<Point3>, NetError> {
+        match *self {}
+    }
+
+    pub(super) fn predict(&self, _input: &SceneInput<'_>) -> Result<Vec<Point3>, NetError> {
         match *self {}
     }
 }

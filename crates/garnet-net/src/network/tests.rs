@@ -46,7 +46,7 @@ impl Stage {
         let garment = GarmentGraph::new(&self.template, &[]).unwrap();
         let pooling = &model.config().pooling;
         let sampling = BodySampling::new(self.body.positions(), None, pooling).unwrap();
-        let mut predictor = Predictor::new(model, garment, sampling).unwrap();
+        let predictor = Predictor::new(model, garment, sampling).unwrap();
         let normals = vertex_normals(self.body.positions(), self.body.faces());
         predictor.predict(&self.input(&normals)).unwrap()
     }
@@ -117,7 +117,7 @@ fn an_untrained_network_leaves_the_warp() {
             .init(1, &Device::flex())
             .unwrap();
         let sampling = BodySampling::new(stage.body.positions(), None, &config.pooling).unwrap();
-        let mut predictor = Predictor::new(model, garment, sampling).unwrap();
+        let predictor = Predictor::new(model, garment, sampling).unwrap();
         let normals = vertex_normals(stage.body.positions(), stage.body.faces());
         let draped = predictor.predict(&stage.input(&normals)).unwrap();
         assert!(greatest_distance(&draped, &stage.warped) < 1e-6);

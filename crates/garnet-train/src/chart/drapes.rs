@@ -2,14 +2,13 @@
 
 use garnet_data::Split;
 use garnet_mesh::Point3;
-use garnet_untangle::{Binding, UntangleOptions};
+use garnet_untangle::UntangleOptions;
 use serde::{Deserialize, Serialize};
 
 use super::sample::{Sample, Seconds};
 use crate::contender::Contender;
-use crate::finish::Finished;
 use crate::measure::Measure;
-use crate::{Candidate, SceneName, Stage, StagedScene, Tally, TrainError};
+use crate::{Candidate, Finish, Left, SceneName, Stage, StagedScene, Tally, TrainError};
 
 /// A candidate and the scenes that it is to be measured on.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,14 +64,10 @@ pub fn time_drapes(
     let measure = Measure::new(stage)?;
     let is_wanted = |scene| tasks.iter().any(|task| task.scenes.contains(&scene));
     stage.for_each_of(split, is_wanted, Ok, &mut |staged: StagedScene| {
-        let binding = Binding::new(&staged.worn.garment)?;
         let wanted = contenders.iter_mut().enumerate();
         let wanted = wanted.filter(|(task, _)| tasks[*task].scenes.contains(&staged.name));
         for (task, contender) in wanted {
-            take(
-                task,
-                sample(contender, &measure, &staged, &binding, timing)?,
-            );
+            take(task, sample(contender, &measure, &staged, timing)?);
         }
         Ok(())
     })?;
@@ -92,26 +87,39 @@ fn cost(contender: &Contender<'_>) -> Option<NetworkCost> {
 struct Run {
     seconds: Seconds,
     before: Vec<Point3>,
-    finished: Finished,
+    after: Vec<Point3>,
+    left: Left,
 }
 
 fn run(
     contender: &mut Contender<'_>,
     staged: &StagedScene,
-    binding: &Binding,
     options: &UntangleOptions,
 ) -> Result<Run, TrainError> {
-    let draped = contender.drape(staged)?;
-    let finished = Finished::new(staged, binding, &draped, options)?;
-    Ok(Run {
-        seconds: Seconds {
-            warp: draped.warp,
-            network: draped.network.unwrap_or(0.0),
-            untangle: finished.seconds,
-            simulation: draped.settle.unwrap_or(0.0),
-        },
-        before: draped.positions,
-        finished,
+    let finish = Finish::Untangle(*options);
+    contender.drape(staged, finish, |draper, placed, drape| {
+        let before = placed.positions(draper.garment());
+        let Some(drape) = drape else {
+            let (after, seconds) = (before.clone(), Seconds::default());
+            let left = Left::NOTHING;
+            return Ok(Run {
+                seconds,
+                before,
+                after,
+                left,
+            });
+        };
+        Ok(Run {
+            seconds: Seconds {
+                warp: drape.seconds.warp,
+                network: drape.seconds.predict,
+                untangle: drape.seconds.untangle,
+                simulation: drape.seconds.relax,
+            },
+            before,
+            left: Left::of(&drape),
+            after: drape.positions,
+        })
     })
 }
 
@@ -120,10 +128,9 @@ fn sample(
     contender: &mut Contender<'_>,
     measure: &Measure,
     staged: &StagedScene,
-    binding: &Binding,
     timing: Timing,
 ) -> Result<Sample, TrainError> {
-    let mut run = || run(contender, staged, binding, &timing.untangle);
+    let mut run = || run(contender, staged, &timing.untangle);
     run()?;
     let runs = (0..timing.repeats.max(1)).map(|_| run());
     let mut runs: Vec<Run> = runs.collect::<Result<_, _>>()?;
@@ -131,13 +138,13 @@ fn sample(
     let middle = runs.swap_remove(runs.len() / 2);
     let (mut before, mut after) = (Tally::default(), Tally::default());
     measure.add(&mut before, staged, &middle.before)?;
-    measure.add(&mut after, staged, &middle.finished.positions)?;
+    measure.add(&mut after, staged, &middle.after)?;
     Ok(Sample {
         body: staged.name.body,
         pose: staged.name.pose,
         seconds: middle.seconds,
         before,
         after: Some(after),
-        left: middle.finished.left,
+        left: middle.left,
     })
 }

@@ -51,7 +51,7 @@ pub fn ask_teacher(
     stage.for_each_of(split, keep, Ok, &mut |staged: StagedScene| {
         let teacher = teachers.of(&staged)?;
         for &question in asked(staged.name).map_or(&[][..], |(_, questions)| questions) {
-            let answer = answer(teacher, &measure, &staged, question)?;
+            let answer = answer(&teacher, &measure, &staged, question)?;
             take(staged.name, question, answer);
         }
         Ok(())

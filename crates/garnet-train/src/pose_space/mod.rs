@@ -170,6 +170,9 @@ pub(crate) fn fit(
     space.save(&path, job.config.precision)?;
 
     let variant = Variant {
+        aliases: Vec::new(),
+        seconds: None,
+        settled_seconds: None,
         name: name.clone(),
         weights: file,
         default: false,

@@ -161,6 +161,9 @@ fn weights_do_not_take_the_place_of_other_files() {
     let invented = Invented::new();
     let mut manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
     manifest.add(Variant {
+        aliases: Vec::new(),
+        seconds: None,
+        settled_seconds: None,
         name: "old".to_owned(),
         weights: "local.safetensors".to_owned(),
         default: false,

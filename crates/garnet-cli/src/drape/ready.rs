@@ -1,0 +1,256 @@
+//! What drapes a bound garment: the warp, a network of its package, or the simulation.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use garnet::{
+    Draper, ModelFile, Network,
+    package::{Choice, GarmentPackage, Manifest},
+};
+
+use super::{
+    Bound,
+    args::{Job, NetworkChoice, Source},
+    choice::ChoiceReport,
+    method_name,
+    report::{NetworkReport, SimulationReport},
+    simulated::{Simulated, simulator_of},
+    warning::{Problem, Warning},
+};
+use crate::{
+    console::Console,
+    failure::{Hint, refused},
+};
+
+/// A garment and all that drapes it.
+pub(super) struct Ready {
+    pub(super) bound: Bound,
+    pub(super) draper: Draper,
+    pub(super) method: Method,
+    /// How the method was chosen, if it was.
+    pub(super) choice: Option<ChoiceReport>,
+}
+
+/// The way in which a garment comes to a body.
+pub(super) enum Method {
+    /// The warp of the options.
+    Warp,
+    /// A network of the package.
+    Network(NetworkReport),
+    /// The simulation.
+    Simulation(Simulated),
+}
+
+/// Whether a network drapes.
+pub(super) enum Found {
+    /// This one.
+    Network(Box<Unbound>),
+    /// None was asked for.
+    NotAsked,
+    /// The package has none, and none was asked for by name.
+    NoneInPackage,
+}
+
+/// A network that was read, for a garment that need not be bound yet.
+pub(super) struct Unbound {
+    manifest: Manifest,
+    name: String,
+    weights: PathBuf,
+    file: ModelFile,
+    /// Whether its cloth is relaxed; `None` leaves that to the variant.
+    is_relaxed: Option<bool>,
+}
+
+/// The folder of the package that is draped, if it is one.
+pub(super) fn package_of(source: &Source) -> Option<&Path> {
+    match source {
+        Source::Files(files) => files.package.as_deref(),
+        Source::Scene(_) => None,
+    }
+}
+
+impl Found {
+    /// Reads the network that was chosen, or chooses one.
+    pub(super) fn read(job: &Job) -> anyhow::Result<(Self, Option<ChoiceReport>)> {
+        let Some(limit) = job.limit else {
+            return Ok((Self::of(&job.network, &job.source)?, None));
+        };
+        let Some(folder) = package_of(&job.source) else {
+            return Err(refused(
+                "there are no networks to choose from",
+                "the garment is no garment package, which trained networks are in",
+                "drape a package, or leave out `--budget` and `--tolerance`",
+            ));
+        };
+        let manifest = GarmentPackage::read_manifest(folder)?;
+        let choice = Choice::new(folder, &manifest, limit, job.settle);
+        let found = match choice.candidate() {
+            Some(chosen) => {
+                let is_relaxed = Some(chosen.is_relaxed);
+                let unbound = Unbound::read(folder, manifest, &chosen.variant, is_relaxed)?;
+                Self::Network(Box::new(unbound))
+            }
+            None => Self::NotAsked,
+        };
+        Ok((found, Some(ChoiceReport::new(&choice))))
+    }
+
+    fn of(choice: &NetworkChoice, source: &Source) -> anyhow::Result<Self> {
+        let (folder, name) = match (choice, package_of(source)) {
+            (NetworkChoice::None, _) | (NetworkChoice::Default, None) => return Ok(Self::NotAsked),
+            (NetworkChoice::Default, Some(folder)) => (folder, None),
+            (NetworkChoice::Named(name), Some(folder)) => (folder, Some(name.as_str())),
+            (NetworkChoice::Named(name), None) => {
+                return Err(refused(
+                    format!("there is no network `{name}`"),
+                    "the garment is no garment package, which trained networks are in",
+                    "drape a package, or choose --method auto, lbs, dqs, warp or sim",
+                ));
+            }
+        };
+        let manifest = GarmentPackage::read_manifest(folder)?;
+        let default = manifest
+            .default_variant()
+            .map(|variant| variant.name.clone());
+        let Some(name) = name.map(str::to_owned).or(default) else {
+            return Ok(Self::NoneInPackage);
+        };
+        let unbound = Unbound::read(folder, manifest, &name, None)?;
+        Ok(Self::Network(Box::new(unbound)))
+    }
+}
+
+impl Unbound {
+    fn read(
+        folder: &Path,
+        manifest: Manifest,
+        name: &str,
+        is_relaxed: Option<bool>,
+    ) -> anyhow::Result<Self> {
+        let weights = manifest.weights_of(folder, name).hint(|| {
+            "`--method` takes auto, lbs, dqs, warp, sim or a variant of the package; `garnet train` \
+             adds variants"
+                .to_owned()
+        })?;
+        let file = ModelFile::read(&weights).with_context(|| cannot_use(name))?;
+        let named = manifest.variant(name).map(|variant| variant.name.clone());
+        Ok(Self {
+            name: named.unwrap_or_else(|| name.to_owned()),
+            manifest,
+            weights,
+            file,
+            is_relaxed,
+        })
+    }
+
+    /// The network in a draper of the garment that is draped.
+    fn joined(self, draper: Draper, bound: &Bound) -> anyhow::Result<(Draper, NetworkReport)> {
+        let parameters = self.manifest.sewing_parameters();
+        let garment = match &bound.refit {
+            Some(refit) => refit.garment(),
+            None => &bound.garment,
+        };
+        let network = Network::bind(self.file, garment, &parameters);
+        let network = network.with_context(|| cannot_use(&self.name))?;
+        let moment = network.moment();
+        let relaxation = (self.manifest).relaxation(&self.name, moment, self.is_relaxed);
+        let draper = draper.with_network(network, relaxation.frames);
+        let report = NetworkReport {
+            variant: self.name,
+            weights: self.weights.display().to_string(),
+        };
+        Ok((draper, report))
+    }
+}
+
+fn cannot_use(name: &str) -> String {
+    format!("cannot use the network `{name}`")
+}
+
+impl Ready {
+    /// Brings a bound garment and what was read for it together.
+    pub(super) fn new(
+        mut bound: Bound,
+        (found, choice): (Found, Option<ChoiceReport>),
+        job: &Job,
+        console: &Console,
+    ) -> anyhow::Result<Self> {
+        if let Some(choice) = choice.as_ref().filter(|choice| choice.is_met) {
+            console.summary(&format_args!("note: {}", choice.text));
+        }
+        let mut draper = Draper::new(bound.garment.clone()).with_options(job.options);
+        if let Some(refit) = &bound.refit {
+            draper = draper.with_refit(refit.clone());
+        }
+        let mut method = Method::Warp;
+        match found {
+            Found::Network(network) => {
+                let (joined, report) = network.joined(draper, &bound)?;
+                (draper, method) = (joined, Method::Network(report));
+            }
+            Found::NotAsked => {}
+            Found::NoneInPackage => console.summary(
+                &"note: the package has no trained network: the garment is warped and untangled",
+            ),
+        }
+        if let Some(simulation) = &job.simulation {
+            let (simulator, simulated) = Simulated::new(&bound, simulation, &job.source)?;
+            draper = draper.with_simulator(simulator);
+            method = Method::Simulation(simulated);
+        } else if draper.relaxation().takes_time() {
+            match simulator_of(&bound, None, &job.source) {
+                Ok((simulator, _)) => draper = draper.with_simulator(simulator),
+                Err(error) if job.options.relax_frames.is_some() => return Err(error),
+                // A template that was cut and put on can be simulated, on its own body at least.
+                Err(error) if package_of(&job.source).is_some() && bound.refit.is_none() => {
+                    return Err(error).hint(|| {
+                        "the package is damaged: make it anew, or take a copy of it".to_owned()
+                    });
+                }
+                Err(error) => bound.warnings.push(Warning {
+                    path: bound.garment_file.path().to_path_buf(),
+                    problem: Problem::Unsettled(format!("{error:#}")),
+                }),
+            }
+        }
+        Ok(Self {
+            bound,
+            draper,
+            method,
+            choice,
+        })
+    }
+
+    /// The name of the method in reports.
+    pub(super) fn method_name(&self) -> String {
+        match &self.method {
+            Method::Warp => method_name(self.draper.options().warp).to_owned(),
+            Method::Network(network) => network.variant.clone(),
+            Method::Simulation(_) => "sim".to_owned(),
+        }
+    }
+
+    /// The network, if one drapes.
+    pub(super) fn network_report(&self) -> Option<NetworkReport> {
+        match &self.method {
+            Method::Network(network) => Some(network.clone()),
+            Method::Warp | Method::Simulation(_) => None,
+        }
+    }
+
+    /// The simulation, if that is the method.
+    pub(super) fn simulation_report(&self) -> Option<SimulationReport> {
+        match &self.method {
+            Method::Simulation(simulated) => Some(simulated.report()),
+            Method::Warp | Method::Network(_) => None,
+        }
+    }
+
+    /// For how many frames cloth is relaxed.
+    pub(super) fn relax_frames(&self) -> u32 {
+        match (&self.method, self.draper.simulator()) {
+            (Method::Simulation(_), _) | (_, None) => 0,
+            (Method::Warp | Method::Network(_), Some(_)) => self.draper.relaxation().frames,
+        }
+    }
+}

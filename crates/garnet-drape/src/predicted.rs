@@ -1,0 +1,244 @@
+//! The middle of a drape: a network predicts where the cloth is, and the simulation relaxes it.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use garnet_mesh::Point3;
+use garnet_sim::{DrapeReport, Event, Moment, Quality};
+use garnet_skin::{BodyAtHome, PosedBody, Warp};
+
+use crate::draper::Brought;
+use crate::network::Predicted;
+use crate::{
+    BodyPath, Draper, Error, Fallback, Network, PackageError, Placed, PlacedBy, Refit, Settling,
+    Teacher,
+};
+
+/// What stands between warp and untangling.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Learned {
+    /// How the garment came to the body, if it was made for another one: the network knows that one.
+    refit: Option<Arc<Refit>>,
+    network: Option<Arc<Network>>,
+    /// For how many frames what the network predicts is relaxed.
+    relax_frames: u32,
+    simulator: Option<Arc<Teacher>>,
+}
+
+/// How far a simulation is.
+pub struct Progress<'a> {
+    /// What the simulation says.
+    pub event: &'a Event<'a>,
+    simulator: &'a Teacher,
+    home: &'a BodyAtHome<'a>,
+}
+
+impl Progress<'_> {
+    /// Positions `[vertex]` of the garment at the end of a frame, in metres, where the target stands;
+    /// `None` of other events.
+    pub fn frame(&self) -> Option<Vec<Point3>> {
+        match self.event {
+            Event::Frame { positions, .. } => {
+                Some(self.home.to_target(self.simulator.vertices(positions)))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl std::fmt::Debug for Progress<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Progress").finish_non_exhaustive()
+    }
+}
+
+impl Draper {
+    /// The same with a network, which was bound to this garment, or to the garment of its
+    /// [refit](Draper::with_refit). What it predicts is relaxed for so many frames of a sixtieth of a
+    /// second, where there is a [simulator](Draper::with_simulator).
+    #[must_use]
+    pub fn with_network(mut self, network: impl Into<Arc<Network>>, relax_frames: u32) -> Self {
+        self.learned.network = Some(network.into());
+        self.learned.relax_frames = relax_frames;
+        self
+    }
+
+    /// The same with a simulator of this garment, to relax what was brought.
+    #[must_use]
+    pub fn with_simulator(mut self, simulator: impl Into<Arc<Teacher>>) -> Self {
+        self.learned.simulator = Some(simulator.into());
+        self
+    }
+
+    /// The same for a garment that was brought from the body that it was made for.
+    #[must_use]
+    pub fn with_refit(mut self, refit: impl Into<Arc<Refit>>) -> Self {
+        self.learned.refit = Some(refit.into());
+        self
+    }
+
+    /// The network, if there is one.
+    pub fn network(&self) -> Option<&Arc<Network>> {
+        self.learned.network.as_ref()
+    }
+
+    /// How the garment came to the body, if it was made for another one.
+    pub fn refit(&self) -> Option<&Refit> {
+        self.learned.refit.as_deref()
+    }
+
+    /// The simulator, if there is one.
+    pub fn simulator(&self) -> Option<&Arc<Teacher>> {
+        self.learned.simulator.as_ref()
+    }
+
+    /// The moment at which the cloth is brought, and for how long it is relaxed from there; without a
+    /// network not at all, unless the [options](crate::DrapeOptions::relax_frames) say so.
+    pub fn relaxation(&self) -> Settling {
+        let network = self.learned.network.as_ref();
+        Settling {
+            from: network.map_or(Moment::Rest, |network| network.moment()),
+            frames: (self.options.relax_frames).unwrap_or(self.learned.relax_frames),
+        }
+    }
+
+    /// Simulates the garment while the body goes from its rest to its target, and until it rests.
+    ///
+    /// `observer` is told how far it is; `stop` ends it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Teacher::drape`]; [`Error::NoSimulator`] without one.
+    pub fn simulate<'a>(
+        &self,
+        body: &'a PosedBody,
+        quality: Quality,
+        stop: &AtomicBool,
+        observer: &mut dyn FnMut(Progress<'_>),
+    ) -> Result<(Placed<'a>, DrapeReport), Error> {
+        let simulator = self.simulator().ok_or(Error::NoSimulator)?;
+        let home = body.at_home(self.garment.body())?;
+        let start = Instant::now();
+        let path = BodyPath::to_posed(self.garment.body(), home.body());
+        let mut watch = |event: Event<'_>| {
+            observer(Progress {
+                event: &event,
+                simulator,
+                home: &home,
+            });
+        };
+        let simulated = simulator.drape(&path, quality, stop, &mut watch)?;
+        let mut brought = Brought {
+            nodes: self.garment.cloth().weld().gather(&simulated.positions),
+            by: PlacedBy::Simulation,
+            provenance: Default::default(),
+            seconds: Default::default(),
+        };
+        brought.provenance.relaxed_from = Some(Moment::Start);
+        brought.seconds.warp = start.elapsed().as_secs_f64();
+        Ok((Placed::new(home, brought), simulated.report))
+    }
+
+    /// The garment brought to a body at home.
+    pub(crate) fn brought(&self, body: &PosedBody, stop: &AtomicBool) -> Result<Brought, Error> {
+        let mut brought = match self.network() {
+            Some(network) => self.predicted(network, body)?,
+            None => self.warped(body, self.options.warp)?,
+        };
+        let relaxation = self.relaxation();
+        let is_on_way = relaxation.from.is_on_way();
+        let relaxed = match (&brought.provenance.fallback, &self.learned.simulator) {
+            (_, None) => None,
+            (None, _) if !relaxation.takes_time() => None,
+            (None, Some(simulator)) => {
+                let from = self.garment.cloth().weld().scatter(&brought.nodes);
+                Some((simulator, from, relaxation))
+            }
+            // Of a motion that is simulated in any case the network would have told the first half.
+            (Some(_), Some(simulator)) if is_on_way => {
+                let from = self.garment.mesh().positions().to_vec();
+                let relaxation = Settling {
+                    from: Moment::Start,
+                    ..relaxation
+                };
+                Some((simulator, from, relaxation))
+            }
+            // What fell back to the warp is far from where cloth rests.
+            (Some(_), _) => None,
+        };
+        if let Some((simulator, from, relaxation)) = relaxed {
+            let start = Instant::now();
+            let own = self.garment.body();
+            match simulator.settled(own, body, &from, relaxation, stop) {
+                Ok(settled) => {
+                    brought.nodes = self.garment.cloth().weld().gather(&settled);
+                    brought.by = if relaxation.finds_folds() {
+                        PlacedBy::Simulation
+                    } else {
+                        PlacedBy::Network
+                    };
+                    brought.provenance.relaxed_from = Some(relaxation.from);
+                    brought.seconds.relax = start.elapsed().as_secs_f64();
+                }
+                Err(PackageError::Stopped) => return Err(PackageError::Stopped.into()),
+                Err(error) => brought.provenance.unrelaxed = Some(Arc::new(error.into())),
+            }
+        }
+        let is_left = is_on_way
+            && brought.provenance.fallback.is_none()
+            && brought.provenance.relaxed_from.is_none();
+        if is_left {
+            // Cloth on the way is on no body yet.
+            let warped = self.warped(body, Warp::Shape)?;
+            (brought.nodes, brought.by) = (warped.nodes, warped.by);
+            brought.seconds.warp += warped.seconds.warp;
+            brought.provenance.fallback = Some(Fallback::OnTheWay);
+        }
+        Ok(brought)
+    }
+
+    /// The garment where the network predicts it, or, if that is not to be trusted, warped.
+    fn predicted(&self, network: &Network, body: &PosedBody) -> Result<Brought, Error> {
+        let start = Instant::now();
+        let own = self.garment.body();
+        let moment = network.moment();
+        let on_way = if moment.is_on_way() {
+            Some(BodyPath::to_posed(own, body).posed(own, moment.motion_share())?)
+        } else {
+            None
+        };
+        let seen = on_way.as_ref().unwrap_or(body);
+        let refit = self.refit();
+        let stand_in = match refit {
+            Some(refit) => Some(refit.stand_in(seen.skin().positions())?),
+            None => None,
+        };
+        let garment = refit.map_or(&*self.garment, Refit::garment);
+        let seen = stand_in.as_ref().unwrap_or(seen);
+        let warped = network.warped(garment, seen)?;
+        let predicting = Instant::now();
+        let predicted = network.predict(garment, seen, &warped)?;
+        let predict = predicting.elapsed().as_secs_f64();
+        let mut brought = match predicted {
+            Predicted::Unfamiliar(reason) => {
+                let mut warped = self.warped(body, Warp::Shape)?;
+                warped.provenance.fallback = Some(Fallback::Unfamiliar(reason));
+                warped
+            }
+            Predicted::At(positions) => {
+                let mut brought = Brought {
+                    nodes: self.garment.cloth().weld().gather(&positions),
+                    by: PlacedBy::Network,
+                    provenance: Default::default(),
+                    seconds: Default::default(),
+                };
+                brought.provenance.predicted = Some(moment);
+                brought
+            }
+        };
+        brought.seconds.predict = predict;
+        brought.seconds.warp = start.elapsed().as_secs_f64() - predict;
+        Ok(brought)
+    }
+}
