@@ -32,10 +32,9 @@ pub(crate) struct ChartArgs {
     /// variants].
     #[arg(long, value_name = "NAME|FILE", value_delimiter = ',')]
     model: Vec<String>,
-    /// Drape by networks twice: as they are, and with the cloth simulated for so many frames of 1/60 s; 0
-    /// leaves that out [default: 6; of networks that put cloth where it still falls 6, where it arrives 30, is midway 46, and these
-    /// alone].
-    #[arg(long, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
+    /// Drape by networks also with the cloth simulated for so many frames of 1/60 s; 0 leaves that out
+    /// [default: as `drape` takes, see docs/reference/options.md].
+    #[arg(long, hide_short_help = true, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
     /// Drape so many scenes, evenly spread over the split.
     #[arg(long, value_name = "N", default_value = "40", value_parser = at_least_one, allow_negative_numbers = true)]
@@ -44,11 +43,12 @@ pub(crate) struct ChartArgs {
     #[arg(long, conflicts_with = "scenes")]
     all: bool,
     /// Drape each scene so often; its time is the median.
-    #[arg(long, value_name = "N", default_value = "3", value_parser = at_least_one, allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, value_name = "N", default_value = "3", value_parser = at_least_one, allow_negative_numbers = true)]
     pub(crate) repeat: usize,
     /// Simulate so many scenes in each quality; 0 leaves the teacher out.
     #[arg(
         long,
+        hide_short_help = true,
         value_name = "N",
         default_value = "8",
         allow_negative_numbers = true
@@ -57,19 +57,20 @@ pub(crate) struct ChartArgs {
     /// The qualities of the simulations.
     #[arg(
         long,
+        hide_short_help = true,
         value_name = "QUALITY",
         value_delimiter = ',',
         default_value = "fast,teacher,reference"
     )]
     quality: Vec<QualityName>,
     /// The noise floor of the teacher, in millimetres [default: measured on up to 4 scenes].
-    #[arg(long, value_name = "MM", value_parser = tolerance, allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, value_name = "MM", value_parser = tolerance, allow_negative_numbers = true)]
     pub(crate) noise_floor: Option<f64>,
     /// Smallest distance between cloth and skin after untangling, in millimetres.
-    #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
     clearance: f32,
     /// Measure all anew.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub(crate) fresh: bool,
 }
 

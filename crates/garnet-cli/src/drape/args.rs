@@ -32,28 +32,26 @@ pub(crate) struct DrapeArgs {
     /// dqs, warp, sim, or a network of the package by its name (naive, global, local, params …).
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = MethodName::parse)]
     method: MethodName,
-    /// Take the most accurate network of the package that drapes within this time here, in
-    /// milliseconds, without reading and writing. It is chosen by trying, which takes some seconds.
+    /// Take the most accurate network of the package that drapes within this time on this machine, in
+    /// milliseconds.
     #[arg(long, value_name = "MS", value_parser = milliseconds, conflicts_with = "tolerance", allow_negative_numbers = true)]
     budget: Option<f64>,
     /// Take the cheapest network of the package that is within this distance of the teacher in the
     /// mean, in millimetres.
     #[arg(long, value_name = "MM", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Simulate the cloth where it was put for so many frames of 1/60 s, the body standing still: strain
-    /// gives way and folds get finer [default: 6 for networks that gain by it on their test scenes and those that put
-    /// cloth where it still falls, 30 for those that put it where it is when the body arrives, 46 where it is halfway: there the way is simulated
-    /// first; else 0].
-    #[arg(long, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
+    /// Simulate the cloth for so many frames of 1/60 s from where it was put [default: by the method,
+    /// see docs/reference/options.md].
+    #[arg(long, hide_short_help = true, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
     /// Smallest distance between cloth and skin, in millimetres.
-    #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
     clearance: f32,
     /// Leave the warp as it is, penetrations included.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     no_untangle: bool,
     /// End with 1 if cloth is deeper in the body than this, in millimetres.
-    #[arg(long, value_name = "MM", value_parser = millimetres, allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, value_name = "MM", value_parser = millimetres, allow_negative_numbers = true)]
     max_penetration: Option<f32>,
     /// End with 1 if more faces of the garment than this cross the skin, as in `--max-crossing 0`; those at vertices
     /// that are trapped where the body runs through itself do not count.
@@ -63,7 +61,7 @@ pub(crate) struct DrapeArgs {
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Drape each body this often, and report median and p95 of the times.
-    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=100_000), allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=100_000), allow_negative_numbers = true)]
     repeat: u32,
 }
 
@@ -94,10 +92,15 @@ pub(crate) struct InputArgs {
     #[arg(long, value_name = "FILE[:FRAMES]|NAME")]
     pose: Option<PoseSource>,
     /// Unit of the OBJ files: m, dm, cm, mm or auto; or two, of garment and bodies: `cm,m`.
-    #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = units)]
+    #[arg(long, hide_short_help = true, value_name = "UNIT", default_value = "auto", value_parser = units)]
     units: SceneUnits,
     /// Axis of the OBJ files that points up.
-    #[arg(long, value_name = "AXIS", default_value = "auto")]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "AXIS",
+        default_value = "auto"
+    )]
     up: UpName,
 }
 

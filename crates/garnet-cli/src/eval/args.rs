@@ -32,16 +32,15 @@ pub(crate) struct EvalArgs {
     /// The scenes to measure on; models are chosen by `valid` and judged by `test`.
     #[arg(long, value_name = "SPLIT", default_value = "test")]
     split: SplitName,
-    /// Measure networks twice: as they are, and with their drapes simulated for so many frames of 1/60 s; 0
-    /// leaves that out [default: 6; of networks that put cloth where it still falls 6, where it arrives 30, is midway 46, and these
-    /// alone].
-    #[arg(long, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
+    /// Measure networks also with the cloth simulated for so many frames of 1/60 s; 0 leaves that out
+    /// [default: as `drape` takes, see docs/reference/options.md].
+    #[arg(long, hide_short_help = true, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
     /// Measure drapes as the networks leave them only.
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     no_untangle: bool,
     /// Smallest distance between cloth and skin after untangling, in millimetres.
-    #[arg(long, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
     clearance: f32,
     /// Write the report as JSON.
     #[arg(long, value_name = "FILE")]
