@@ -15,21 +15,6 @@ use garnet_skin::SkinError;
 
 use crate::dataset::ImportProblem;
 
-/// What a file was read as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ReadAs {
-    /// `dataset.json`.
-    Dataset,
-    /// A shard of a data set.
-    Shard,
-    /// A list of scenes made elsewhere.
-    Import,
-    /// The folder of the shirts of Wang et al. 2018.
-    Shirts,
-    /// A mesh of a scene made elsewhere.
-    Mesh,
-}
-
 /// Why data cannot be made, read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -90,8 +75,6 @@ pub enum DataError {
     Foreign {
         /// The file.
         path: PathBuf,
-        /// What it was read as.
-        read_as: ReadAs,
         /// What tells so.
         what: String,
     },
@@ -305,10 +288,9 @@ impl DataError {
         })
     }
 
-    pub(crate) fn foreign(path: &Path, read_as: ReadAs, what: impl Into<String>) -> Self {
+    pub(crate) fn foreign(path: &Path, what: impl Into<String>) -> Self {
         Self::Foreign {
             path: path.to_path_buf(),
-            read_as,
             what: what.into(),
         }
     }

@@ -16,7 +16,7 @@ pub use dataset::{
     ImportManifest, ImportProblem, ImportScene, Plan, Posed, Rejection, SceneRecord, Shard, Sizing,
     Split, Tally, Variations, generate, import, sampler, sequences,
 };
-pub use error::{DataError, ReadAs};
+pub use error::DataError;
 pub use garnet_sim::Moment;
 pub use noise::{NOISE_TURN, moved_by_turn, noise_floor, noise_joint};
 pub use tailor::{Tailor, Worn, usual_fabric};

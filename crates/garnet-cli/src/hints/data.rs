@@ -4,7 +4,7 @@ use std::io;
 
 use garnet::{
     MeshDifference,
-    data::{DataError, ImportProblem, ReadAs},
+    data::{DataError, ImportProblem},
     io::{FileProblem, ObjError, WriteError},
 };
 
@@ -69,14 +69,12 @@ fn hint_for(error: &DataError) -> Option<String> {
                 path.display()
             ));
         }
-        DataError::Foreign {
-            read_as: ReadAs::Shard,
-            ..
-        } => "move it out of the folder, or name another folder with `-o`",
-        DataError::Foreign {
-            read_as: ReadAs::Dataset,
-            ..
-        } => "name another folder with `-o`, or use the version that made it",
+        DataError::Foreign { path, .. } if path.ends_with("dataset.json") => {
+            "name another folder with `-o`, or use the version that made it"
+        }
+        DataError::Foreign { path, .. } if super::is_shard(path) => {
+            "move it out of the folder, or name another folder with `-o`"
+        }
         DataError::Import { problem, .. } => for_list(problem)?,
         DataError::ImportScene { source, .. } => for_scene(source)?,
         _ => return None,

@@ -10,7 +10,7 @@ use std::{error::Error as StdError, io, path::Path};
 
 use garnet::{
     CheckpointError, Error, MeshError, NetError, SkinError,
-    data::{DataError, ReadAs},
+    data::DataError,
     io::{
         ArrayProblem, FileError, FileProblem, MotionError, MotionProblem, ObjError, ObjLineProblem,
         ObjParseError, WriteError,
@@ -142,7 +142,7 @@ fn for_data(error: &DataError) -> Option<&'static str> {
         DataError::Skin(error) => for_skin(error),
         DataError::Sim(error) => for_sim(error),
         DataError::Package(error) => for_package(error),
-        DataError::Foreign { read_as, .. } => Some(for_foreign(*read_as)),
+        DataError::Foreign { path, .. } => Some(for_foreign(path)),
         DataError::NoDataset { .. } => {
             Some("name the folder that has one; `garnet dataset PACKAGE -o DIR` makes a data set")
         }
@@ -206,19 +206,20 @@ fn is_shard(path: &Path) -> bool {
         .is_some_and(|folder| folder.ends_with("shards"))
 }
 
-const fn for_foreign(read_as: ReadAs) -> &'static str {
-    match read_as {
-        ReadAs::Dataset => {
-            "make the data set anew with `garnet dataset` and another `-o`, or use the version that made it"
-        }
-        ReadAs::Shard => {
-            "move it out of the folder, or copy it again from where the data set came from"
-        }
-        ReadAs::Import => "`garnet dataset --help` shows the form of a manifest",
-        ReadAs::Shirts => {
-            "name the folder that has a folder for each shirt, or a manifest, whose form `garnet dataset --help` shows"
-        }
-        ReadAs::Mesh => "the mesh was written by a computation that failed: export it again",
+/// By the name of the file: a shard, a manifest of a data set or of an import, a folder of shirts, or
+/// else a mesh.
+fn for_foreign(path: &Path) -> &'static str {
+    let extension = path.extension().unwrap_or_default();
+    if path.ends_with("dataset.json") {
+        "make the data set anew with `garnet dataset` and another `-o`, or use the version that made it"
+    } else if is_shard(path) {
+        "move it out of the folder, or copy it again from where the data set came from"
+    } else if extension == "json" {
+        "`garnet dataset --help` shows the form of a manifest"
+    } else if path.is_dir() {
+        "name the folder that has a folder for each shirt, or a manifest, whose form `garnet dataset --help` shows"
+    } else {
+        "the mesh was written by a computation that failed: export it again"
     }
 }
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::plan::Counts;
 use super::variations::Variations;
-use crate::{DataError, Limits, Moment, ReadAs};
+use crate::{DataError, Limits, Moment};
 
 /// What this version writes and reads.
 pub const DATASET_SCHEMA: &str = "garnet.dataset/1";
@@ -130,7 +130,7 @@ impl DatasetManifest {
             "its schema is `{}`, not `{DATASET_SCHEMA}`",
             manifest.schema
         );
-        Err(DataError::foreign(path, ReadAs::Dataset, what))
+        Err(DataError::foreign(path, what))
     }
 
     /// Writes `dataset.json`.

@@ -9,7 +9,7 @@ use garnet_skin::Pose;
 use serde::{Deserialize, Serialize};
 
 use super::record::{BodyRecord, Posed, Rejection, SceneRecord, Split};
-use crate::{DataError, ReadAs, SceneReport};
+use crate::{DataError, SceneReport};
 
 /// What this version writes and reads.
 const SCHEMA: &str = "garnet.shard/1";
@@ -209,14 +209,13 @@ impl Shard {
     pub fn read(path: &Path, dataset: Fingerprint) -> Result<Self, DataError> {
         let bytes = std::fs::read(path).map_err(|source| DataError::read(path, source))?;
         let contents = Contents::of(&bytes).map_err(|source| DataError::tensors(path, source))?;
-        let contents = contents.ok_or_else(|| {
-            DataError::foreign(path, ReadAs::Shard, "its metadata has no `garnet`")
-        })?;
+        let contents =
+            contents.ok_or_else(|| DataError::foreign(path, "its metadata has no `garnet`"))?;
         let text: Text = serde_json::from_str(&contents.text)
             .map_err(|source| DataError::json(path, &source))?;
         if text.schema != SCHEMA {
             let what = format!("its schema is `{}`, not `{SCHEMA}`", text.schema);
-            return Err(DataError::foreign(path, ReadAs::Shard, what));
+            return Err(DataError::foreign(path, what));
         }
         if !text.checksum.is_empty() {
             let unsigned = (contents.text).replacen(&signed(&text.checksum), UNSIGNED, 1);
@@ -228,7 +227,7 @@ impl Shard {
         }
         if text.dataset != dataset.to_string() {
             let what = format!("it belongs to data set {}, not {dataset}", text.dataset);
-            return Err(DataError::foreign(path, ReadAs::Shard, what));
+            return Err(DataError::foreign(path, what));
         }
         Reading { path, contents }.shard(text)
     }
@@ -274,13 +273,7 @@ impl Reading<'_> {
         let shifts = self.array("root_translation", num_scenes, 3)?;
         let meshes = self.array("body", num_scenes, 3)?;
         let worn = self.array("worn", text.bodies.len(), 3)?;
-        let missing = |name| {
-            DataError::foreign(
-                self.path,
-                ReadAs::Shard,
-                format!("it has no tensor `{name}`"),
-            )
-        };
+        let missing = |name| DataError::foreign(self.path, format!("it has no tensor `{name}`"));
         let mut scenes = Vec::with_capacity(num_scenes);
         for (row, scene) in text.scenes.into_iter().enumerate() {
             let garment = garments.as_ref().ok_or_else(|| missing("garment"))?;
@@ -331,7 +324,7 @@ impl Reading<'_> {
         }
         let shape = &array.shape;
         let what = format!("`{name}` has the shape {shape:?}, expected [{len}, …, {last}]");
-        Err(DataError::foreign(self.path, ReadAs::Shard, what))
+        Err(DataError::foreign(self.path, what))
     }
 }
 

@@ -7,7 +7,7 @@ use garnet_io::{ArrayProblem, FileError, NpyArray, NpyValues, NpzFile, ObjFile};
 use garnet_mesh::{Bounds, KnownMesh, MeshDifference, Point3, Unit, check_range};
 
 use super::{ImportScene, Posed, SceneRecord};
-use crate::{DataError, ReadAs};
+use crate::DataError;
 
 /// How many times larger or smaller than at rest a posed body or a draped garment may be: a body that is curled up
 /// is less than that, another unit is more.
@@ -112,7 +112,7 @@ impl<'a> Reader<'a> {
             *point *= self.unit.in_metres();
         }
         let checked = check_range(&points);
-        checked.map_err(|error| DataError::foreign(path, ReadAs::Mesh, error.to_string()))?;
+        checked.map_err(|error| DataError::foreign(path, error.to_string()))?;
         let (found, expected) = (
             extent(&points, known),
             extent(known.mesh().positions(), known),

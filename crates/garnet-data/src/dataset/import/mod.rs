@@ -20,7 +20,7 @@ use super::plan::Counts;
 use super::record::{BodyRecord, Posed, SceneRecord, Split};
 use super::shard::{Layout, Shard};
 use super::variations::Variations;
-use crate::{DataError, Limits, Moment, ReadAs};
+use crate::{DataError, Limits, Moment};
 use list::{List, Place};
 use meshes::Reader;
 use staged::Staged;
@@ -78,7 +78,7 @@ impl ImportManifest {
             serde_json::from_str(&text).map_err(|source| DataError::json(path, &source))?;
         if manifest.schema != IMPORT_SCHEMA {
             let what = format!("its schema is `{}`, not `{IMPORT_SCHEMA}`", manifest.schema);
-            return Err(DataError::foreign(path, ReadAs::Import, what));
+            return Err(DataError::foreign(path, what));
         }
         Ok(manifest)
     }
@@ -107,7 +107,7 @@ impl ImportManifest {
         samples.sort();
         if samples.is_empty() {
             let what = "no folder in it has a `shirt_mesh_r_tmp.obj`";
-            return Err(DataError::foreign(folder, ReadAs::Shirts, what));
+            return Err(DataError::foreign(folder, what));
         }
         let mut scenes = Vec::with_capacity(samples.len());
         for (number, sample) in samples.into_iter().enumerate() {
