@@ -1,13 +1,20 @@
-//! Advice for what can be wrong with data sets.
+//! Advice for what can be wrong with packages, data sets and simulations.
 
-use std::io;
+use std::{io, path::Path};
 
 use garnet::{
     MeshDifference,
     data::{DataError, ImportProblem},
     io::{FileProblem, ObjError, WriteError},
+    package::PackageError,
+    sim::SimError,
 };
 
+use super::{
+    WAIT,
+    mesh::{for_io, for_mesh, for_obj, for_write},
+    rig::{for_file, for_skin},
+};
 use crate::failure::Hint;
 
 /// Adds what helps against an error of a data set, where the error has no advice of its own.
@@ -72,7 +79,7 @@ fn hint_for(error: &DataError) -> Option<String> {
         DataError::Foreign { path, .. } if path.ends_with("dataset.json") => {
             "name another folder with `-o`, or use the version that made it"
         }
-        DataError::Foreign { path, .. } if super::is_shard(path) => {
+        DataError::Foreign { path, .. } if is_shard(path) => {
             "move it out of the folder, or name another folder with `-o`"
         }
         DataError::Import { problem, .. } => for_list(problem)?,
@@ -133,6 +140,112 @@ fn for_scene(error: &DataError) -> Option<&'static str> {
         DataError::Changed { .. } => {
             Some("run the command again when nothing writes the meshes any more")
         }
+        _ => None,
+    }
+}
+
+pub(super) fn for_data(error: &DataError) -> Option<&'static str> {
+    match error {
+        DataError::Read { source, .. } | DataError::Folder { source, .. } => for_io(source),
+        DataError::Write(error) => for_write(error),
+        DataError::Mesh(error) => for_mesh(error),
+        DataError::Obj(error) => for_obj(error),
+        DataError::Rig(error) => for_file(&error.problem),
+        DataError::Skin(error) => for_skin(error),
+        DataError::Sim(error) => for_sim(error),
+        DataError::Package(error) => for_package(error),
+        DataError::Foreign { path, .. } => Some(for_foreign(path)),
+        DataError::NoDataset { .. } => {
+            Some("name the folder that has one; `garnet dataset PACKAGE -o DIR` makes a data set")
+        }
+        DataError::Text { path, .. } if path.ends_with("dataset.json") => {
+            Some("copy it again, or make the data set anew in another folder")
+        }
+        DataError::Tensors { path, .. }
+        | DataError::Altered { path, .. }
+        | DataError::MisnamedShard { path, .. }
+        | DataError::Text { path, .. }
+            if is_shard(path) =>
+        {
+            Some(
+                "copy it again from where the data set came from, or delete it and run `garnet dataset` again with the \
+                 same arguments, which makes what is missing",
+            )
+        }
+        DataError::Tensors { .. } | DataError::Altered { .. } => {
+            Some("copy the file again from where it came from")
+        }
+        DataError::InUse { .. } => Some(WAIT),
+        _ => None,
+    }
+}
+
+pub(super) fn for_package(error: &PackageError) -> Option<&'static str> {
+    match error {
+        PackageError::Read { source, .. } | PackageError::Folder { source, .. } => for_io(source),
+        PackageError::Write(error) => for_write(error),
+        PackageError::Mesh(error) => for_mesh(error),
+        PackageError::Obj(error) => for_obj(error),
+        PackageError::Rig(error) => for_file(&error.problem),
+        PackageError::Skin(error) => for_skin(error),
+        PackageError::Sim(error) => for_sim(error),
+        PackageError::Fabric { .. } => {
+            Some("correct the value in the file, or make the package anew")
+        }
+        PackageError::Text { .. } => {
+            Some("correct the line, copy the file again, or make the package anew")
+        }
+        PackageError::Foreign { .. } => Some(
+            "copy the file again from where the package came from; a package of a changed garment \
+             is made with `garnet garment from-obj`",
+        ),
+        PackageError::Tensors { .. } | PackageError::Altered { .. } => {
+            Some("copy the file again from where it came from, or make the package anew")
+        }
+        PackageError::InUse { .. } => Some(WAIT),
+        PackageError::InsideAtStart { .. } => Some(
+            "the garment may belong to another body: let it lie on the skin of this one, not in it",
+        ),
+        _ => None,
+    }
+}
+
+pub(super) fn is_shard(path: &Path) -> bool {
+    path.parent()
+        .is_some_and(|folder| folder.ends_with("shards"))
+}
+
+/// By the name of the file: a shard, a manifest of a data set or of an import, a folder of shirts, or
+/// else a mesh.
+pub(super) fn for_foreign(path: &Path) -> &'static str {
+    let extension = path.extension().unwrap_or_default();
+    if path.ends_with("dataset.json") {
+        "make the data set anew with `garnet dataset` and another `-o`, or use the version that made it"
+    } else if is_shard(path) {
+        "move it out of the folder, or copy it again from where the data set came from"
+    } else if extension == "json" {
+        "`garnet dataset --help` shows the form of a manifest"
+    } else if path.is_dir() {
+        "name the folder that has a folder for each shirt, or a manifest, whose form `garnet dataset --help` shows"
+    } else {
+        "the mesh was written by a computation that failed: export it again"
+    }
+}
+
+pub(super) fn for_sim(error: &SimError) -> Option<&'static str> {
+    match error {
+        SimError::NonManifoldEdge { .. } => Some(
+            "cloth has one or two faces at an edge: delete doubled and surplus faces of the garment",
+        ),
+        SimError::InvertedFace { .. } => Some(
+            "turn the faces of the garment to one side: recalculate its normals in a 3D program",
+        ),
+        SimError::NoArea { .. } => Some("dissolve faces without area; `garnet info` counts them"),
+        SimError::Torn { .. } | SimError::Exploded { .. } => Some(
+            "the garment may be too small for the body, or lie in it or in itself: `garnet drape --method warp` shows it on \
+             the body without simulation",
+        ),
+        SimError::Garment(error) => for_mesh(error),
         _ => None,
     }
 }

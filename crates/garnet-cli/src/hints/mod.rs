@@ -1,26 +1,30 @@
-//! Advice for what can be wrong with files, by the type of the error.
+//! Advice for what can be wrong, by the type of the error.
 
 mod data;
+mod mesh;
 mod nearest;
 mod pattern;
+mod rig;
 mod scene;
 mod train;
 
-use std::{error::Error as StdError, io, path::Path};
+use std::{error::Error as StdError, io};
 
 use garnet::{
-    CheckpointError, Error, MeshError, NetError, SkinError,
+    CheckpointError, Error, MeshError, SkinError,
     data::DataError,
-    io::{
-        ArrayProblem, FileError, FileProblem, MotionError, MotionProblem, ObjError, ObjLineProblem,
-        ObjParseError, WriteError,
-    },
+    io::{FileError, FileProblem, MotionError, ObjError, ObjParseError, WriteError},
     motion::RetargetError,
     package::PackageError,
     pattern::PatternError,
     sim::SimError,
     train::TrainError,
 };
+
+use data::{for_data, for_package, for_sim};
+use mesh::{for_io, for_mesh, for_obj, for_parse, for_write};
+use rig::{for_file, for_motion, for_retarget, for_skin};
+use train::{for_train, for_weights};
 
 pub(crate) use data::Hinting;
 pub(crate) use nearest::nearest;
@@ -106,306 +110,5 @@ fn for_garnet(error: &Error) -> Option<&'static str> {
     }
 }
 
-/// Errors of a training that are those of something else, which is no link of the chain.
-fn for_train(error: &TrainError) -> Option<&'static str> {
-    match error {
-        TrainError::Read { source, .. } | TrainError::Folder { source, .. } => for_io(source),
-        TrainError::Write(error) => for_write(error),
-        TrainError::Data(error) => for_data(error),
-        TrainError::Package(error) => for_package(error),
-        TrainError::Checkpoint(error) => for_weights(error),
-        TrainError::Net(error) => for_network(error),
-        TrainError::Skin(error) => for_skin(error),
-        TrainError::Mesh(error) => for_mesh(error),
-        _ => None,
-    }
-}
-
-fn for_network(error: &NetError) -> Option<&'static str> {
-    match error {
-        NetError::OtherGarment { .. } => Some(OTHER_GARMENT),
-        NetError::Mesh(error) => for_mesh(error),
-        _ => None,
-    }
-}
-
-const OTHER_GARMENT: &str = "a network drapes the garment that it was trained for: train one with `garnet train`, or \
-     choose `--method warp`";
-
-fn for_data(error: &DataError) -> Option<&'static str> {
-    match error {
-        DataError::Read { source, .. } | DataError::Folder { source, .. } => for_io(source),
-        DataError::Write(error) => for_write(error),
-        DataError::Mesh(error) => for_mesh(error),
-        DataError::Obj(error) => for_obj(error),
-        DataError::Rig(error) => for_file(&error.problem),
-        DataError::Skin(error) => for_skin(error),
-        DataError::Sim(error) => for_sim(error),
-        DataError::Package(error) => for_package(error),
-        DataError::Foreign { path, .. } => Some(for_foreign(path)),
-        DataError::NoDataset { .. } => {
-            Some("name the folder that has one; `garnet dataset PACKAGE -o DIR` makes a data set")
-        }
-        DataError::Text { path, .. } if path.ends_with("dataset.json") => {
-            Some("copy it again, or make the data set anew in another folder")
-        }
-        DataError::Tensors { path, .. }
-        | DataError::Altered { path, .. }
-        | DataError::MisnamedShard { path, .. }
-        | DataError::Text { path, .. }
-            if is_shard(path) =>
-        {
-            Some(
-                "copy it again from where the data set came from, or delete it and run `garnet dataset` again with the \
-                 same arguments, which makes what is missing",
-            )
-        }
-        DataError::Tensors { .. } | DataError::Altered { .. } => {
-            Some("copy the file again from where it came from")
-        }
-        DataError::InUse { .. } => Some(WAIT),
-        _ => None,
-    }
-}
-
 /// What helps while another run has a folder.
 const WAIT: &str = "wait until that process ends, or end it; what it leaves holds nobody up";
-
-fn for_package(error: &PackageError) -> Option<&'static str> {
-    match error {
-        PackageError::Read { source, .. } | PackageError::Folder { source, .. } => for_io(source),
-        PackageError::Write(error) => for_write(error),
-        PackageError::Mesh(error) => for_mesh(error),
-        PackageError::Obj(error) => for_obj(error),
-        PackageError::Rig(error) => for_file(&error.problem),
-        PackageError::Skin(error) => for_skin(error),
-        PackageError::Sim(error) => for_sim(error),
-        PackageError::Fabric { .. } => {
-            Some("correct the value in the file, or make the package anew")
-        }
-        PackageError::Text { .. } => {
-            Some("correct the line, copy the file again, or make the package anew")
-        }
-        PackageError::Foreign { .. } => Some(
-            "copy the file again from where the package came from; a package of a changed garment \
-             is made with `garnet garment from-obj`",
-        ),
-        PackageError::Tensors { .. } | PackageError::Altered { .. } => {
-            Some("copy the file again from where it came from, or make the package anew")
-        }
-        PackageError::InUse { .. } => Some(WAIT),
-        PackageError::InsideAtStart { .. } => Some(
-            "the garment may belong to another body: let it lie on the skin of this one, not in it",
-        ),
-        _ => None,
-    }
-}
-
-fn is_shard(path: &Path) -> bool {
-    path.parent()
-        .is_some_and(|folder| folder.ends_with("shards"))
-}
-
-/// By the name of the file: a shard, a manifest of a data set or of an import, a folder of shirts, or
-/// else a mesh.
-fn for_foreign(path: &Path) -> &'static str {
-    let extension = path.extension().unwrap_or_default();
-    if path.ends_with("dataset.json") {
-        "make the data set anew with `garnet dataset` and another `-o`, or use the version that made it"
-    } else if is_shard(path) {
-        "move it out of the folder, or copy it again from where the data set came from"
-    } else if extension == "json" {
-        "`garnet dataset --help` shows the form of a manifest"
-    } else if path.is_dir() {
-        "name the folder that has a folder for each shirt, or a manifest, whose form `garnet dataset --help` shows"
-    } else {
-        "the mesh was written by a computation that failed: export it again"
-    }
-}
-
-fn for_sim(error: &SimError) -> Option<&'static str> {
-    match error {
-        SimError::NonManifoldEdge { .. } => Some(
-            "cloth has one or two faces at an edge: delete doubled and surplus faces of the garment",
-        ),
-        SimError::InvertedFace { .. } => Some(
-            "turn the faces of the garment to one side: recalculate its normals in a 3D program",
-        ),
-        SimError::NoArea { .. } => Some("dissolve faces without area; `garnet info` counts them"),
-        SimError::Torn { .. } | SimError::Exploded { .. } => Some(
-            "the garment may be too small for the body, or lie in it or in itself: `garnet drape --method warp` shows it on \
-             the body without simulation",
-        ),
-        SimError::Garment(error) => for_mesh(error),
-        _ => None,
-    }
-}
-
-fn for_weights(error: &CheckpointError) -> Option<&'static str> {
-    match error {
-        CheckpointError::Io { source, .. } => for_io(source),
-        CheckpointError::Write(error) => for_write(error),
-        CheckpointError::Schema { .. } => {
-            Some("train the variant anew with this version, or use the version that wrote it")
-        }
-        CheckpointError::Unfit { .. } => Some(OTHER_GARMENT),
-        _ => Some("copy the file again, or train the variant anew with `garnet train`"),
-    }
-}
-
-fn for_motion(problem: &MotionProblem) -> Option<&'static str> {
-    match problem {
-        MotionProblem::Io(source) => for_io(source),
-        _ => Some(
-            "motions are BVH, npz with `poses` as in AMASS, or pose JSON; a file that ends early was \
-             not copied whole",
-        ),
-    }
-}
-
-fn for_retarget(error: &RetargetError) -> Option<&'static str> {
-    match error {
-        RetargetError::FrameOutOfRange { .. } | RetargetError::NoFrames { .. } => {
-            Some("`garnet info` tells how many frames a motion has")
-        }
-        RetargetError::MissingJoints { .. } if error.is_of_body() => Some(
-            "poses of the library and motions find joints by the names that SMPL, CMU, MakeHuman, Mixamo and \
-             Blender give them: rename those of the rig, or write a pose file for its own names",
-        ),
-        RetargetError::MissingJoints { .. } => Some(
-            "joints are known by the names that SMPL, CMU, MakeHuman, Mixamo and Blender give them; \
-             rename those of the motion",
-        ),
-        _ if error.is_of_body() => Some(
-            "poses of the library and motions are for human figures: write a pose file for this rig",
-        ),
-        _ => None,
-    }
-}
-
-fn for_obj(error: &ObjError) -> Option<&'static str> {
-    match error {
-        ObjError::Read { source, .. } => for_io(source),
-        ObjError::Parse { source, .. } => Some(for_parse(source)),
-        ObjError::Write(error) => for_write(error),
-        _ => None,
-    }
-}
-
-fn for_parse(error: &ObjParseError) -> &'static str {
-    match error {
-        ObjParseError::NotObj { .. } => {
-            "garments and bodies are OBJ meshes; a GLB or npz file with a skeleton goes to `--rig`"
-        }
-        ObjParseError::Empty | ObjParseError::NoVertices | ObjParseError::NoFaces => {
-            "export the mesh with its faces as OBJ"
-        }
-        ObjParseError::Line { problem, .. } => match problem {
-            ObjLineProblem::IndexOutOfRange { .. } => {
-                "the file may be cut off, or was joined from files without renumbering the faces"
-            }
-            ObjLineProblem::CoordinateOutOfRange { .. } => {
-                "the mesh was written by a computation that failed: export it again"
-            }
-            ObjLineProblem::IndexZero { .. } => "add 1 to all indices of the faces",
-            _ => "correct the line, or export the mesh again as OBJ",
-        },
-        _ => "export the mesh again as OBJ",
-    }
-}
-
-fn for_file(problem: &FileProblem) -> Option<&'static str> {
-    match problem {
-        FileProblem::Io(error) => for_io(error),
-        FileProblem::UnknownFormat => Some(
-            "rigs are npz archives, GLB or glTF files with a skin, or JSON; the OBJ of the rest \
-             body goes to `--rest-body`",
-        ),
-        FileProblem::Json { .. } | FileProblem::Field { .. } | FileProblem::ListLength { .. } => {
-            Some("correct the field; `garnet drape --help` names the formats")
-        }
-        FileProblem::UnknownJointName { .. } => {
-            Some("`garnet info RIG` lists the names of the joints")
-        }
-        FileProblem::NotAUnitQuaternion { .. } => {
-            Some("rotations are written as `[x, y, z, w]` with norm 1")
-        }
-        FileProblem::FrameOutOfRange { .. } => Some("name a frame as `--pose FILE:FRAME`"),
-        FileProblem::NoPose => Some("`garnet drape --help` shows the form of a pose file"),
-        FileProblem::MissingFile { .. } => Some("paths in a JSON file are relative to it"),
-        FileProblem::MissingKeys { .. } => Some(
-            "a rig has the arrays `vertices`, `faces`, `blend_weights`, `joints` and `parents`",
-        ),
-        FileProblem::Archive(_) => Some("the file may be cut off: copy or save it again"),
-        FileProblem::Array { problem, .. } => Some(for_array(problem)),
-        FileProblem::Gltf(_) => {
-            Some("the file may be cut off or have no skinned mesh: export it again with its skin")
-        }
-        FileProblem::Skin(error) => for_skin(error),
-        FileProblem::Mesh(error) => for_mesh(error),
-        FileProblem::Obj(error) => for_obj(error),
-        FileProblem::Other(error) => for_file(&error.problem),
-        _ => None,
-    }
-}
-
-fn for_array(problem: &ArrayProblem) -> &'static str {
-    match problem {
-        ArrayProblem::Unpack { .. } => "the file may be cut off: copy or save it again",
-        _ => "all arrays of a rig must be of the same body: save them again together",
-    }
-}
-
-fn for_skin(error: &SkinError) -> Option<&'static str> {
-    match error {
-        SkinError::CyclicParents { .. } | SkinError::ParentOutOfRange { .. } => {
-            Some("the parents of a skeleton form a tree; a root has the parent -1")
-        }
-        SkinError::NoWeight { .. } => {
-            Some("paint weights for every vertex of the body, then export the rig again")
-        }
-        SkinError::VertexCount { .. } | SkinError::JointCount { .. } => {
-            Some("rig and rest body must be of the same mesh")
-        }
-        SkinError::NoRestMesh => Some("give the rest body with `--rest-body OBJ`"),
-        SkinError::RotationCount { .. } | SkinError::TransformCount { .. } => {
-            Some("the pose must be made for the skeleton of the rig")
-        }
-        SkinError::NotRigid { .. } => Some("bake scales of joints into the mesh before export"),
-        SkinError::NonFiniteWeight { .. }
-        | SkinError::NegativeWeight { .. }
-        | SkinError::NonFiniteJoint { .. } => Some("export the rig again"),
-        SkinError::Singular(_) => Some("`garnet info` shows what is unusual about the garment"),
-        _ => None,
-    }
-}
-
-fn for_mesh(error: &MeshError) -> Option<&'static str> {
-    match error {
-        MeshError::NoFaces => Some("export the mesh with its faces"),
-        MeshError::FaceIndexOutOfRange { .. } | MeshError::CoordinateOutOfRange { .. } => {
-            Some("export the mesh again")
-        }
-        _ => None,
-    }
-}
-
-fn for_write(error: &WriteError) -> Option<&'static str> {
-    match error {
-        WriteError::FolderMissing { .. } => Some("create the folder first"),
-        WriteError::IsFolder { .. } => Some("name a file in it"),
-        WriteError::Io { source, .. } => for_io(source),
-        _ => None,
-    }
-}
-
-fn for_io(error: &io::Error) -> Option<&'static str> {
-    match error.kind() {
-        io::ErrorKind::NotFound => Some("check the path; relative paths start in this folder"),
-        io::ErrorKind::PermissionDenied => Some("check the permissions of the file"),
-        io::ErrorKind::IsADirectory => Some("name a file in the folder"),
-        io::ErrorKind::StorageFull => Some("make room on the disk"),
-        io::ErrorKind::NotADirectory => Some("check the path: a part of it is no folder"),
-        _ => None,
-    }
-}

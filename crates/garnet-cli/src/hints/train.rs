@@ -1,11 +1,17 @@
 //! Advice for what can be wrong with trainings and evaluations.
 
 use garnet::{
+    CheckpointError, NetError,
     package::PackageError,
     train::{TrainError, kind_names},
 };
 
-use super::nearest;
+use super::{
+    data::{for_data, for_package},
+    mesh::{for_io, for_mesh, for_write},
+    nearest,
+    rig::for_skin,
+};
 use crate::failure;
 
 /// An error of a training or evaluation, with what to do about it.
@@ -111,4 +117,42 @@ fn advice(error: &TrainError) -> Option<String> {
         }
         _ => return advice_on_job(error),
     })
+}
+
+/// Errors of a training that are those of something else, which is no link of the chain.
+pub(super) fn for_train(error: &TrainError) -> Option<&'static str> {
+    match error {
+        TrainError::Read { source, .. } | TrainError::Folder { source, .. } => for_io(source),
+        TrainError::Write(error) => for_write(error),
+        TrainError::Data(error) => for_data(error),
+        TrainError::Package(error) => for_package(error),
+        TrainError::Checkpoint(error) => for_weights(error),
+        TrainError::Net(error) => for_network(error),
+        TrainError::Skin(error) => for_skin(error),
+        TrainError::Mesh(error) => for_mesh(error),
+        _ => None,
+    }
+}
+
+pub(super) fn for_network(error: &NetError) -> Option<&'static str> {
+    match error {
+        NetError::OtherGarment { .. } => Some(OTHER_GARMENT),
+        NetError::Mesh(error) => for_mesh(error),
+        _ => None,
+    }
+}
+
+pub(super) const OTHER_GARMENT: &str = "a network drapes the garment that it was trained for: train one with `garnet train`, or \
+     choose `--method warp`";
+
+pub(super) fn for_weights(error: &CheckpointError) -> Option<&'static str> {
+    match error {
+        CheckpointError::Io { source, .. } => for_io(source),
+        CheckpointError::Write(error) => for_write(error),
+        CheckpointError::Schema { .. } => {
+            Some("train the variant anew with this version, or use the version that wrote it")
+        }
+        CheckpointError::Unfit { .. } => Some(OTHER_GARMENT),
+        _ => Some("copy the file again, or train the variant anew with `garnet train`"),
+    }
 }

@@ -223,7 +223,7 @@ impl Shard {
         }
         if let Some(name) = contents.foreign(&TENSORS.map(|(name, _)| name)) {
             let what = format!("its tensor `{name}` is none of a shard");
-            return Err(DataError::foreign(path, ReadAs::Shard, what));
+            return Err(DataError::foreign(path, what));
         }
         if text.dataset != dataset.to_string() {
             let what = format!("it belongs to data set {}, not {dataset}", text.dataset);

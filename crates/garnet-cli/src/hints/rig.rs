@@ -1,0 +1,105 @@
+//! Advice for what can be wrong with rigs, poses and motions.
+
+use garnet::{
+    SkinError,
+    io::{ArrayProblem, FileProblem, MotionProblem},
+    motion::RetargetError,
+};
+
+use super::mesh::{for_io, for_mesh, for_obj};
+
+pub(super) fn for_motion(problem: &MotionProblem) -> Option<&'static str> {
+    match problem {
+        MotionProblem::Io(source) => for_io(source),
+        _ => Some(
+            "motions are BVH, npz with `poses` as in AMASS, or pose JSON; a file that ends early was \
+             not copied whole",
+        ),
+    }
+}
+
+pub(super) fn for_retarget(error: &RetargetError) -> Option<&'static str> {
+    match error {
+        RetargetError::FrameOutOfRange { .. } | RetargetError::NoFrames { .. } => {
+            Some("`garnet info` tells how many frames a motion has")
+        }
+        RetargetError::MissingJoints { .. } if error.is_of_body() => Some(
+            "poses of the library and motions find joints by the names that SMPL, CMU, MakeHuman, Mixamo and \
+             Blender give them: rename those of the rig, or write a pose file for its own names",
+        ),
+        RetargetError::MissingJoints { .. } => Some(
+            "joints are known by the names that SMPL, CMU, MakeHuman, Mixamo and Blender give them; \
+             rename those of the motion",
+        ),
+        _ if error.is_of_body() => Some(
+            "poses of the library and motions are for human figures: write a pose file for this rig",
+        ),
+        _ => None,
+    }
+}
+
+pub(super) fn for_file(problem: &FileProblem) -> Option<&'static str> {
+    match problem {
+        FileProblem::Io(error) => for_io(error),
+        FileProblem::UnknownFormat => Some(
+            "rigs are npz archives, GLB or glTF files with a skin, or JSON; the OBJ of the rest \
+             body goes to `--rest-body`",
+        ),
+        FileProblem::Json { .. } | FileProblem::Field { .. } | FileProblem::ListLength { .. } => {
+            Some("correct the field; `garnet drape --help` names the formats")
+        }
+        FileProblem::UnknownJointName { .. } => {
+            Some("`garnet info RIG` lists the names of the joints")
+        }
+        FileProblem::NotAUnitQuaternion { .. } => {
+            Some("rotations are written as `[x, y, z, w]` with norm 1")
+        }
+        FileProblem::FrameOutOfRange { .. } => Some("name a frame as `--pose FILE:FRAME`"),
+        FileProblem::NoPose => Some("`garnet drape --help` shows the form of a pose file"),
+        FileProblem::MissingFile { .. } => Some("paths in a JSON file are relative to it"),
+        FileProblem::MissingKeys { .. } => Some(
+            "a rig has the arrays `vertices`, `faces`, `blend_weights`, `joints` and `parents`",
+        ),
+        FileProblem::Archive(_) => Some("the file may be cut off: copy or save it again"),
+        FileProblem::Array { problem, .. } => Some(for_array(problem)),
+        FileProblem::Gltf(_) => {
+            Some("the file may be cut off or have no skinned mesh: export it again with its skin")
+        }
+        FileProblem::Skin(error) => for_skin(error),
+        FileProblem::Mesh(error) => for_mesh(error),
+        FileProblem::Obj(error) => for_obj(error),
+        FileProblem::Other(error) => for_file(&error.problem),
+        _ => None,
+    }
+}
+
+pub(super) fn for_array(problem: &ArrayProblem) -> &'static str {
+    match problem {
+        ArrayProblem::Unpack { .. } => "the file may be cut off: copy or save it again",
+        _ => "all arrays of a rig must be of the same body: save them again together",
+    }
+}
+
+pub(super) fn for_skin(error: &SkinError) -> Option<&'static str> {
+    match error {
+        SkinError::CyclicParents { .. } | SkinError::ParentOutOfRange { .. } => {
+            Some("the parents of a skeleton form a tree; a root has the parent -1")
+        }
+        SkinError::NoWeight { .. } => {
+            Some("paint weights for every vertex of the body, then export the rig again")
+        }
+        SkinError::VertexCount { .. } | SkinError::JointCount { .. } => {
+            Some("rig and rest body must be of the same mesh")
+        }
+        SkinError::NoRestMesh => Some("give the rest body with `--rest-body OBJ`"),
+        SkinError::RotationCount { .. } | SkinError::TransformCount { .. } => {
+            Some("the pose must be made for the skeleton of the rig")
+        }
+        SkinError::NotRigid { .. } => Some("bake scales of joints into the mesh before export"),
+        SkinError::NonFiniteWeight { .. }
+        | SkinError::NegativeWeight { .. }
+        | SkinError::NonFiniteJoint { .. } => Some("export the rig again"),
+        SkinError::Singular(_) => Some("`garnet info` shows what is unusual about the garment"),
+        _ => None,
+    }
+}
