@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{SceneError, SceneProblem};
 use crate::{ObjFile, read_rig};
 
-/// Reads a mesh: an OBJ, or the rest mesh of a rig (npz, GLB, glTF) as if it were written as OBJ.
+/// Reads a mesh: an OBJ, or the rest mesh of a rig (npz, GLB, glTF, VRM) as if it were written as OBJ.
 ///
 /// Meshes of rigs are in metres with y up.
 ///
@@ -26,9 +26,9 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<ObjFile, SceneError> {
     Ok(ObjFile::of_mesh(&mesh, path)?)
 }
 
-/// Whether the name is that of a rig that may hold a mesh: npz, GLB or glTF.
+/// Whether the name is that of a rig that may hold a mesh: npz, GLB, glTF or VRM.
 pub fn is_rig(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     let extension = extension.unwrap_or_default().to_ascii_lowercase();
-    matches!(extension.as_str(), "npz" | "glb" | "gltf")
+    matches!(extension.as_str(), "npz" | "glb" | "gltf" | "vrm")
 }

@@ -1,0 +1,152 @@
+//! Scenes out of files: what is detected, and what is refused by its type.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use std::path::Path;
+
+use garnet_io::{
+    Aim, Misplaced, ObjFile, Scene, SceneError, SceneFiles, SceneProblem, is_rig, read_mesh,
+    write_obj, write_rig_npz,
+};
+use garnet_mesh::{
+    TriMesh, Unit, UpAxis,
+    primitives::{capsule, tube},
+};
+use garnet_skin::{Body, Joint, Point3, Rig, Skeleton, SkinWeights, Vector3};
+
+/// Positions that were brought to another unit and back, in metres.
+const ROUNDING: f32 = 1e-5;
+
+/// A body of two joints that stands around the origin.
+fn body() -> Body {
+    let mesh = capsule(0.15, 1.4, 24, 24);
+    let joint = |name: &str, parent, y| Joint {
+        name: name.to_owned(),
+        parent,
+        rest_position: Point3::new(0.0, y, 0.0),
+    };
+    let joints = vec![joint("hip", None, -0.3), joint("chest", Some(0), 0.2)];
+    let share = |point: &Point3| (0.5 + point.y).clamp(0.0, 1.0);
+    let rows = mesh.positions().iter().map(share);
+    let rows = rows.map(|share| [(0, 1.0 - share), (1, share)]);
+    let weights = SkinWeights::from_influences(2, rows).unwrap();
+    Body::new(mesh, Skeleton::new(joints).unwrap(), weights).unwrap()
+}
+
+fn shirt() -> TriMesh {
+    tube(0.2, 0.6, 24, 12)
+}
+
+fn changed(mesh: &TriMesh, way: impl Fn(&Point3) -> Point3) -> TriMesh {
+    let positions = mesh.positions().iter().map(way);
+    mesh.with_positions(positions.collect()).unwrap()
+}
+
+/// The files of a shirt and a body with its rig in a folder.
+fn files(folder: &Path, shirt: &TriMesh) -> SceneFiles {
+    write_obj(folder.join("body.obj"), body().rest()).unwrap();
+    write_rig_npz(folder.join("body.rig.npz"), &Rig::from(body())).unwrap();
+    write_obj(folder.join("shirt.obj"), shirt).unwrap();
+    let mut files = SceneFiles::new(folder.join("shirt.obj"));
+    files.bodies = vec![folder.join("body.obj")];
+    files
+}
+
+#[test]
+fn a_rig_beside_the_body_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = Scene::load(&files(folder.path(), &shirt())).unwrap();
+    assert_eq!(scene.rest.rig_path, folder.path().join("body.rig.npz"));
+    assert_eq!(scene.garment.mesh.positions(), shirt().positions());
+    assert!(matches!(scene.targets[0].aim, Aim::Vertices(_)));
+    assert!(scene.own.is_none() && scene.notes.is_empty());
+    scene.targets[0].posed(&scene.body).unwrap();
+}
+
+#[test]
+fn units_and_axes_are_detected_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let large = |p: &Point3| Point3::new(p.x, -p.z, p.y) * 100.0;
+    let mut files = files(folder.path(), &changed(&shirt(), large));
+    let rest = folder.path().join("rest.obj");
+    write_obj(&rest, &changed(body().rest(), large)).unwrap();
+    files.bodies = vec![rest.clone()];
+    files.rig = Some(folder.path().join("body.rig.npz"));
+    files.rest_body = Some(rest);
+    let scene = Scene::load(&files).unwrap();
+    let frame = scene.garment.frame;
+    assert_eq!((frame.unit, frame.up), (Unit::Centimetre, UpAxis::Z));
+    assert_eq!(scene.rest.file_frame, frame);
+    let pairs = scene
+        .garment
+        .mesh
+        .positions()
+        .iter()
+        .zip(shirt().into_parts().0);
+    for (found, expected) in pairs {
+        assert!((found - expected).norm() < ROUNDING);
+    }
+}
+
+#[test]
+fn what_is_wrong_has_a_type() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = files(folder.path(), &shirt());
+
+    let away = changed(&shirt(), |point| point + Vector3::x() * 3.0);
+    write_obj(folder.path().join("away.obj"), &away).unwrap();
+    files.garment = folder.path().join("away.obj");
+    let error = Scene::load(&files).unwrap_err();
+    let SceneError::Misplaced { problem, .. } = error else {
+        panic!("{error}");
+    };
+    assert!(matches!(problem, Misplaced::Apart { .. }), "{problem}");
+
+    let large = changed(&shirt(), |point| point * 100.0);
+    write_obj(folder.path().join("large.obj"), &large).unwrap();
+    files.garment = folder.path().join("large.obj");
+    let error = Scene::load(&files).unwrap_err();
+    let SceneError::Misplaced { problem, .. } = error else {
+        panic!("{error}");
+    };
+    let (garment, taken) = (Unit::Centimetre, Unit::Metre);
+    assert_eq!(problem, Misplaced::Unit { garment, taken });
+
+    files.garment = folder.path().join("shirt.obj");
+    files.pose = Some("no_such_pose".into());
+    assert!(matches!(Scene::load(&files), Err(SceneError::Pose(_))));
+    files.pose = None;
+
+    let other = folder.path().join("other.obj");
+    write_obj(&other, &capsule(0.15, 1.4, 20, 20)).unwrap();
+    files.rig = Some(folder.path().join("body.rig.npz"));
+    files.bodies = vec![other.clone()];
+    let error = Scene::load(&files).unwrap_err();
+    let SceneError::OtherTopology { problem, .. } = error else {
+        panic!("{error}");
+    };
+    assert!(
+        matches!(problem, SceneProblem::VertexCount { .. }),
+        "{problem}"
+    );
+
+    files.rig = None;
+    let error = Scene::load(&files).unwrap_err();
+    assert!(matches!(error, SceneError::NoRig { .. }), "{error}");
+    assert_eq!(
+        error.to_string(),
+        format!("there is no rig for `{}`", other.display())
+    );
+}
+
+#[test]
+fn meshes_of_rigs_are_read_as_obj() {
+    let folder = tempfile::tempdir().unwrap();
+    files(folder.path(), &shirt());
+    let path = folder.path().join("body.rig.npz");
+    assert!(is_rig(&path) && !is_rig(Path::new("body.obj")));
+    let of_rig = read_mesh(&path).unwrap();
+    let of_obj = ObjFile::read(folder.path().join("body.obj")).unwrap();
+    assert_eq!(of_rig.source(), of_obj.source());
+    assert_eq!(of_rig.path(), path);
+}
