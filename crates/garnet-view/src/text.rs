@@ -134,7 +134,11 @@ mod tests {
             let places = inked("Hgjpqy|M", scale);
             let last = |axis: usize| places.iter().map(|place| place[axis]).max().unwrap();
             let end = width("Hgjpqy|M", scale);
-            assert!(end - last(0) <= 2 * scale, "{end} {} at {scale}", last(0));
+            assert!(
+                end.abs_diff(last(0)) <= 2 * scale,
+                "{end} {} at {scale}",
+                last(0)
+            );
             assert!(last(1) <= height(scale), "{} at {scale}", last(1));
         }
         let capitals = inked("HHM", 4);
