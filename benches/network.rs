@@ -5,7 +5,7 @@
 //! threads/small/10000`. Memory is told by the bench `memory`.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use garnet::{Draper, Network};
+use garnet::{Draper, net::Network};
 use garnet_benches::{NUM_BODY_POINTS, Scene, on_threads};
 use garnet_net::{GarNetConfig, ReferenceStage, Variant};
 use garnet_train::{Exercise, TrainConfig};

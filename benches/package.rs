@@ -15,10 +15,12 @@ use std::path::{Path, PathBuf};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use garnet::{
     Body, Draper, Package, PosedBody,
+    body::{
+        poses::{PoseSampler, Poser, SelfContact},
+        shape::{ParametricBody, Population},
+    },
     io::ObjFile,
     package::GarmentPackage,
-    poses::{PoseSampler, Poser, SelfContact},
-    shape::{ParametricBody, Population},
 };
 use garnet_benches::{Scene, on_threads};
 use garnet_skin::Method;

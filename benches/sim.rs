@@ -10,7 +10,7 @@ use garnet::sim::{
     Cloth, Collider, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, SelfContact, Stage,
     drape, settle,
 };
-use garnet::{Moment, Point3};
+use garnet::{Point3, package::Moment};
 use garnet_benches::{Scene as Mannequin, group};
 
 /// About how many vertices the garments have.

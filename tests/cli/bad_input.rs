@@ -1,7 +1,7 @@
 //! Bad input ends with 2, one clear error with the path, the line where there is one, and a hint,
 //! and nothing is written.
 
-use garnet::primitives::capsule;
+use garnet::mesh::primitives::capsule;
 
 use crate::fixtures::{Fixture, stderr, stdout};
 

@@ -3,8 +3,8 @@
 use std::fs;
 use std::process::Output;
 
+use garnet::body::shape::{BodyParameters, ParametricBody};
 use garnet::io::{ObjFile, write_rig_npz};
-use garnet::shape::{BodyParameters, ParametricBody};
 use garnet::{Body, Rig, TriMesh};
 
 use crate::fixtures::{Fixture, stderr};

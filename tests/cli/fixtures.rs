@@ -9,7 +9,7 @@ use std::{
 use garnet::{
     Body, Joint, Point3, Pose, Rig, Skeleton, SkinWeights, TriMesh, UnitQuaternion, Vector3,
     io::{write_obj, write_rig_npz},
-    primitives::{capsule, tube},
+    mesh::primitives::{capsule, tube},
 };
 
 /// A folder with the files of a small scene.

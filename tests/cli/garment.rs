@@ -221,7 +221,10 @@ fn a_manifest_that_does_not_parse_is_told_with_line_and_column() {
 fn skin_that_looks_out_between_the_vertices_is_warned_of() {
     let fixture = Fixture::new();
     // The middles of its sides are inside the body, which is round.
-    fixture.mesh("square.obj", &garnet::primitives::tube(0.13, 0.8, 4, 8));
+    fixture.mesh(
+        "square.obj",
+        &garnet::mesh::primitives::tube(0.13, 0.8, 4, 8),
+    );
     let output = fixture.garnet("garment from-obj square.obj --rest-body body.obj -o no --json");
     let report: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
     assert_eq!(report["inside"], 0, "{report}");

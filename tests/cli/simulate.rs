@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use garnet::{Point3, TriMesh, io::ObjFile, primitives::tube};
+use garnet::{Point3, TriMesh, io::ObjFile, mesh::primitives::tube};
 
 use crate::fixtures::{Fixture, stderr, stdout};
 

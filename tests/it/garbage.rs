@@ -1,7 +1,8 @@
 //! No mesh makes the library panic.
 
 use garnet::{
-    Body, Draper, Garment, Joint, MAX_COORDINATE, Point3, Pose, Skeleton, SkinWeights, TriMesh,
+    Body, Draper, Garment, Joint, Point3, Pose, Skeleton, SkinWeights, TriMesh,
+    mesh::MAX_COORDINATE,
 };
 use garnet::{UnitQuaternion, Vector3};
 use garnet_tests::capsules::{arm, bent};
@@ -65,9 +66,9 @@ proptest! {
         pose.rotations[1] = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
         let body = body_of(mesh);
         draped(body.rest().clone(), &body, &pose);
-        let bounds = garnet::Bounds::of(body.rest().positions()).unwrap();
-        if let Ok(garment) = garnet::primitives::tube(0.1, 0.4, 8, 6).with_positions(
-            garnet::primitives::tube(0.1, 0.4, 8, 6)
+        let bounds = garnet::mesh::Bounds::of(body.rest().positions()).unwrap();
+        if let Ok(garment) = garnet::mesh::primitives::tube(0.1, 0.4, 8, 6).with_positions(
+            garnet::mesh::primitives::tube(0.1, 0.4, 8, 6)
                 .positions()
                 .iter()
                 .map(|p| bounds.center() + p.coords)

@@ -2,7 +2,8 @@
 
 use garnet::{Body, Point3};
 use garnet::{
-    BoundGarment, Draper, Garment, Pose, PosedBody, TriMesh, UntangleOptions, UntangleReport,
+    BoundGarment, Draper, Garment, Pose, PosedBody, TriMesh,
+    untangle::{UntangleOptions, UntangleReport},
 };
 use garnet_tests::{Judge, Judgement};
 

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use garnet::{
-    DrapeOptions, Draper, Fallback, Package, Point3, Pose, PosedBody, UnitQuaternion, Vector3,
-    edge_stretch, io,
+    DrapeOptions, Draper, Fallback, Package, Point3, Pose, PosedBody, UnitQuaternion, Vector3, io,
+    mesh::edge_stretch,
     package::{Limit, Moment},
 };
 

@@ -1,9 +1,9 @@
 //! Garments hung around bodies of the built-in population: nothing crosses.
 
 use garnet::{
+    body::shape::{ParametricBody, Population},
     data::wearer_of,
     io::ObjFile,
-    shape::{ParametricBody, Population},
 };
 use garnet_knn::Surface;
 use garnet_pattern::{GarmentKind, Measures, Size, Template, Wearer};

@@ -1,7 +1,7 @@
 //! Drapes of generated garments on generated bodies.
 
 use garnet::io::ObjFile;
-use garnet::{Garment, Point3, Pose, TriMesh, primitives};
+use garnet::{Garment, Point3, Pose, TriMesh, mesh::primitives};
 use garnet_tests::capsules::{
     arm, bent, figure, joined, lowered, moved, shirt, skirt, sleeve, step,
 };

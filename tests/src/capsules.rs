@@ -1,7 +1,8 @@
 //! Small bodies made of capsules: an arm, and a figure whose parts run through each other.
 
 use garnet::{
-    Body, Joint, Point3, Pose, Skeleton, SkinWeights, TriMesh, UnitQuaternion, Vector3, primitives,
+    Body, Joint, Point3, Pose, Skeleton, SkinWeights, TriMesh, UnitQuaternion, Vector3,
+    mesh::primitives,
 };
 
 /// An arm of two bones of 30 cm along y, 5 cm thick, with the elbow at the origin.

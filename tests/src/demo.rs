@@ -5,11 +5,11 @@ use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use garnet::body::motion::{Ground, put_on_ground};
+use garnet::body::poses::{Poser, SelfContact, SeparationOptions, key_pose};
+use garnet::body::shape::{BodyParameters, Measure, ParametricBody};
 use garnet::io::{write_atomically, write_rig_npz};
-use garnet::motion::{Ground, put_on_ground};
-use garnet::poses::{Poser, SelfContact, SeparationOptions, key_pose};
-use garnet::shape::{BodyParameters, Measure, ParametricBody};
-use garnet::{Body, Method, Point3, Pose, Rig};
+use garnet::{Body, Point3, Pose, Rig, skin::Method};
 
 use crate::{Form, mannequin, reach, tunic, tunic_on};
 

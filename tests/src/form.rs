@@ -1,6 +1,6 @@
 //! What a garment is wrapped around: a body without gaps between its legs.
 
-use garnet::shape::{BodyParameters, BodySurface, ShapeError};
+use garnet::body::shape::{BodyParameters, BodySurface, ShapeError};
 use garnet::{Body, Point3, Vector3};
 
 use crate::bone::{Bone, smooth_min, union};

@@ -3,7 +3,7 @@
 use std::{error::Error, path::PathBuf};
 
 use clap::{Args, ValueEnum};
-use garnet::{
+use garnet::body::{
     motion::{Ground, put_on_ground},
     poses::{Poser, SelfContact, SeparationOptions, key_pose},
     shape::{BodyParameters, Measure, ParametricBody},

@@ -6,9 +6,9 @@ use std::{error::Error, fs, path::PathBuf};
 
 use clap::Args;
 use garnet::{
+    body::shape::ParametricBody,
     data::{BodyRecord, Dataset, SceneRecord, Split},
     package::GarmentPackage,
-    shape::ParametricBody,
 };
 use garnet_skin::Method;
 use garnet_view::{Camera, palette};

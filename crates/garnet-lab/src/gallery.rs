@@ -13,10 +13,10 @@ use std::{
 
 use clap::Args;
 use garnet::{
-    UntangleOptions,
     data::{Dataset, Split},
     package::GarmentPackage,
     train::{Candidate, Exhibit, SceneName, Stage, chart::spread, exhibit},
+    untangle::UntangleOptions,
 };
 use garnet_mesh::{Point3, Topology, TriMesh, mean_curvatures};
 use garnet_view::{Camera, ColorMap, Heat, Layer, Paint, Picture, View, palette, render};

@@ -8,7 +8,7 @@ use std::{
 };
 
 use clap::Args;
-use garnet::{data::wearer_of, io::write_obj, shape::ParametricBody};
+use garnet::{body::shape::ParametricBody, data::wearer_of, io::write_obj};
 use garnet_knn::Surface;
 use garnet_mesh::TriMesh;
 use garnet_pattern::{GarmentKind, SewnGarment, Size, Template};

@@ -8,10 +8,12 @@ use std::{
 
 use clap::Args;
 use garnet::{
+    body::{
+        motion::{Ground, ReadOptions, RetargetOptions, put_on_ground},
+        poses::{GaitCycle, PoseSampler, Poser, SelfContact, SeparationOptions, key_poses},
+        shape::{BodyParameters, Measure, ParametricBody},
+    },
     io::{Take, read_rig},
-    motion::{Ground, ReadOptions, RetargetOptions, put_on_ground},
-    poses::{GaitCycle, PoseSampler, Poser, SelfContact, SeparationOptions, key_poses},
-    shape::{BodyParameters, Measure, ParametricBody},
 };
 use garnet_skin::{Body, Method, Pose};
 use garnet_view::{Camera, palette};

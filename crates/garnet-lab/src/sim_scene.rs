@@ -13,11 +13,13 @@ use std::{
 
 use clap::Args;
 use garnet::{
+    body::{
+        poses::{Poser, SelfContact, SeparationOptions, key_pose},
+        shape::ParametricBody,
+    },
     data::{Tailor, default_rest_body, usual_fabric, wearer_of},
     package::{BodyPath, Quality, quality_of},
     pattern::GarmentKind,
-    poses::{Poser, SelfContact, SeparationOptions, key_pose},
-    shape::ParametricBody,
     sim::Drape,
 };
 use garnet_mesh::TriMesh;

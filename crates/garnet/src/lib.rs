@@ -5,10 +5,7 @@
 //! dual-quaternion skinning and frees it of every penetration.
 //!
 //! ```
-//! use garnet::{
-//!     Body, Draper, Garment, Joint, Point3, Pose, Skeleton, SkinWeights, UnitQuaternion, Vector3,
-//!     primitives,
-//! };
+//! use garnet::{Body, Draper, Garment, Joint, Point3, Pose, Skeleton, SkinWeights, UnitQuaternion, Vector3, mesh::primitives};
 //!
 //! // An arm of two bones along y, bent at the elbow, in a sleeve.
 //! let arm = primitives::capsule(0.05, 0.6, 24, 24);
@@ -35,33 +32,33 @@
 //! # Ok::<(), garnet::Error>(())
 //! ```
 
+pub mod body;
+#[cfg(feature = "train")]
+pub mod data;
+pub mod drape;
 pub mod io;
+pub mod knn;
+pub mod mesh;
+#[cfg(feature = "package")]
+pub mod net;
+#[cfg(feature = "package")]
 pub mod package;
+#[cfg(feature = "train")]
+pub mod pattern;
+#[cfg(feature = "package")]
+pub mod sim;
+pub mod skin;
+#[cfg(feature = "train")]
+pub mod train;
+pub mod untangle;
 
-pub use garnet_body::{motion, poses, shape};
-#[cfg(feature = "train")]
-pub use garnet_data as data;
 pub use garnet_drape::{
-    BoundGarment, Drape, DrapeOptions, DrapeSeconds, Draper, Error, Fallback, Garment, Network,
-    Package, Penetration, Placed, PlacedBy, Predicted, Provenance, Refit, Unfamiliar, penetration,
+    BoundGarment, Drape, DrapeOptions, DrapeSeconds, Draper, Error, Fallback, Garment, Provenance,
 };
-pub use garnet_knn::{ClosestPoint, Surface};
-pub use garnet_mesh::{
-    Bounds, Kinship, KnownMesh, MAX_COORDINATE, MeshDiagnosis, MeshDifference, MeshError, Point3,
-    StretchSummary, TriMesh, Unit, UnitError, UpAxis, Vector3, diagnose, edge_stretch,
-    edge_stretches, is_inside_out, kinship, pattern_stretches, primitives, vertex_distances,
-};
-pub use garnet_net::{CheckpointError, CheckpointHeader, ModelFile, Moment, NetError};
-#[cfg(feature = "train")]
-pub use garnet_pattern as pattern;
-pub use garnet_sim as sim;
-pub use garnet_skin::{
-    Body, BodyAtHome, Joint, Method, Pose, PosedBody, Rig, Skeleton, SkinError, SkinWeights,
-    TransferOptions, Warp, WarpedGarment,
-};
-#[cfg(feature = "train")]
-pub use garnet_train as train;
-pub use garnet_untangle::{UntangleOptions, UntangleReport, free_crossing_faces};
+#[cfg(feature = "package")]
+pub use garnet_drape::{Choice, Limit, Package};
+pub use garnet_mesh::{Point3, TriMesh, Vector3};
+pub use garnet_skin::{Body, Joint, Pose, PosedBody, Rig, Skeleton, SkinWeights, Warp};
 pub use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 
 /// Compiles the program of the README.

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use garnet::{
+    body::shape::{BodyParameters, Measure},
     io::PoseSource,
-    shape::{BodyParameters, Measure},
 };
 
 /// Arguments of `body`.
@@ -58,7 +58,7 @@ pub(crate) struct BodyArgs {
         requires = "motion",
         allow_negative_numbers = true
     )]
-    pub(crate) frames: Option<garnet::motion::FrameRange>,
+    pub(crate) frames: Option<garnet::body::motion::FrameRange>,
     /// Write the coarse level of the built-in body, of a quarter of its vertices.
     #[arg(long, hide_short_help = true, conflicts_with = "own")]
     pub(crate) coarse: bool,

@@ -10,13 +10,16 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    Body, Method, Point3, Rig, TriMesh,
+    Body, Point3, Rig, TriMesh,
+    body::{
+        motion::FrameRange,
+        shape::{BodyParameters, ParametricBody, Population},
+    },
     io::{
         Frame, NamedPose, ObjFile, OwnBody, PoseError, PoseSource, Posing, rig_beside, write_obj,
         write_rig_npz,
     },
-    motion::FrameRange,
-    shape::{BodyParameters, ParametricBody, Population},
+    skin::Method,
 };
 use rayon::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write};
 
-use garnet::shape::{BodyParameters, Measure, ParametricBody};
+use garnet::body::shape::{BodyParameters, Measure, ParametricBody};
 use serde::Serialize;
 
 /// A given length that is missed by more is told, in metres.

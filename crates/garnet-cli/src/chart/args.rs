@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use garnet::{
-    UntangleOptions,
     package::{GarmentPackage, Quality},
     train::Candidate,
+    untangle::UntangleOptions,
 };
 
 use crate::{

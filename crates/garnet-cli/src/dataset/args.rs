@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use garnet::{
-    Moment, Unit, UnitError,
     data::{Counts, Sizing, Variations},
-    package::{GarmentPackage, Quality},
+    mesh::{Unit, UnitError},
+    package::{GarmentPackage, Moment, Quality},
 };
 
 use crate::failure::refused;

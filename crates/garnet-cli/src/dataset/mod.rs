@@ -8,10 +8,10 @@ mod report;
 use std::{path::Path, sync::atomic::AtomicBool, time::Instant};
 
 use garnet::{
-    Unit,
     data::{
         DataError, Dataset, DatasetEvent, DatasetOptions, ImportManifest, Limits, generate, import,
     },
+    mesh::Unit,
     package::GarmentPackage,
 };
 

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use anyhow::ensure;
 use clap::{Args, ValueEnum};
 use garnet::{
-    DrapeOptions, UnitError, UpAxis, Warp,
+    DrapeOptions, Warp,
     io::{ObjFile, PoseSource, SceneFiles, SceneUnits},
+    mesh::{UnitError, UpAxis},
     package::{GarmentPackage, Limit, Quality, StoredFabric},
 };
 
@@ -459,7 +460,7 @@ impl UpName {
 
 #[cfg(test)]
 mod tests {
-    use garnet::Unit;
+    use garnet::mesh::Unit;
 
     use super::*;
 

@@ -18,10 +18,11 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    Body, BoundGarment, Drape, Garment, Point3, PosedBody, Refit, TriMesh, Warp,
+    Body, BoundGarment, Drape, Garment, Point3, PosedBody, TriMesh, Warp,
     data::SceneReport,
-    edge_stretch,
+    drape::Refit,
     io::{self, Frame, PoseSource, RestSource, Target},
+    mesh::edge_stretch,
     package::Moment,
 };
 
@@ -381,7 +382,9 @@ fn report_of(
         },
         pose: bound.pose.as_ref().map(|pose| PoseReport {
             path: shown(&pose.path),
-            frame: pose.frames.map_or(0, garnet::motion::FrameRange::first),
+            frame: pose
+                .frames
+                .map_or(0, garnet::body::motion::FrameRange::first),
         }),
         method,
         network,

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use anyhow::Context;
 use garnet::{
-    Body, Garment, Refit, TriMesh,
+    Body, Garment, TriMesh,
+    drape::Refit,
     io::{Frame, ObjFile, PoseSource, RestSource, Scene, Target},
     package::GarmentPackage,
 };

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
-    Draper, ModelFile, Network,
+    Draper,
+    net::{ModelFile, Network},
     package::{Choice, GarmentPackage, Manifest},
 };
 

@@ -1,8 +1,12 @@
 //! The report of `drape` and `simulate`: `garnet.drape/1`, `garnet.simulate/1`. Lengths are metres, times seconds.
 
 use garnet::{
-    Surface, TriMesh, UntangleReport, data::SceneReport, free_crossing_faces,
-    package::StoredFabric, penetration, sim,
+    TriMesh,
+    data::SceneReport,
+    knn::Surface,
+    package::StoredFabric,
+    sim,
+    untangle::{UntangleReport, free_crossing_faces, penetration},
 };
 use serde::Serialize;
 

@@ -9,8 +9,9 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    Draper, Placed, PosedBody,
+    Draper, PosedBody,
     data::SceneReport,
+    drape::Placed,
     io::{Target, remove_stale_temporaries},
     package::{GarmentPackage, Progress, Quality, StoredFabric, Teacher, quality_name},
     sim::{Event, Fabric, RestShape},

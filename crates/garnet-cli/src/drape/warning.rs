@@ -6,9 +6,11 @@ use std::{
 };
 
 use garnet::{
-    Body, BoundGarment, MeshDiagnosis, StretchSummary, Surface, TriMesh, UntangleReport,
+    Body, BoundGarment, TriMesh,
     data::{Limits, SceneReport},
-    diagnose, free_crossing_faces,
+    knn::Surface,
+    mesh::{MeshDiagnosis, StretchSummary, diagnose},
+    untangle::{UntangleReport, free_crossing_faces},
 };
 
 use super::report::{PenetrationReport, WarningReport};

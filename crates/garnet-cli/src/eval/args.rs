@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use garnet::{
-    UntangleOptions,
     data::Split,
     package::GarmentPackage,
     train::{Candidate, Finish},
+    untangle::UntangleOptions,
 };
 
 use crate::{

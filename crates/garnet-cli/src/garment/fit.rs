@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use garnet::{
-    Point3, StretchSummary,
+    Point3,
     data::Tailor,
+    mesh::{StretchSummary, pattern_stretches},
     package::GarmentPackage,
     pattern::{Ease, Wearer},
-    pattern_stretches,
 };
 
 use crate::drape::WarningReport;

@@ -13,10 +13,10 @@ use std::{
 };
 
 use garnet::{
+    body::shape::ParametricBody,
     data::{Tailor, default_rest_body, usual_fabric, wearer_of},
     io::rig_beside,
     package::{GarmentPackage, MANIFEST_FILE, StoredFabric, StoredParameters},
-    shape::ParametricBody,
     sim::{FABRIC_NAMES, Fabric},
 };
 

@@ -2,8 +2,9 @@
 
 use anyhow::Context;
 use garnet::{
-    Garment, diagnose,
+    Garment,
     io::{Frame, ObjFile, SceneFiles},
+    mesh::diagnose,
     package::{GarmentPackage, PackageParts, Teacher},
     sim::RestShape,
 };

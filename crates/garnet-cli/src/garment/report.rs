@@ -2,7 +2,7 @@
 
 use std::{fmt, path::PathBuf, time::Duration};
 
-use garnet::{package::GarmentPackage, penetration};
+use garnet::{package::GarmentPackage, untangle::penetration};
 use serde::Serialize;
 
 use crate::drape::WarningReport;

@@ -5,8 +5,8 @@ use std::path::Path;
 use anyhow::Context;
 use garnet::{
     Body, TriMesh,
+    body::shape::{ParametricBody, Recognized, recognized},
     io::{Frame, ObjFile, OwnBody, largest_distance, read_rig, rig_beside},
-    shape::{ParametricBody, Recognized, recognized},
 };
 
 use crate::failure::refused;

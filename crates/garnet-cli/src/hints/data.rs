@@ -3,9 +3,9 @@
 use std::{io, path::Path};
 
 use garnet::{
-    MeshDifference,
     data::{DataError, ImportProblem},
     io::{FileProblem, ObjError, WriteError},
+    mesh::MeshDifference,
     package::PackageError,
     sim::SimError,
 };

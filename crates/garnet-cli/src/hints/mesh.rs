@@ -3,8 +3,8 @@
 use std::io;
 
 use garnet::{
-    MeshError,
     io::{ObjError, ObjLineProblem, ObjParseError, WriteError},
+    mesh::MeshError,
 };
 
 pub(super) fn for_obj(error: &ObjError) -> Option<&'static str> {

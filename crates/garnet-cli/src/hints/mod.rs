@@ -11,13 +11,16 @@ mod train;
 use std::{error::Error as StdError, io};
 
 use garnet::{
-    CheckpointError, Error, MeshError, SkinError,
+    Error,
+    body::motion::RetargetError,
     data::DataError,
     io::{FileError, FileProblem, MotionError, ObjError, ObjParseError, WriteError},
-    motion::RetargetError,
+    mesh::MeshError,
+    net::CheckpointError,
     package::PackageError,
     pattern::PatternError,
     sim::SimError,
+    skin::SkinError,
     train::TrainError,
 };
 

@@ -1,9 +1,9 @@
 //! Advice for what can be wrong with rigs, poses and motions.
 
 use garnet::{
-    SkinError,
+    body::motion::RetargetError,
     io::{ArrayProblem, FileProblem, MotionProblem},
-    motion::RetargetError,
+    skin::SkinError,
 };
 
 use super::mesh::{for_io, for_mesh, for_obj};

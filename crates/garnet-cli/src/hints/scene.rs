@@ -3,8 +3,8 @@
 use std::error::Error as StdError;
 
 use garnet::{
+    body::poses::key_poses,
     io::{Misplaced, PoseError, PoseProblem, SceneError, SceneProblem},
-    poses::key_poses,
 };
 
 use super::{for_file, for_mesh, for_motion, for_obj, for_retarget, for_skin};

@@ -1,7 +1,7 @@
 //! Advice for what can be wrong with trainings and evaluations.
 
 use garnet::{
-    CheckpointError, NetError,
+    net::{CheckpointError, NetError},
     package::PackageError,
     train::{TrainError, kind_names},
 };

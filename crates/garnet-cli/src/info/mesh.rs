@@ -4,12 +4,12 @@ use std::path::Path;
 
 use anyhow::Context;
 use garnet::{
-    Bounds, MeshDiagnosis, Rig, TriMesh, diagnose,
+    Rig, TriMesh,
+    body::shape::{Recognized, recognized},
     io::{
         Frame, ObjFile, guess_body_unit, guess_garment_units, guess_up_axis, read_rig, rig_beside,
     },
-    is_inside_out,
-    shape::{Recognized, recognized},
+    mesh::{Bounds, MeshDiagnosis, diagnose, is_inside_out},
 };
 use serde::Serialize;
 

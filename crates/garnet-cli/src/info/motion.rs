@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use garnet::{io::Take, motion::ReadOptions};
+use garnet::{body::motion::ReadOptions, io::Take};
 use serde::Serialize;
 
 use super::table::Table;

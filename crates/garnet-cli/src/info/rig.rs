@@ -4,8 +4,8 @@ use std::path::Path;
 
 use garnet::{
     Rig, Skeleton,
+    body::shape::tape_measures,
     io::{SceneJson, read_rig},
-    shape::tape_measures,
 };
 use serde::Serialize;
 

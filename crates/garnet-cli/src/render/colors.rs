@@ -7,8 +7,9 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    Point3, Surface,
+    Point3,
     io::{ObjFile, read_mesh},
+    knn::Surface,
 };
 use garnet_view::{ColorMap, Heat};
 

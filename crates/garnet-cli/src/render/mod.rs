@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use garnet::{
-    Bounds, TriMesh, Unit, UpAxis,
+    TriMesh,
     io::{Frame, ObjFile, is_rig, read_mesh},
+    mesh::{Bounds, Unit, UpAxis},
 };
 use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! The words of the arguments of `render`.
 
 use clap::ValueEnum;
-use garnet::UpAxis;
+use garnet::mesh::UpAxis;
 use garnet_view::Camera;
 
 /// A side to look from.

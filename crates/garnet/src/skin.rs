@@ -1,0 +1,3 @@
+//! Skinning: methods, weight transfer, bodies at home.
+
+pub use garnet_skin::{BodyAtHome, Method, SkinError, TransferOptions, WarpedGarment};
