@@ -1,8 +1,8 @@
 //! Networks beside the warp.
 
 use garnet_data::{Dataset, Split};
-use garnet_drape::GarmentPackage;
-use garnet_train::{Candidate, Finish, Stage, evaluate};
+use garnet_drape::{DrapeOptions, GarmentPackage, Package};
+use garnet_train::{Candidate, Finish, Stage, StagedScene, evaluate, exhibit};
 use garnet_untangle::UntangleOptions;
 
 use crate::invented::{Invented, run, tiny};
@@ -68,4 +68,45 @@ fn a_network_is_measured_as_its_training_measured_it() {
         &mut |_| {},
     );
     assert!(error.unwrap_err().to_string().contains("none.safetensors"));
+}
+
+#[test]
+fn an_evaluation_drapes_as_a_package_does_to_the_bit() {
+    const FRAMES: [u32; 2] = [0, 6];
+    let invented = Invented::new();
+    let trained = run(&invented.job("local", tiny(3))).unwrap();
+    let package = GarmentPackage::read(&invented.package()).unwrap();
+    let stage = Stage::new(package, Dataset::open(&invented.dataset()).unwrap()).unwrap();
+    let candidates = FRAMES.map(|settle| Candidate::Model {
+        name: "local".to_owned(),
+        weights: trained.weights.clone(),
+        settle,
+    });
+    let mut shown = Vec::new();
+    exhibit(
+        &stage,
+        Split::Test,
+        &candidates,
+        &UntangleOptions::default(),
+        |_| true,
+        &mut |exhibit| shown.push(exhibit.drapes),
+    )
+    .unwrap();
+    let mut bodies = Vec::new();
+    let mut observer = |staged: StagedScene| {
+        bodies.push(staged.posed);
+        Ok(())
+    };
+    stage.for_each(Split::Test, Ok, &mut observer).unwrap();
+    assert!(!bodies.is_empty() && bodies.len() == shown.len());
+
+    let draper = Package::open(invented.package()).unwrap().draper("local");
+    let draper = draper.unwrap();
+    for (body, drapes) in bodies.iter().zip(&shown) {
+        for (frames, drape) in FRAMES.into_iter().zip(drapes) {
+            let options = DrapeOptions::default().with_relax_frames(frames);
+            let own = draper.clone().with_options(options).drape(body).unwrap();
+            assert_eq!(own.positions, *drape, "{frames} frames");
+        }
+    }
 }
