@@ -1,4 +1,5 @@
-//! Whole pipelines on generated bodies, the architecture, the demo files, and scenes from outside.
+//! Whole pipelines on generated bodies, golden drapes, the architecture, the demo files, and scenes from
+//! outside.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 
@@ -6,6 +7,7 @@ mod architecture;
 mod assets;
 mod demo;
 mod garbage;
+mod golden;
 mod held;
 mod imports;
 mod package;

@@ -9,11 +9,13 @@
 //! - [`capsules`]: small bodies of capsules that run through each other, and an arm.
 //! - [`Judge`]: what a drape must hold, measured apart from the code that made it.
 //! - [`demo`]: the files in `models/demo`.
+//! - [`golden`]: drapes that are stored in `tests/it/golden`.
 
 mod bone;
 pub mod capsules;
 pub mod demo;
 mod form;
+pub mod golden;
 mod judge;
 mod mannequin;
 mod surface_nets;

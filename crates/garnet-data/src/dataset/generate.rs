@@ -15,7 +15,7 @@ use garnet_mesh::Fingerprint;
 
 use super::dress::{Dresser, Outcome};
 use super::lock::Lock;
-use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
+use super::manifest::{DATASET_SCHEMA, DatasetManifest, GENERATOR, Sizing};
 use super::plan::{Counts, Plan, sampler};
 use super::record::{Rejection, SceneRecord, Split};
 use super::shard::{Layout, Shard};
@@ -165,7 +165,7 @@ impl DatasetManifest {
     fn asked(package: &GarmentPackage, options: &DatasetOptions) -> Self {
         Self {
             schema: DATASET_SCHEMA.to_owned(),
-            generator: env!("CARGO_PKG_VERSION").to_owned(),
+            generator: GENERATOR.to_owned(),
             garment: package.manifest.of_garment(),
             seed: options.seed,
             bodies: options.bodies,

@@ -14,6 +14,13 @@ use crate::{DataError, Limits, Moment};
 /// What this version writes and reads.
 pub const DATASET_SCHEMA: &str = "garnet.dataset/1";
 
+/// The version of what makes scenes, which `dataset.json` keeps.
+///
+/// Whoever changes what a seed gives raises it: the simulator, bodies, poses, patterns, or which
+/// scenes are kept. Data sets of different versions are not one data set. Golden drapes are stored
+/// with it (`tests/it/golden`), and their tests fail when the simulator moves.
+pub const GENERATOR: &str = "0.1.0";
+
 /// The field that tells where scenes are from, in messages.
 const SCENES_OF_KIND: &str = "scenes of the kind";
 
@@ -23,7 +30,7 @@ const SCENES_OF_KIND: &str = "scenes of the kind";
 pub struct DatasetManifest {
     /// [`DATASET_SCHEMA`].
     pub schema: String,
-    /// Version of the program that made it.
+    /// [`GENERATOR`] of the program that made it.
     pub generator: String,
     /// The garment, as its package says.
     pub garment: PackageManifest,

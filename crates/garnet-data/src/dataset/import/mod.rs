@@ -15,7 +15,7 @@ use garnet_drape::GarmentPackage;
 use garnet_mesh::{Fingerprint, Unit};
 use serde::{Deserialize, Serialize};
 
-use super::manifest::{DATASET_SCHEMA, DatasetManifest, Sizing};
+use super::manifest::{DATASET_SCHEMA, DatasetManifest, GENERATOR, Sizing};
 use super::plan::Counts;
 use super::record::{BodyRecord, Posed, SceneRecord, Split};
 use super::shard::{Layout, Shard};
@@ -249,7 +249,7 @@ fn described(
         .any(|scene| !scene.parameters.is_empty());
     DatasetManifest {
         schema: DATASET_SCHEMA.to_owned(),
-        generator: env!("CARGO_PKG_VERSION").to_owned(),
+        generator: GENERATOR.to_owned(),
         garment: package.manifest.of_garment(),
         seed: 0,
         bodies: Counts { train, valid, test },
