@@ -226,7 +226,7 @@ mod tests {
     fn a_garment_on_its_body_is_accepted() {
         assert_eq!(checked(&tube(0.2, 0.6, 16, 8)), Ok(()));
         // A wide skirt.
-        assert_eq!(checked(&tube(0.45, 0.6, 16, 8)), Ok(()));
+        assert_eq!(checked(&tube(0.35, 0.6, 16, 8)), Ok(()));
     }
 
     #[test]
