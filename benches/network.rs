@@ -34,7 +34,7 @@ fn predict(criterion: &mut Criterion) {
             on_threads(
                 criterion,
                 "predict",
-                BenchmarkId::new(name, size),
+                &BenchmarkId::new(name, size),
                 make,
                 |predictor| {
                     predictor
@@ -71,7 +71,7 @@ fn variants(criterion: &mut Criterion) {
             on_threads(
                 criterion,
                 "forward",
-                BenchmarkId::new(name, size),
+                &BenchmarkId::new(name, size),
                 make,
                 |predictor| {
                     predictor.translations();
@@ -96,7 +96,7 @@ fn training_step(criterion: &mut Criterion) {
             on_threads(
                 criterion,
                 "step",
-                BenchmarkId::new(name, size),
+                &BenchmarkId::new(name, size),
                 make,
                 |exercise| {
                     exercise.step().expect("a few steps do not diverge");
@@ -119,7 +119,7 @@ fn drape(criterion: &mut Criterion) {
             on_threads(
                 criterion,
                 "drape",
-                BenchmarkId::new(name, size),
+                &BenchmarkId::new(name, size),
                 make,
                 |made| {
                     let (scene, draper) = made;
@@ -138,7 +138,7 @@ fn bind(criterion: &mut Criterion) {
         on_threads(
             criterion,
             "bind network",
-            BenchmarkId::new("small", size),
+            &BenchmarkId::new("small", size),
             || (),
             |()| {
                 stage.predictor(preset("small"));

@@ -98,13 +98,13 @@ fn package(criterion: &mut Criterion) {
         let variant = variant.as_deref();
         let run = |(): &mut ()| drape(&opened(variant), &target);
         let id = BenchmarkId::from_parameter(name);
-        on_threads(criterion, "package/cold", id, || (), run);
+        on_threads(criterion, "package/cold", &id, || (), run);
     }
     for (name, variant) in &variants {
         let make = || opened(variant.as_deref());
         let run = |shirt: &mut Draper| drape(shirt, &target);
         let id = BenchmarkId::from_parameter(name);
-        on_threads(criterion, "package/bound", id, make, run);
+        on_threads(criterion, "package/bound", &id, make, run);
     }
     for (name, variant) in &variants {
         let make = || {
@@ -113,10 +113,12 @@ fn package(criterion: &mut Criterion) {
             (shirt, people)
         };
         let run = |(shirt, people): &mut (Draper, Vec<PosedBody>)| {
-            people.iter().for_each(|target| drape(shirt, target));
+            for target in people {
+                drape(shirt, target);
+            }
         };
         let id = BenchmarkId::from_parameter(name);
-        on_threads(criterion, "package/32 bodies", id, make, run);
+        on_threads(criterion, "package/32 bodies", &id, make, run);
     }
 }
 
@@ -127,7 +129,7 @@ fn own(criterion: &mut Criterion) {
             (Draper::new(scene.bound()), scene.posed)
         };
         let id = BenchmarkId::from_parameter(size);
-        on_threads(criterion, "own/bound", id, make, |(draper, posed)| {
+        on_threads(criterion, "own/bound", &id, make, |(draper, posed)| {
             draper.drape(posed).expect("the tunic can be draped");
         });
     }

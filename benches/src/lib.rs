@@ -79,7 +79,7 @@ pub fn group<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGroup<'a,
 pub fn on_threads<T: Send>(
     criterion: &mut Criterion,
     name: &str,
-    id: BenchmarkId,
+    id: &BenchmarkId,
     make: impl Fn() -> T + Sync,
     run: impl Fn(&mut T) + Sync,
 ) {

@@ -62,7 +62,6 @@ fn files_that_are_no_meshes() {
     fixture.text("points.obj", "v 0 0 0\nv 1 0 0\n");
     for (name, cause) in [
         ("binary.obj", "not an OBJ mesh"),
-        ("body.rig.npz", "not an OBJ mesh"),
         ("empty.obj", "empty"),
         ("points.obj", "no faces"),
     ] {

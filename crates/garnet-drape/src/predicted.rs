@@ -11,8 +11,8 @@ use garnet_skin::{BodyAtHome, PosedBody, Warp};
 use crate::draper::Brought;
 use crate::network::Predicted;
 use crate::{
-    BodyPath, Draper, Error, Fallback, Network, PackageError, Placed, PlacedBy, Refit, Settling,
-    Teacher,
+    BodyPath, DrapeSeconds, Draper, Error, Fallback, Network, PackageError, Placed, PlacedBy,
+    Provenance, Refit, Settling, Teacher,
 };
 
 /// What stands between warp and untangling.
@@ -132,8 +132,8 @@ impl Draper {
         let mut brought = Brought {
             nodes: self.garment.cloth().weld().gather(&simulated.positions),
             by: PlacedBy::Simulation,
-            provenance: Default::default(),
-            seconds: Default::default(),
+            provenance: Provenance::default(),
+            seconds: DrapeSeconds::default(),
         };
         brought.provenance.relaxed_from = Some(Moment::Start);
         brought.seconds.warp = start.elapsed().as_secs_f64();
@@ -230,8 +230,8 @@ impl Draper {
                 let mut brought = Brought {
                     nodes: self.garment.cloth().weld().gather(&positions),
                     by: PlacedBy::Network,
-                    provenance: Default::default(),
-                    seconds: Default::default(),
+                    provenance: Provenance::default(),
+                    seconds: DrapeSeconds::default(),
                 };
                 brought.provenance.predicted = Some(moment);
                 brought

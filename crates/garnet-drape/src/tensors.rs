@@ -33,8 +33,8 @@ impl Array {
         }
     }
 
-    /// Length of the first axis.
-    pub fn len(&self) -> usize {
+    /// Number of rows: the length of the first axis.
+    pub fn num_rows(&self) -> usize {
         self.shape.first().copied().unwrap_or(0)
     }
 
@@ -90,8 +90,12 @@ impl View for &Bytes<'_> {
     }
 }
 
-/// The bytes of a file with these arrays and the text that `signed` makes of their [checksum](Contents::checksum) with
-/// `text`. Equal contents give equal bytes.
+/// The bytes of a file with these arrays and the text that `signed` makes of their
+/// [checksum](Contents::checksum) with `text`. Equal contents give equal bytes.
+///
+/// # Errors
+///
+/// That of [`serialize`], for a shape that its values do not fill.
 pub fn to_bytes(
     arrays: &[(&str, &Array)],
     text: &str,
@@ -140,6 +144,10 @@ pub struct Contents<'a> {
 
 impl<'a> Contents<'a> {
     /// Reads the head of a file; none where it holds no text of ours.
+    ///
+    /// # Errors
+    ///
+    /// [`SafeTensorError`] for bytes that are no safetensors file.
     pub fn of(bytes: &'a [u8]) -> Result<Option<Self>, SafeTensorError> {
         let (_, metadata) = SafeTensors::read_metadata(bytes)?;
         let texts = metadata.metadata().as_ref();

@@ -101,7 +101,10 @@ fn main() -> ExitCode {
     let done = match Lab::parse().instrument {
         Instrument::CheckShapes(arguments) => check_shapes::run(&arguments),
         Instrument::CheckPoses(arguments) => check_poses::run(&arguments),
-        Instrument::Physics => physics::run(),
+        Instrument::Physics => {
+            physics::run();
+            Ok(())
+        }
         Instrument::Branching(arguments) => branching::run(arguments),
         Instrument::NoiseFloor(arguments) => noise_floor::run(&arguments),
         Instrument::Spread(arguments) => spread::run(&arguments),

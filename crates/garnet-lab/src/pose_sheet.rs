@@ -49,8 +49,10 @@ pub(crate) fn figure(text: &str) -> Result<Figure, String> {
     let numbers: Vec<f64> = (text.split(','))
         .filter_map(|part| part.parse().ok())
         .collect();
-    let numbers = numbers.try_into().map(Figure);
-    numbers.map_err(|_| "expected SEX,STATURE,BMI, three numbers".to_owned())
+    match numbers[..] {
+        [sex, stature, bmi] => Ok(Figure([sex, stature, bmi])),
+        _ => Err("expected SEX,STATURE,BMI, three numbers".to_owned()),
+    }
 }
 
 impl Figure {

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use burn::tensor::Device;
 use garnet_data::Split;
 use garnet_drape::{GarmentPackage, Manifest, MeasuredCost, Package, Variant};
-use garnet_net::{Checkpoint, ModelHeader, PoseSpace, Precision, TrainedRange};
+use garnet_net::{Checkpoint, ModelHeader, Moment, PoseSpace, Precision, TrainedRange};
 
 use crate::evaluate::evaluate_until;
 use crate::examples::examples;
@@ -155,22 +155,8 @@ pub(crate) fn publish(
         stage.package.mesh.num_vertices(),
         subject.sampling.used().len(),
     )?;
-    let variant = Variant {
-        aliases: Vec::new(),
-        seconds: None,
-        settled_seconds: None,
-        name: progress.name.clone(),
-        weights: file,
-        default: false,
-        // Where cloth arrives is no drape.
-        distance_error: test
-            .filter(|_| subject.moment.is_rest())
-            .map(|test| test.distance),
-        settled_error: None,
-        settle_frames: None,
-        valid_error: (subject.moment.is_rest()).then_some(best.valid.distance),
-        flop: Some(cost.flops as f64),
-    };
+    let errors = [Some(best.valid.distance), test.map(|test| test.distance)];
+    let variant = scored_variant(&progress.name, subject.moment, errors, cost.flops);
     let splits = HasSplits {
         valid: true,
         test: test.is_some(),
@@ -188,6 +174,31 @@ pub(crate) fn publish(
         settled_error,
         default,
     })
+}
+
+/// A variant with its distances from the teacher on the validation and the test split, in metres,
+/// and the operations of a forward pass.
+pub(crate) fn scored_variant(
+    name: &str,
+    moment: Moment,
+    errors: [Option<f64>; 2],
+    flops: u64,
+) -> Variant {
+    // Where cloth is on its way is no drape.
+    let [valid_error, distance_error] = errors.map(|error| error.filter(|_| moment.is_rest()));
+    Variant {
+        aliases: Vec::new(),
+        seconds: None,
+        settled_seconds: None,
+        name: name.to_owned(),
+        weights: weights_file(name),
+        default: false,
+        distance_error,
+        settled_error: None,
+        settle_frames: None,
+        valid_error,
+        flop: Some(flops as f64),
+    }
 }
 
 /// Makes a variant the default: the one that is asked for, or else the best on validation.
@@ -293,6 +304,11 @@ fn settled(
     };
     let found = evaluate_until(stage, split, &[candidate], Finish::None, &mut tell, stop)?;
     let row = found.rows.first();
+    if row.is_some_and(|row| row.fallbacks == found.scenes) {
+        return Err(TrainError::AllUnfamiliar {
+            scenes: found.scenes,
+        });
+    }
     match row.filter(|row| row.unsettled < found.scenes) {
         Some(row) => Ok((row.scores.distance, frames)),
         None => Err(TrainError::FliesApart {

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use garnet::{Package, io, package::Limit};
 
+#[allow(clippy::print_stderr, reason = "an example tells what it did")]
 fn main() -> Result<(), Box<dyn Error>> {
     let out = std::env::args()
         .nth(1)

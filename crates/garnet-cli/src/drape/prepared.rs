@@ -39,7 +39,7 @@ impl Prepared {
                     check_template(folder, &scene)?;
                 }
                 let refit = match scene.own.take() {
-                    Some(own) => Some(refitted(source, &mut scene, own)?),
+                    Some(own) => Some(refitted(source, &mut scene, &own)?),
                     None => None,
                 };
                 Ok(Self::of(scene, refit, source.scene.pose.clone()))
@@ -70,13 +70,13 @@ fn check_template(folder: &Path, scene: &Scene) -> anyhow::Result<()> {
 }
 
 /// Brings the garment of a package from its own body to the other one at rest.
-fn refitted(source: &SourceFiles, scene: &mut Scene, own: Body) -> anyhow::Result<Refit> {
+fn refitted(source: &SourceFiles, scene: &mut Scene, own: &Body) -> anyhow::Result<Refit> {
     let cannot = || {
         let garment = source.scene.garment.display();
         format!("cannot bring `{garment}` from the body of its package to the other one")
     };
     let garment = Garment::new(scene.garment.mesh.clone());
-    let refit = Refit::new(garment, &own, &scene.body).with_context(cannot)?;
+    let refit = Refit::new(garment, own, &scene.body).with_context(cannot)?;
     scene.garment.mesh = refit.dressed(&scene.body).with_context(cannot)?;
     Ok(refit)
 }

@@ -319,7 +319,7 @@ impl Reading<'_> {
         };
         let axes = TENSORS.iter().find(|(known, _)| *known == name);
         let has_axes = axes.is_some_and(|&(_, axes)| axes == array.shape.len());
-        if has_axes && array.len() == len && array.shape.last() == Some(&last) {
+        if has_axes && array.num_rows() == len && array.shape.last() == Some(&last) {
             return Ok(Some(array));
         }
         let shape = &array.shape;

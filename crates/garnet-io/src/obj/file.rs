@@ -58,7 +58,8 @@ impl ObjFile {
     /// [`ObjError::Parse`] for a mesh without vertices or faces.
     pub fn of_mesh(mesh: &TriMesh, path: impl AsRef<Path>) -> Result<Self, ObjError> {
         let mut bytes = Vec::new();
-        write_plain(&mut bytes, mesh).expect("a vector takes every byte");
+        let written = write_plain(&mut bytes, mesh);
+        debug_assert!(written.is_ok(), "a vector takes every byte");
         Self::parse(bytes, path.as_ref())
     }
 

@@ -188,8 +188,8 @@ impl PoseError {
     /// The error with the name of the rig, if its joints are at fault.
     pub fn of_rig(self, rig: &Path) -> SceneError {
         let is_of_body = match &self {
-            Self::Take(TakeError::Retarget { problem, .. }) => problem.is_of_body(),
-            Self::Frames(problem)
+            Self::Take(TakeError::Retarget { problem, .. })
+            | Self::Frames(problem)
             | Self::Library {
                 source: problem, ..
             } => problem.is_of_body(),
@@ -345,7 +345,7 @@ fn keep_apart(
     }
     let num_turned = largest.iter().filter(|&&angle| angle > TOLD_TURN).count();
     let most = largest.into_iter().fold(0.0, f32::max).to_degrees();
-    Ok((num_turned > 0).then(|| PoseNote::ArmsTurned {
+    Ok((num_turned > 0).then_some(PoseNote::ArmsTurned {
         degrees: most,
         num_turned,
         num_frames: frames.len(),

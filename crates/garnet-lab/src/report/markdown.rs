@@ -1,5 +1,7 @@
 //! Tables of Markdown.
 
+use std::fmt::Write as _;
+
 /// A table with a head; the first column holds names, the others hold numbers.
 pub(super) struct Grid {
     rows: Vec<Vec<String>>,
@@ -29,11 +31,12 @@ impl Grid {
         for (number, row) in self.rows.iter().enumerate() {
             text.push('|');
             for (column, (field, &width)) in row.iter().zip(&widths).enumerate() {
-                text += &if column == 0 {
-                    format!(" {field:<width$} |")
+                let written = if column == 0 {
+                    write!(text, " {field:<width$} |")
                 } else {
-                    format!(" {field:>width$} |")
+                    write!(text, " {field:>width$} |")
                 };
+                written.expect("a string takes all");
             }
             text.push('\n');
             if number == 0 {
@@ -41,7 +44,7 @@ impl Grid {
                 for (column, &width) in widths.iter().enumerate() {
                     let dashes = "-".repeat(width + 1);
                     let end = if column == 0 { '-' } else { ':' };
-                    text += &format!("{dashes}{end}|");
+                    write!(text, "{dashes}{end}|").expect("a string takes all");
                 }
                 text.push('\n');
             }

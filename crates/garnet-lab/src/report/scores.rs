@@ -1,6 +1,7 @@
 //! Scores of ways to drape, as `garnet eval` and `garnet chart` report them.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 use serde::Deserialize;
 
@@ -150,7 +151,8 @@ pub(super) fn of_chart(report: &Chart, head: &HeadArguments) -> String {
     let mut text = head.text(&report.setting.facts()) + &grid.text();
     text += "\n\\* no other is faster and nearer.";
     if let Some(noise) = report.noise_floor_m {
-        text += &format!(" Noise floor of the teacher: {:.2} mm.", 1e3 * noise);
+        let noise = 1e3 * noise;
+        write!(text, " Noise floor of the teacher: {noise:.2} mm.").expect("a string takes all");
     }
     text.push('\n');
     text

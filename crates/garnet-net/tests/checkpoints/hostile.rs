@@ -4,7 +4,7 @@ use std::path::Path;
 
 use burn::tensor::Device;
 use garnet_mesh::Fingerprint;
-use garnet_net::{Checkpoint, CheckpointError, Precision};
+use garnet_net::{Checkpoint, CheckpointError, NetError, Precision};
 use serde_json::{Map, Value, json};
 
 const PATH: &str = "hostile.safetensors";
@@ -290,8 +290,20 @@ fn a_file_that_claims_to_be_huge_takes_no_memory() {
             garment["heads"] = json!(32);
         });
     };
-    let text = said(File::sound().with(claim));
-    assert!(text.contains("garment."), "{text}");
+    let error = load(File::sound().with(claim)).unwrap_err();
+    let CheckpointError::Config { source, .. } = error else {
+        panic!("{error:?}");
+    };
+    assert!(
+        matches!(
+            source,
+            NetError::Config {
+                field: "weights",
+                ..
+            }
+        ),
+        "{source:?}"
+    );
 }
 
 #[test]

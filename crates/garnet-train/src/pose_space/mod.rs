@@ -23,13 +23,13 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_data::{Dataset, Split};
-use garnet_drape::{GarmentPackage, Variant};
+use garnet_drape::GarmentPackage;
 use garnet_net::pose_space::PoseSpaceParts;
 use garnet_net::{Moment, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
 
 use crate::examples::examples;
-use crate::publish::{HasSplits, add_variant, choose_default, named, weights_file};
+use crate::publish::{HasSplits, add_variant, choose_default, named, scored_variant, weights_file};
 use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate_drapes};
 use crate::{EpochRecord, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained};
@@ -169,22 +169,8 @@ pub(crate) fn fit(
     }
     space.save(&path, job.config.precision)?;
 
-    let variant = Variant {
-        aliases: Vec::new(),
-        seconds: None,
-        settled_seconds: None,
-        name: name.clone(),
-        weights: file,
-        default: false,
-        // Where cloth arrives is no drape.
-        distance_error: (moment.is_rest().then(|| scores(&test)).flatten())
-            .map(|test| test.distance),
-        settled_error: None,
-        settle_frames: None,
-        valid_error: (moment.is_rest().then(|| scores(&valid)).flatten())
-            .map(|valid| valid.distance),
-        flop: Some(space.cost().flops as f64),
-    };
+    let errors = [scores(&valid), scores(&test)].map(|found| found.map(|found| found.distance));
+    let variant = scored_variant(name, moment, errors, space.cost().flops);
     let test = scores(&test);
     let splits = HasSplits {
         valid: valid.is_some(),

@@ -88,7 +88,9 @@ fn networks_tell_arrivals_of_several_data_sets() {
     let moved = space.regions().unwrap();
     assert_eq!(moved.num_vertices(), space.num_vertices());
     // What networks predict knows its scenes by heart.
-    run(&invented.job(POSE_SPACE, by_networks(2))).unwrap();
+    let mut by_heart = by_networks(2);
+    by_heart.pose_space.told_by = Some(ToldBy::Networks);
+    run(&invented.job(POSE_SPACE, by_heart)).unwrap();
     let error = run(&invented.job("mine", started(1))).unwrap_err();
     assert!(
         matches!(error, TrainError::CannotLeaveOut { .. }),
