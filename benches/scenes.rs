@@ -41,7 +41,7 @@ fn bench_scenes(criterion: &mut Criterion) {
         let finer = subdivided(&authored).expect("the mesh can be subdivided");
         for mesh in [finer, authored] {
             let bound = Garment::new(mesh).bind(&body).expect("the garment binds");
-            let num_nodes = bound.cloth().rest().len();
+            let num_nodes = bound.cloth().rest_nodes().len();
             let draper = Draper::new(bound);
             let placed = draper.place(&posed, &AtomicBool::new(false));
             let placed = placed.expect("the body fits");

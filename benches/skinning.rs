@@ -9,7 +9,7 @@ fn skinning(criterion: &mut Criterion) {
     for size in SIZES {
         let scene = Scene::new(size);
         let bound = scene.bound();
-        let (rest, weights) = (bound.cloth().rest(), bound.cloth().weights());
+        let (rest, weights) = (bound.cloth().rest_nodes(), bound.cloth().weights());
         let transforms = scene.posed.posed_from_rest();
         group.throughput(Throughput::Elements(rest.len() as u64));
         group.bench_function(BenchmarkId::new("dual_quaternion", size), |bencher| {

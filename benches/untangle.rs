@@ -13,10 +13,10 @@ fn bench_untangle(criterion: &mut Criterion) {
         let cloth = bound.cloth();
         let binding = Binding::new(cloth).expect("the tunic can be searched");
         let warped = cloth
-            .warped(&scene.posed, Warp::Shape)
+            .warped_nodes(&scene.posed, Warp::Shape)
             .expect("the body is that of the tunic");
         let options = UntangleOptions::default();
-        group.throughput(Throughput::Elements(cloth.rest().len() as u64));
+        group.throughput(Throughput::Elements(cloth.rest_nodes().len() as u64));
         group.bench_function(BenchmarkId::new("untangle", size), |bencher| {
             bencher.iter(|| untangle(cloth, &binding, &scene.posed, &warped, &options));
         });

@@ -87,7 +87,7 @@ pub(crate) fn held(
     assert_eq!(inside, 0, "{name}: {report:?}");
     // Vertices at one place are one node of the report.
     let node_of_vertex = garment.cloth().weld().node_of_vertex().len();
-    let per_node = node_of_vertex.div_ceil(garment.cloth().rest().len());
+    let per_node = node_of_vertex.div_ceil(garment.cloth().rest_nodes().len());
     assert!(
         nearer <= report.squeezed * per_node,
         "{name}: {nearer}, {report:?}"

@@ -34,7 +34,7 @@ impl Scene {
         let garment = Garment::new(package.mesh.clone())
             .bind(&package.body)
             .unwrap();
-        let nodes = garment.warped(&posed, Warp::Shape).unwrap();
+        let nodes = garment.warped_nodes(&posed, Warp::Shape).unwrap();
         Self {
             teacher: Teacher::new(&package).unwrap(),
             warped: garment.weld().scatter(&nodes),

@@ -155,19 +155,19 @@ impl BodyPath {
     }
 
     /// Where a garment's nodes `[node]` would be at a time from 0 to 1 if they went along with the body,
-    /// in metres: the shape-aware warp on the way. `shape_offsets` are those of
-    /// [`BoundGarment::shape_offsets`] for [`BodyPath::shape`].
+    /// in metres: the shape-aware warp on the way. `offsets_nodes` are those of
+    /// [`BoundGarment::shape_offsets_nodes`] for [`BodyPath::shape`].
     ///
     /// # Panics
     ///
     /// Panics if the garment is bound to a body with other joints.
-    pub fn carried(
+    pub fn carried_nodes(
         &self,
         garment: &BoundGarment,
-        shape_offsets: &[Vector3],
+        offsets_nodes: &[Vector3],
         time: f32,
     ) -> Vec<Point3> {
-        let nodes = garment.rest().iter().zip(shape_offsets);
+        let nodes = garment.rest_nodes().iter().zip(offsets_nodes);
         let shaped: Vec<Point3> = nodes.map(|(rest, offset)| rest + time * offset).collect();
         skin_dual_quaternion(&shaped, garment.weights(), &self.transforms(time))
     }

@@ -371,7 +371,7 @@ impl Draper {
         let start = Instant::now();
         let (cloth, binding) = (self.garment.cloth(), self.garment.binding());
         let untangled = untangle(cloth, binding, home.body(), &nodes, &options)?;
-        let positions = weld.scatter(&untangled.positions);
+        let positions = weld.scatter(&untangled.positions_nodes);
         let is_trapped = weld.scatter(&untangled.is_trapped);
         seconds.untangle = start.elapsed().as_secs_f64();
         Ok(Drape {
@@ -386,7 +386,7 @@ impl Draper {
     /// The garment warped to a body at home.
     pub(crate) fn warped(&self, body: &PosedBody, warp: Warp) -> Result<Brought, Error> {
         let start = Instant::now();
-        let nodes = self.garment.cloth().warped(body, warp)?;
+        let nodes = self.garment.cloth().warped_nodes(body, warp)?;
         Ok(Brought {
             nodes,
             by: PlacedBy::Warp,

@@ -49,7 +49,7 @@ impl Garment {
         let body_bounds = bounds(body.rest()).ok_or(MeshError::NoFaces)?;
         check_sizes(&garment_bounds, &body_bounds, Frame::OURS)?;
         let cloth = self.cloth.bind(body)?;
-        let pairs = cloth.rest().iter().zip(cloth.skin());
+        let pairs = cloth.rest_nodes().iter().zip(cloth.skin());
         let offsets: Vec<_> = pairs.map(|(node, skin)| node - skin.point).collect();
         check_offsets(&offsets, &body_bounds)?;
         BoundGarment::of_cloth(cloth, Arc::new(body.clone()))
@@ -119,7 +119,7 @@ impl BoundGarment {
     ///
     /// [`Error::Skin`] if `body` is not of the body that the garment was bound to.
     pub fn warped(&self, body: &PosedBody, warp: Warp) -> Result<Vec<Point3>, Error> {
-        let nodes = self.cloth.warped(body, warp)?;
+        let nodes = self.cloth.warped_nodes(body, warp)?;
         Ok(self.cloth.weld().scatter(&nodes))
     }
 }

@@ -99,7 +99,7 @@ impl Teacher {
     ) -> Result<Self, PackageError> {
         let garment = garment.into();
         let nodes = simulated_nodes(&garment);
-        let mut number = vec![u32::MAX; garment.rest().len()];
+        let mut number = vec![u32::MAX; garment.rest_nodes().len()];
         for (place, &node) in (0..).zip(&nodes) {
             number[node as usize] = place;
         }
@@ -111,7 +111,7 @@ impl Teacher {
             .collect();
         let start: Vec<Point3> = nodes
             .iter()
-            .map(|&node| garment.rest()[node as usize])
+            .map(|&node| garment.rest_nodes()[node as usize])
             .collect();
         check_start(&start, body)?;
         let rest = match rest {
@@ -146,7 +146,7 @@ impl Teacher {
     /// Whether some of the garment goes along with a joint of its body.
     pub fn is_moved_by(&self, joint: usize) -> bool {
         let weights = self.garment.weights();
-        let mut nodes = (0..self.garment.rest().len()).flat_map(|node| weights.vertex(node));
+        let mut nodes = (0..self.garment.rest_nodes().len()).flat_map(|node| weights.vertex(node));
         nodes.any(|(of, weight)| of == joint && weight > GOES_ALONG)
     }
 
@@ -217,9 +217,9 @@ impl Teacher {
     /// Runs a scene in which the body goes along a path and the garment starts at `start` `[simulated node]`.
     fn on_way<T>(&self, path: &BodyPath, start: &[Point3], run: impl FnOnce(&Scene<'_>) -> T) -> T {
         let motion = |time: f32| path.positions(time);
-        let shape_offsets = self.garment.shape_offsets(path.shape());
+        let offsets = self.garment.shape_offsets_nodes(path.shape());
         let carried =
-            |time: f32| self.simulated(&path.carried(&self.garment, &shape_offsets, time));
+            |time: f32| self.simulated(&path.carried_nodes(&self.garment, &offsets, time));
         run(&Scene {
             cloth: &self.cloth,
             start,
@@ -320,9 +320,10 @@ impl Teacher {
         nodes.map(|&node| at_nodes[node as usize]).collect()
     }
 
-    /// Positions of the garment's mesh `[vertex]` of those of the simulated nodes.
-    pub fn vertices(&self, simulated: &[Point3]) -> Vec<Point3> {
-        self.moved(self.garment.rest(), simulated)
+    /// Positions of the garment's mesh `[vertex]` of those of the simulated nodes `[simulated node]`,
+    /// in metres.
+    pub fn vertices(&self, simulated_nodes: &[Point3]) -> Vec<Point3> {
+        self.moved(self.garment.rest_nodes(), simulated_nodes)
     }
 
     /// Positions of the garment's mesh `[vertex]` once the simulated nodes are no more at `from` `[node]`:
@@ -414,10 +415,14 @@ fn carried(garment: &BoundGarment, nodes: &[u32]) -> Vec<(u32, u32)> {
         .filter_map(|(node, &is_piece)| is_piece.then_some(node))
         .collect();
     let nearest = |piece: u32, is_meant: &dyn Fn(u32) -> bool| {
-        let place = garment.rest()[piece as usize];
+        let place = garment.rest_nodes()[piece as usize];
         let found = nodes.iter().copied().filter(|&node| is_meant(node));
-        let found =
-            found.map(|node| ((garment.rest()[node as usize] - place).norm_squared(), node));
+        let found = found.map(|node| {
+            (
+                (garment.rest_nodes()[node as usize] - place).norm_squared(),
+                node,
+            )
+        });
         found.min_by(|a, b| a.0.total_cmp(&b.0))
     };
     // Of each piece, how far from it the nearest cloth is, and which part that belongs to.

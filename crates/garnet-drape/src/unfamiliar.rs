@@ -118,7 +118,7 @@ pub(crate) fn unfamiliar(excess: &[f32], joints: &[Joint], moves: &[bool]) -> Op
 /// Whether each joint moves the garment.
 pub(crate) fn moving_joints(garment: &BoundGarment, num_joints: usize) -> Vec<bool> {
     let mut moves = vec![false; num_joints];
-    for node in 0..garment.rest().len() {
+    for node in 0..garment.rest_nodes().len() {
         for (joint, weight) in garment.weights().vertex(node) {
             moves[joint] |= weight >= MIN_WEIGHT;
         }
@@ -133,7 +133,7 @@ pub(crate) fn torn(
     drape: &[Point3],
 ) -> Option<Unfamiliar> {
     let edges = garment.topology().edges();
-    let rest = garment.rest();
+    let rest = garment.rest_nodes();
     let share = |places: &[Point3]| {
         let is_torn = |&&[a, b]: &&[u32; 2]| {
             let length = |places: &[Point3]| (places[a as usize] - places[b as usize]).norm();

@@ -109,7 +109,8 @@ impl Garment {
 
 /// A garment with everything that does not depend on the target body.
 ///
-/// Vertices at one place are one *node* inside; see [`Weld`].
+/// Vertices at one place are one *node* inside; see [`Weld`]. Positions `[node]` are in what ends on
+/// `_nodes`; [`Weld::scatter`] takes them to positions `[vertex]`.
 #[derive(Debug, Clone)]
 pub struct BoundGarment {
     mesh: TriMesh,
@@ -136,8 +137,8 @@ impl BoundGarment {
         &self.weld
     }
 
-    /// Rest positions `[node]`, in metres.
-    pub fn rest(&self) -> &[Point3] {
+    /// Positions at rest `[node]`, in metres.
+    pub fn rest_nodes(&self) -> &[Point3] {
         &self.rest
     }
 
@@ -183,7 +184,7 @@ impl BoundGarment {
 
     /// How a change of the body's shape moves the garment at rest `[node]`, in metres: that of the
     /// nearest skin, smoothed. `of_body` is the change of each vertex of the body.
-    pub fn shape_offsets(&self, of_body: &[Vector3]) -> Vec<Vector3> {
+    pub fn shape_offsets_nodes(&self, of_body: &[Vector3]) -> Vec<Vector3> {
         let at_skin = offsets_at_skin(of_body, self.rest_skin.faces(), &self.skin);
         self.shape_system.smoothed_vectors(&at_skin)
     }
@@ -194,7 +195,7 @@ impl BoundGarment {
     ///
     /// [`SkinError::TransformCount`] or [`SkinError::TargetCount`] if `body` is not of the body
     /// that the garment was bound to.
-    pub fn warped(&self, body: &PosedBody, warp: Warp) -> Result<Vec<Point3>, SkinError> {
+    pub fn warped_nodes(&self, body: &PosedBody, warp: Warp) -> Result<Vec<Point3>, SkinError> {
         let found = body.posed_from_rest().len();
         let expected = self.weights.num_joints();
         if found != expected {
@@ -209,7 +210,7 @@ impl BoundGarment {
         Ok(match (warp, body.shape_offsets()) {
             (Warp::Linear, _) => skin_linear(&self.rest, &self.weights, transforms),
             (Warp::Shape, Some(offsets)) => {
-                let offsets = self.shape_offsets(offsets);
+                let offsets = self.shape_offsets_nodes(offsets);
                 let shaped: Vec<Point3> =
                     self.rest.iter().zip(&offsets).map(|(x, d)| x + d).collect();
                 skin_dual_quaternion(&shaped, &self.weights, transforms)

@@ -26,7 +26,7 @@ impl WarpedGarment {
     ///
     /// # Errors
     ///
-    /// Those of [`BoundGarment::warped`].
+    /// Those of [`BoundGarment::warped_nodes`].
     pub fn new(
         garment: &BoundGarment,
         body: &Body,
@@ -34,7 +34,7 @@ impl WarpedGarment {
         warp: Warp,
     ) -> Result<Self, SkinError> {
         let weld = garment.weld();
-        let nodes = garment.warped(posed, warp)?;
+        let nodes = garment.warped_nodes(posed, warp)?;
         let transforms = blended_transforms(garment.weights(), posed.posed_from_rest());
         let turns: Vec<UnitQuaternion<f32>> = transforms
             .iter()

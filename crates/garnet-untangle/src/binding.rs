@@ -93,7 +93,7 @@ impl Binding {
     /// [`UntangleError::Skin`] or [`UntangleError::Mesh`] for a garment too degenerate to be
     /// smoothed or searched.
     pub fn new(garment: &BoundGarment) -> Result<Self, UntangleError> {
-        let rest = garment.rest().to_vec();
+        let rest = garment.rest_nodes().to_vec();
         let mesh = TriMesh::new(rest.clone(), garment.faces().to_vec())?;
         let body = garment.rest_skin();
         let body_normals = face_normals(body.positions(), body.faces());

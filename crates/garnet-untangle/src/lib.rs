@@ -18,10 +18,10 @@
 //! let garment = Garment::new(tube(0.0495, 0.3, 32, 24)).bind(&body)?;
 //! let binding = Binding::new(&garment)?;
 //! let posed = body.posed(&Pose::rest(1))?;
-//! let warped = garment.warped(&posed, Warp::Shape)?;
+//! let warped_nodes = garment.warped_nodes(&posed, Warp::Shape)?;
 //!
 //! let options = UntangleOptions::default();
-//! let untangled = untangle(&garment, &binding, &posed, &warped, &options)?;
+//! let untangled = untangle(&garment, &binding, &posed, &warped_nodes, &options)?;
 //! assert!(untangled.report.inside_before > 0);
 //! assert_eq!(untangled.report.inside, 0);
 //! assert!(untangled.report.min_distance >= options.clearance);

@@ -15,7 +15,7 @@ use crate::{Binding, UntangleError, UntangleOptions, UntangleReport};
 #[derive(Debug, Clone)]
 pub struct Untangled {
     /// Positions `[node]`, in metres.
-    pub positions: Vec<Point3>,
+    pub positions_nodes: Vec<Point3>,
     /// Whether each node is caught where the body runs through itself `[node]`.
     pub is_trapped: Vec<bool>,
     /// What was found and what is left.
@@ -36,6 +36,8 @@ pub struct Untangled {
 /// 7. *give in* lets cloth that goes round a contact of the body with itself into the contact.
 /// 8. *verify* tests every node and face exactly and counts what is left.
 ///
+/// `warped_nodes` are positions `[node]` in metres, as of [`BoundGarment::warped_nodes`].
+///
 /// # Errors
 ///
 /// [`UntangleError::BodyFaces`] or [`UntangleError::PositionCount`] if the parts do not belong
@@ -44,19 +46,19 @@ pub fn untangle(
     garment: &BoundGarment,
     binding: &Binding,
     body: &PosedBody,
-    warped: &[Point3],
+    warped_nodes: &[Point3],
     options: &UntangleOptions,
 ) -> Result<Untangled, UntangleError> {
     let (found, expected) = (body.skin().faces().len(), garment.rest_skin().faces().len());
     if found != expected {
         return Err(UntangleError::BodyFaces { found, expected });
     }
-    let (found, expected) = (warped.len(), garment.rest().len());
+    let (found, expected) = (warped_nodes.len(), garment.rest_nodes().len());
     if found != expected {
         return Err(UntangleError::PositionCount { found, expected });
     }
     // Inside the pool, parallel loops need no hand-over of their own.
-    rayon::scope(|_| untangled(garment, binding, body, warped, options))
+    rayon::scope(|_| untangled(garment, binding, body, warped_nodes, options))
 }
 
 /// The passes of [`untangle`], whose arguments fit together.
@@ -104,7 +106,7 @@ fn untangled(
     let (report, is_trapped) = passes::verify(cloth, warped, &crossing);
 
     Ok(Untangled {
-        positions: std::mem::take(&mut cloth.positions),
+        positions_nodes: std::mem::take(&mut cloth.positions),
         is_trapped,
         report,
     })
@@ -162,7 +164,7 @@ mod tests {
         let bound = Garment::new(garment).bind(body).unwrap();
         let binding = Binding::new(&bound).unwrap();
         let posed = body.posed(&Pose::rest(1)).unwrap();
-        let warped = bound.warped(&posed, Warp::Shape).unwrap();
+        let warped = bound.warped_nodes(&posed, Warp::Shape).unwrap();
         let result = untangle(&bound, &binding, &posed, &warped, options).unwrap();
         (warped, result)
     }
@@ -179,7 +181,7 @@ mod tests {
     fn cloth_clear_of_the_body_stays_where_it_is() {
         let body = one_joint_body(icosphere(3, RADIUS));
         let (warped, result) = untangled_at_rest(icosphere(3, RADIUS + 0.01), &body);
-        assert_eq!(result.positions, warped);
+        assert_eq!(result.positions_nodes, warped);
         assert_eq!(result.report.moved, 0);
     }
 
@@ -192,8 +194,8 @@ mod tests {
         assert_eq!(result.report.inside, 0);
         assert_eq!(result.report.below_clearance, 0);
         assert_eq!(result.report.crossing_faces, 0);
-        assert!(smallest_distance(body.skin(), &result.positions) >= clearance);
-        let farthest = result.positions.iter().map(|p| p.coords.norm());
+        assert!(smallest_distance(body.skin(), &result.positions_nodes) >= clearance);
+        let farthest = result.positions_nodes.iter().map(|p| p.coords.norm());
         assert!(farthest.fold(0.0, f32::max) < RADIUS + 4.0 * clearance);
     }
 
@@ -213,7 +215,12 @@ mod tests {
         let is_drawn_along = |(before, after): (&Point3, &Point3)| {
             before.coords.norm() > RADIUS + 0.003 && (after - before).norm() > 1e-4
         };
-        assert!(warped.iter().zip(&result.positions).any(is_drawn_along));
+        assert!(
+            warped
+                .iter()
+                .zip(&result.positions_nodes)
+                .any(is_drawn_along)
+        );
     }
 
     #[test]
@@ -237,7 +244,7 @@ mod tests {
         let (warped, result) = untangled_by(icosphere(4, RADIUS + 0.001), &body, &options);
         let mut caught = 0;
         for ((before, after), is_trapped) in
-            (warped.iter().zip(&result.positions)).zip(&result.is_trapped)
+            (warped.iter().zip(&result.positions_nodes)).zip(&result.is_trapped)
         {
             if *is_trapped {
                 assert_eq!(before, after);
@@ -264,7 +271,7 @@ mod tests {
         assert!(result.report.squeezed > 0);
         let middle = RADIUS + 0.5 * gap;
         let mut squeezed = 0;
-        for (before, after) in warped.iter().zip(&result.positions) {
+        for (before, after) in warped.iter().zip(&result.positions_nodes) {
             let from_axis = before.y.hypot(before.z);
             if before.x > 0.0 && from_axis < 0.008 {
                 squeezed += 1;
@@ -289,13 +296,13 @@ mod tests {
         let (warped, result) = untangled_at_rest(garment, &body);
         assert_eq!(result.report.inside, 0);
         assert!(result.report.trapped_inside > 0);
-        for (place, is_trapped) in result.positions.iter().zip(&result.is_trapped) {
+        for (place, is_trapped) in result.positions_nodes.iter().zip(&result.is_trapped) {
             let height = place.coords.norm() - RADIUS;
             assert!(!is_trapped || (0.0..0.01).contains(&height), "{height}");
         }
         for [a, b, _] in faces.iter().map(|face| face.map(|node| node as usize)) {
             let length = |places: &[Point3]| (places[a] - places[b]).norm();
-            assert!(length(&result.positions) < 1.5 * length(&warped));
+            assert!(length(&result.positions_nodes) < 1.5 * length(&warped));
         }
     }
 
@@ -309,7 +316,7 @@ mod tests {
             .unwrap();
         let binding = Binding::new(&garment).unwrap();
         let options = UntangleOptions::default();
-        let (skin, warped) = (body.skin(), garment.rest());
+        let (skin, warped) = (body.skin(), garment.rest_nodes());
         let finder = ContactFinder {
             binding: &binding,
             skin,
@@ -345,7 +352,7 @@ mod tests {
             let garment = icosphere(4, RADIUS - 0.004);
             pool.build()
                 .unwrap()
-                .install(|| untangled_at_rest(garment, &body).1.positions)
+                .install(|| untangled_at_rest(garment, &body).1.positions_nodes)
         };
         assert_eq!(run(1), run(2));
     }
@@ -358,7 +365,7 @@ mod tests {
         let binding = Binding::new(&bound).unwrap();
         let posed = other.posed(&Pose::rest(1)).unwrap();
         let options = UntangleOptions::default();
-        let error = untangle(&bound, &binding, &posed, bound.rest(), &options).unwrap_err();
+        let error = untangle(&bound, &binding, &posed, bound.rest_nodes(), &options).unwrap_err();
         assert!(matches!(error, UntangleError::BodyFaces { .. }));
     }
 }

@@ -367,7 +367,7 @@ fn report_of(
             vertices: bound.garment_file.num_vertices(),
             faces: bound.garment_file.num_polygons(),
             triangles: bound.garment.mesh().num_faces(),
-            nodes: bound.garment.cloth().rest().len(),
+            nodes: bound.garment.cloth().rest_nodes().len(),
             units: bound.garment_frame.unit.to_string(),
             up: bound.garment_frame.up.to_string(),
         },

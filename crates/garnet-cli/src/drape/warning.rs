@@ -373,7 +373,7 @@ fn of_mesh(diagnosis: &MeshDiagnosis) -> Vec<Problem> {
 pub(crate) fn of_start(garment: &BoundGarment) -> Option<Problem> {
     let cloth = garment.cloth();
     let far = cloth
-        .rest()
+        .rest_nodes()
         .iter()
         .zip(cloth.skin())
         .filter_map(|(position, skin)| {

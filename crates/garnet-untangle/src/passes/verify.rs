@@ -140,7 +140,7 @@ mod tests {
         let body = Body::new(mesh, Skeleton::new(vec![joint]).unwrap(), weights).unwrap();
         let bound = Garment::new(icosphere(3, 0.21)).bind(&body).unwrap();
         let moved = |p: &Point3| Point3::new(p.x + 0.13, 0.7 * p.y + 0.013, p.z);
-        let positions: Vec<Point3> = bound.rest().iter().map(moved).collect();
+        let positions: Vec<Point3> = bound.rest_nodes().iter().map(moved).collect();
         let surface = Binding::new(&bound).unwrap().surface;
         let crossing = crossing_faces(&surface.moved(positions.clone()).unwrap(), body.skin());
         let is_inside = inside(&bound, body.skin(), &positions, &crossing);

@@ -45,7 +45,7 @@ impl Layout {
                     .map(|(_, weight)| weight)
                     .sum()
             };
-            let at_nodes: Vec<f32> = (0..garment.rest().len()).map(at_node).collect();
+            let at_nodes: Vec<f32> = (0..garment.rest_nodes().len()).map(at_node).collect();
             garment.weld().scatter(&at_nodes)
         };
         let weights: Vec<Vec<f32>> = (0..num_joints).map(of_joint).collect();
