@@ -13,7 +13,7 @@ use std::sync::atomic::AtomicBool;
 use garnet_body::poses::{Poser, key_pose};
 use garnet_data::GENERATOR;
 use garnet_drape::{
-    BodyPath, BoundGarment, Draper, Garment, Moment, Package, Predicted, Quality, Teacher,
+    BodyPath, BoundGarment, Draper, Garment, Moment, Package, Predicted, Quality, Simulator,
 };
 use garnet_mesh::{Point3, Vector3, write_atomically};
 use garnet_sim::{Fabric, RestShape};
@@ -208,9 +208,9 @@ fn simulated_tunic(noise: f32) -> Result<Vec<Point3>, Box<dyn Error>> {
         Arc::clone(garment.shared_cloth()),
         RestShape::Worn(Vec::new()),
     );
-    let teacher = Teacher::of_garment(cloth, &body, &rest, &Fabric::cotton())?;
+    let simulator = Simulator::of_garment(cloth, &body, &rest, &Fabric::cotton())?;
     let stop = AtomicBool::new(false);
-    let drape = teacher.until(&path, Quality::Teacher, Moment::Arrival, &stop)?;
+    let drape = simulator.until(&path, Quality::Teacher, Moment::Arrival, &stop)?;
     Ok(drape.positions)
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use garnet_drape::{BodyPath, Quality, Teacher};
+use garnet_drape::{BodyPath, Quality, Simulator};
 use garnet_mesh::vertex_distances;
 use garnet_skin::{Body, Pose};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -15,7 +15,7 @@ pub const NOISE_TURN: f32 = 0.001;
 /// The joint that turns: the first that the body has and that moves the garment; else the last of the body.
 const NOISE_JOINTS: [&str; 2] = ["left_shoulder", "left_hip"];
 
-/// How far a drape of `teacher` moves if one shoulder of `body` turns by [`NOISE_TURN`] more, or a hip
+/// How far a drape of `simulator` moves if one shoulder of `body` turns by [`NOISE_TURN`] more, or a hip
 /// if shoulders do not move the garment: in metres, in the mean over all vertices.
 ///
 /// The hand moves by 0.7 mm. What cloth moves more is not decided by the body: no network can
@@ -25,36 +25,36 @@ const NOISE_JOINTS: [&str; 2] = ["left_shoulder", "left_hip"];
 ///
 /// As [`moved_by_turn`].
 pub fn noise_floor(
-    teacher: &Teacher,
+    simulator: &Simulator,
     body: &Body,
     pose: &Pose,
     quality: Quality,
     stop: &AtomicBool,
 ) -> Result<f64, DataError> {
-    let turn = (noise_joint(teacher, body), NOISE_TURN);
-    moved_by_turn(teacher, body, pose, quality, turn, stop)
+    let turn = (noise_joint(simulator, body), NOISE_TURN);
+    moved_by_turn(simulator, body, pose, quality, turn, stop)
 }
 
 /// The joint that turns in [`noise_floor`].
-pub fn noise_joint(teacher: &Teacher, body: &Body) -> usize {
+pub fn noise_joint(simulator: &Simulator, body: &Body) -> usize {
     let joints = NOISE_JOINTS.iter();
     let mut joints = joints.filter_map(|name| body.skeleton().find(name));
-    let joint = joints.find(|&joint| teacher.is_moved_by(joint));
+    let joint = joints.find(|&joint| simulator.is_moved_by(joint));
     joint.unwrap_or(body.skeleton().num_joints() - 1)
 }
 
-/// How far a drape of `teacher` moves if a joint of `body` turns by an angle more, in radians, about its own z axis, as in
+/// How far a drape of `simulator` moves if a joint of `body` turns by an angle more, in radians, about its own z axis, as in
 /// [`noise_floor`]: in metres, in the mean over all vertices.
 ///
 /// # Errors
 ///
-/// Those of [`Teacher::drape`], and [`DataError::Skin`] for a pose of another body.
+/// Those of [`Simulator::drape`], and [`DataError::Skin`] for a pose of another body.
 ///
 /// # Panics
 ///
 /// If there is no such joint.
 pub fn moved_by_turn(
-    teacher: &Teacher,
+    simulator: &Simulator,
     body: &Body,
     pose: &Pose,
     quality: Quality,
@@ -63,7 +63,7 @@ pub fn moved_by_turn(
 ) -> Result<f64, DataError> {
     let drape = |pose: &Pose| {
         let path = BodyPath::to_shape(body, body, pose)?;
-        teacher.drape(&path, quality, stop, &mut |_| {})
+        simulator.drape(&path, quality, stop, &mut |_| {})
     };
     let mut turned = pose.clone();
     let first = drape(pose)?;

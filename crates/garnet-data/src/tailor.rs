@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
 use garnet_drape::{
-    GarmentPackage, PackageParts, StoredFabric, StoredParameters, StoredPattern, Teacher,
+    GarmentPackage, PackageParts, Simulator, StoredFabric, StoredParameters, StoredPattern,
     check_stop, collider, stopping,
 };
 use garnet_io::ObjFile;
@@ -145,19 +145,19 @@ impl Tailor {
         })
     }
 
-    /// The teacher of a garment on the body that it was cut for.
+    /// The simulator of a garment on the body that it was cut for.
     ///
     /// # Errors
     ///
-    /// Those of [`Teacher::of_garment`].
-    pub fn teacher(&self, worn: &Worn, body: &Body) -> Result<Teacher, DataError> {
+    /// Those of [`Simulator::of_garment`].
+    pub fn simulator(&self, worn: &Worn, body: &Body) -> Result<Simulator, DataError> {
         let mesh = worn
             .sewn
             .start_mesh()
             .with_positions(worn.positions.clone())?;
         let garment = Garment::new(mesh).bind(body)?;
         let (rest, fabric) = (rest_of(&worn.sewn), self.fabric.fabric());
-        Ok(Teacher::of_garment(garment, body, &rest, &fabric)?)
+        Ok(Simulator::of_garment(garment, body, &rest, &fabric)?)
     }
 
     /// A package of a garment on the body that it was cut for.

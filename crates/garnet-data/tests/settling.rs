@@ -7,7 +7,7 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use garnet_body::poses::{Poser, key_pose};
-use garnet_drape::{BodyPath, GarmentPackage, Moment, PackageError, Quality, Settling, Teacher};
+use garnet_drape::{BodyPath, GarmentPackage, Moment, PackageError, Quality, Settling, Simulator};
 use garnet_mesh::{Point3, Topology, edge_stretch};
 use garnet_sim::{Drape, Event};
 use garnet_skin::{Garment, PosedBody, Warp};
@@ -17,7 +17,7 @@ const FRAMES: u32 = Moment::Rest.settle_frames();
 /// A package, its simulation, and a body that it is warped to.
 struct Scene {
     package: GarmentPackage,
-    teacher: Teacher,
+    simulator: Simulator,
     posed: PosedBody,
     warped: Vec<Point3>,
 }
@@ -36,7 +36,7 @@ impl Scene {
             .unwrap();
         let nodes = garment.warped_nodes(&posed, Warp::Shape).unwrap();
         Self {
-            teacher: Teacher::new(&package).unwrap(),
+            simulator: Simulator::new(&package).unwrap(),
             warped: garment.weld().scatter(&nodes),
             posed,
             package,
@@ -54,7 +54,7 @@ impl Scene {
             from: moment,
             frames,
         };
-        self.teacher
+        self.simulator
             .settled(body, &self.posed, from, settling, &stop)
             .unwrap()
     }
@@ -62,7 +62,7 @@ impl Scene {
     fn simulated(&self, quality: Quality) -> Drape {
         let path = BodyPath::to_posed(&self.package.body, &self.posed);
         let stop = AtomicBool::new(false);
-        let drape = self.teacher.drape(&path, quality, &stop, &mut |_| {});
+        let drape = self.simulator.drape(&path, quality, &stop, &mut |_| {});
         drape.unwrap()
     }
 
@@ -137,10 +137,10 @@ fn cloth_put_where_it_arrives_finds_the_folds_of_the_teacher() {
     let mut frames: Vec<Vec<Point3>> = Vec::new();
     let mut watch = |event: Event<'_>| {
         if let Event::Frame { positions, .. } = event {
-            frames.push(scene.teacher.vertices(positions));
+            frames.push(scene.simulator.vertices(positions));
         }
     };
-    let simulated = (scene.teacher)
+    let simulated = (scene.simulator)
         .drape(&path, Quality::Teacher, &stop, &mut watch)
         .unwrap();
     // The end of the motion, but for vertices that were inside.
@@ -173,7 +173,7 @@ fn cloth_put_where_it_is_midway_goes_on_with_the_body_into_the_folds_of_the_teac
     let midway = mean_distance(&simulated.midway, &simulated.positions);
     let missed = mean_distance(&end, &simulated.positions);
     assert!(missed < 0.006 && missed < 0.1 * midway, "{missed} {midway}");
-    let stopped = scene.teacher.settled(
+    let stopped = scene.simulator.settled(
         &scene.package.body,
         &scene.posed,
         &end,
@@ -190,8 +190,8 @@ fn settling_can_be_stopped_and_refuses_places_that_are_none() {
     let settled = |from: &[Point3], is_stopped: bool| {
         let stop = AtomicBool::new(is_stopped);
         let (body, settling) = (&scene.package.body, Settling::of(Moment::Rest));
-        let teacher = &scene.teacher;
-        let settled = teacher.settled(body, &scene.posed, from, settling, &stop);
+        let simulator = &scene.simulator;
+        let settled = simulator.settled(body, &scene.posed, from, settling, &stop);
         settled.unwrap_err()
     };
     assert!(matches!(

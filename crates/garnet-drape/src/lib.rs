@@ -32,7 +32,7 @@ mod predicted;
 #[cfg(feature = "package")]
 mod settling;
 #[cfg(feature = "package")]
-mod teacher;
+mod simulator;
 #[cfg(feature = "package")]
 pub mod tensors;
 #[cfg(feature = "package")]
@@ -70,6 +70,6 @@ pub use refit::Refit;
 #[cfg(feature = "package")]
 pub use settling::Settling;
 #[cfg(feature = "package")]
-pub use teacher::{Quality, Teacher, check_stop, quality_name, quality_of, stopping};
+pub use simulator::{Quality, Simulator, check_stop, quality_name, quality_of, stopping};
 #[cfg(feature = "package")]
 pub use unfamiliar::Unfamiliar;

@@ -9,7 +9,7 @@ use garnet_skin::{Body, Pose};
 
 use crate::{
     BoundGarment, Choice, Draper, Error, Garment, GarmentPackage, Limit, Manifest, Network,
-    Settling, StoredCost, Teacher, calibration,
+    Settling, Simulator, StoredCost, calibration,
 };
 
 /// The garment of a package, bound to its body, with its trained variants.
@@ -32,7 +32,7 @@ pub struct Package {
     folder: PathBuf,
     content: GarmentPackage,
     garment: Arc<BoundGarment>,
-    simulator: OnceLock<Arc<Teacher>>,
+    simulator: OnceLock<Arc<Simulator>>,
 }
 
 impl Package {
@@ -78,14 +78,14 @@ impl Package {
     ///
     /// # Errors
     ///
-    /// As [`Teacher::of_garment`].
-    pub fn simulator(&self) -> Result<Arc<Teacher>, Error> {
+    /// As [`Simulator::of_garment`].
+    pub fn simulator(&self) -> Result<Arc<Simulator>, Error> {
         if let Some(simulator) = self.simulator.get() {
             return Ok(Arc::clone(simulator));
         }
         let fabric = self.manifest().fabric.fabric();
         let cloth = Arc::clone(self.garment.shared_cloth());
-        let simulator = Teacher::of_garment(cloth, self.body(), &self.content.rest, &fabric)?;
+        let simulator = Simulator::of_garment(cloth, self.body(), &self.content.rest, &fabric)?;
         Ok(Arc::clone(
             self.simulator.get_or_init(|| Arc::new(simulator)),
         ))

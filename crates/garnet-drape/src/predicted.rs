@@ -12,7 +12,7 @@ use crate::draper::Brought;
 use crate::network::Predicted;
 use crate::{
     BodyPath, DrapeSeconds, Draper, Error, Fallback, Network, PackageError, Placed, PlacedBy,
-    Provenance, Refit, Settling, Teacher,
+    Provenance, Refit, Settling, Simulator,
 };
 
 /// What stands between warp and untangling.
@@ -23,14 +23,14 @@ pub(crate) struct Learned {
     network: Option<Arc<Network>>,
     /// For how many frames what the network predicts is relaxed.
     relax_frames: u32,
-    simulator: Option<Arc<Teacher>>,
+    simulator: Option<Arc<Simulator>>,
 }
 
 /// How far a simulation is.
 pub struct Progress<'a> {
     /// What the simulation says.
     pub event: &'a Event<'a>,
-    simulator: &'a Teacher,
+    simulator: &'a Simulator,
     home: &'a BodyAtHome<'a>,
 }
 
@@ -66,7 +66,7 @@ impl Draper {
 
     /// The same with a simulator of this garment, to relax what was brought.
     #[must_use]
-    pub fn with_simulator(mut self, simulator: impl Into<Arc<Teacher>>) -> Self {
+    pub fn with_simulator(mut self, simulator: impl Into<Arc<Simulator>>) -> Self {
         self.learned.simulator = Some(simulator.into());
         self
     }
@@ -89,7 +89,7 @@ impl Draper {
     }
 
     /// The simulator, if there is one.
-    pub fn simulator(&self) -> Option<&Arc<Teacher>> {
+    pub fn simulator(&self) -> Option<&Arc<Simulator>> {
         self.learned.simulator.as_ref()
     }
 
@@ -109,7 +109,7 @@ impl Draper {
     ///
     /// # Errors
     ///
-    /// As [`Teacher::drape`]; [`Error::NoSimulator`] without one.
+    /// As [`Simulator::drape`]; [`Error::NoSimulator`] without one.
     pub fn simulate<'a>(
         &self,
         body: &'a PosedBody,

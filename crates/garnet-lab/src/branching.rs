@@ -14,7 +14,7 @@ use std::{
 use clap::Args;
 use garnet_body::poses::SoundPose;
 use garnet_data::{DataError, Tailor, Worn, usual_fabric};
-use garnet_drape::{BodyPath, Quality, Teacher};
+use garnet_drape::{BodyPath, Quality, Simulator};
 use garnet_mesh::{Point3, StretchSummary, normal_angles, vertex_distances};
 use garnet_pattern::GarmentKind;
 use garnet_sim::Schedule;
@@ -61,8 +61,8 @@ pub(crate) fn run(arguments: Arguments) -> Outcome {
     for kind in kinds {
         let tailor = Tailor::new(kind.parameters(), vertices, usual_fabric(kind))?;
         let worn = tailor.dress(&body, &wearer, &stop)?;
-        let teacher = tailor.teacher(&worn, &body)?;
-        let find = |sound: &SoundPose| find(&teacher, &worn, &body, sound, &stop);
+        let simulator = tailor.simulator(&worn, &body)?;
+        let find = |sound: &SoundPose| find(&simulator, &worn, &body, sound, &stop);
         let findings: Result<Vec<Findings>, Box<DataError>> = poses.par_iter().map(find).collect();
         let findings = findings?;
         writeln!(log, "{}, {} poses:", kind.name(), findings.len())?;
@@ -85,7 +85,7 @@ pub(crate) fn run(arguments: Arguments) -> Outcome {
 }
 
 fn find(
-    teacher: &Teacher,
+    simulator: &Simulator,
     worn: &Worn,
     body: &Body,
     sound: &SoundPose,
@@ -93,10 +93,10 @@ fn find(
 ) -> Result<Findings, Box<DataError>> {
     let path = BodyPath::to_shape(body, body, &sound.pose).map_err(boxed)?;
     let drape = |schedule: Schedule| {
-        let drape = teacher.drape_by(&path, schedule, stop, &mut |_| {});
+        let drape = simulator.drape_by(&path, schedule, stop, &mut |_| {});
         drape.map(|drape| drape.positions).map_err(boxed)
     };
-    let asked = teacher.schedule(Quality::Teacher);
+    let asked = simulator.schedule(Quality::Teacher);
     let first = drape(asked.clone())?;
     let ways = [
         Schedule {
@@ -107,7 +107,7 @@ fn find(
             motion_frames: asked.motion_frames * 3 / 2,
             ..asked
         },
-        teacher.schedule(Quality::Fast),
+        simulator.schedule(Quality::Fast),
     ];
     let faces = &worn.sewn.faces;
     let mut apart = [[0.0; 2]; 3];

@@ -112,17 +112,24 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             let stored = StoredFabric::new(name, &fabric);
             let tailor = Tailor::new(parameters, vertices, stored)?;
             let worn = tailor.dress(&body, &wearer, &stop)?;
-            let teacher = tailor.teacher(&worn, &body)?;
+            let simulator = tailor.simulator(&worn, &body)?;
             let joints: Vec<usize> = if takes_turns {
                 let all = 0..body.skeleton().num_joints();
-                all.filter(|&joint| teacher.is_moved_by(joint)).collect()
+                all.filter(|&joint| simulator.is_moved_by(joint)).collect()
             } else {
-                vec![noise_joint(&teacher, &body)]
+                vec![noise_joint(&simulator, &body)]
             };
             let floor = |(index, sound): (usize, &SoundPose)| {
                 let turn = (joints[index % joints.len()], turn);
-                moved_by_turn(&teacher, &body, &sound.pose, Quality::Teacher, turn, &stop)
-                    .map_err(Box::new)
+                moved_by_turn(
+                    &simulator,
+                    &body,
+                    &sound.pose,
+                    Quality::Teacher,
+                    turn,
+                    &stop,
+                )
+                .map_err(Box::new)
             };
             let floors: Result<Vec<f64>, Box<DataError>> =
                 poses.par_iter().enumerate().map(floor).collect();

@@ -58,7 +58,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let wearer = wearer_of(&body).ok_or("the built-in body has measures")??;
     let tailor = Tailor::new(kind.parameters(), arguments.vertices, usual_fabric(kind))?;
     let worn = tailor.dress(&body, &wearer, &stop)?;
-    let teacher = tailor.teacher(&worn, &body)?;
+    let simulator = tailor.simulator(&worn, &body)?;
     let poser = Poser::new(body.skeleton())?;
     let contact = SelfContact::new(&body)?;
     let mut log = io::stdout().lock();
@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         };
         let path = BodyPath::to_shape(&body, &body, &pose)?;
         let began = Instant::now();
-        let drape = teacher.drape(&path, arguments.quality, &stop, &mut |_| {})?;
+        let drape = simulator.drape(&path, arguments.quality, &stop, &mut |_| {})?;
         let seconds = began.elapsed().as_secs_f64();
         writeln!(log, "{name}: {seconds:.2} s | {}", line(&drape))?;
         let mesh = TriMesh::new(drape.positions, worn.sewn.faces.clone())?;

@@ -7,7 +7,7 @@ use garnet_drape::{Drape, DrapeOptions, Draper, Network, Placed};
 use garnet_net::{Cost, GarNetConfig, Model, Moment};
 use garnet_skin::Warp;
 
-use crate::teachers::Teachers;
+use crate::simulators::Simulators;
 use crate::{Candidate, Finish, Stage, StagedScene, TrainError, Worn};
 
 /// A candidate, bound to the garment.
@@ -18,7 +18,7 @@ pub(crate) struct Contender<'a> {
     model: Option<Arc<Model>>,
     cost: Option<Cost>,
     /// For how many frames cloth settles, and who simulates it.
-    settle: Option<(u32, Teachers<'a>)>,
+    settle: Option<(u32, Simulators<'a>)>,
     /// What drapes the last garment.
     last: Option<(Arc<Worn>, Draper)>,
 }
@@ -55,7 +55,7 @@ impl<'a> Contender<'a> {
             warp,
             cost: cost.transpose()?,
             model,
-            settle: (settle > 0 || is_on_way).then(|| (settle, Teachers::new(stage))),
+            settle: (settle > 0 || is_on_way).then(|| (settle, Simulators::new(stage))),
             last: None,
         })
     }
@@ -137,10 +137,10 @@ impl<'a> Contender<'a> {
         };
         let graph = staged.worn.graph.clone();
         let network = Network::for_size(Arc::clone(model), &garment, graph)?;
-        let Some((frames, teachers)) = &mut self.settle else {
+        let Some((frames, simulators)) = &mut self.settle else {
             return Ok(draper.with_network(network, 0));
         };
-        let simulator = teachers.of(staged)?;
+        let simulator = simulators.of(staged)?;
         Ok(draper
             .with_network(network, *frames)
             .with_simulator(simulator))

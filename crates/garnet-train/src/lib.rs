@@ -57,10 +57,10 @@ mod recipe;
 mod run_log;
 mod schedule;
 mod scores;
+mod simulators;
 mod stage;
 mod state;
 mod subject;
-mod teachers;
 mod trainer;
 mod validate;
 

@@ -2,7 +2,7 @@
 
 pub use garnet_drape::{
     BodyPath, Candidate, Choice, GarmentPackage, Limit, MANIFEST_FILE, Manifest, MeasuredCost,
-    Moment, PACKAGE_SCHEMA, PackageError, PackageParts, Progress, Quality, Settling, StoredCost,
-    StoredFabric, StoredParameters, StoredPattern, StoredRestBody, Teacher, Variant, quality_name,
-    quality_of,
+    Moment, PACKAGE_SCHEMA, PackageError, PackageParts, Progress, Quality, Settling, Simulator,
+    StoredCost, StoredFabric, StoredParameters, StoredPattern, StoredRestBody, Variant,
+    quality_name, quality_of,
 };

@@ -13,7 +13,7 @@ use garnet::{
     data::SceneReport,
     drape::Placed,
     io::{Target, remove_stale_temporaries},
-    package::{GarmentPackage, Progress, Quality, StoredFabric, Teacher, quality_name},
+    package::{GarmentPackage, Progress, Quality, Simulator, StoredFabric, quality_name},
     sim::{Event, Fabric, RestShape},
 };
 
@@ -39,7 +39,7 @@ pub(super) fn simulator_of(
     bound: &Bound,
     fabric: Option<&StoredFabric>,
     source: &Source,
-) -> anyhow::Result<(Arc<Teacher>, StoredFabric)> {
+) -> anyhow::Result<(Arc<Simulator>, StoredFabric)> {
     let mesh = bound.garment.mesh();
     let (own, rest) = if let Some(package) = package_of(source) {
         GarmentPackage::read_cloth(package, mesh)?
@@ -50,7 +50,7 @@ pub(super) fn simulator_of(
     };
     let fabric = fabric.cloned().unwrap_or(own);
     let cloth = Arc::clone(bound.garment.shared_cloth());
-    let simulator = Teacher::of_garment(cloth, bound.garment.body(), &rest, &fabric.fabric());
+    let simulator = Simulator::of_garment(cloth, bound.garment.body(), &rest, &fabric.fabric());
     let simulator = simulator
         .with_context(|| format!("cannot simulate `{}`", bound.garment_file.path().display()))?;
     Ok((Arc::new(simulator), fabric))
@@ -61,7 +61,7 @@ impl Simulated {
         bound: &Bound,
         simulation: &Simulation,
         source: &Source,
-    ) -> anyhow::Result<(Arc<Teacher>, Self)> {
+    ) -> anyhow::Result<(Arc<Simulator>, Self)> {
         let (simulator, fabric) = simulator_of(bound, simulation.fabric.as_ref(), source)?;
         let simulated = Self {
             quality: simulation.quality,

@@ -5,7 +5,7 @@ use garnet::{
     Garment,
     io::{Frame, ObjFile, SceneFiles},
     mesh::diagnose,
-    package::{GarmentPackage, PackageParts, Teacher},
+    package::{GarmentPackage, PackageParts, Simulator},
     sim::RestShape,
 };
 
@@ -65,7 +65,7 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
     })?;
     let shape = RestShape::Worn(garment.positions().to_vec());
     // What cannot be simulated can be neither drawn for data sets nor settle.
-    Teacher::of_garment(bound.cloth().clone(), &body, &shape, &fabric.fabric())
+    Simulator::of_garment(bound.cloth().clone(), &body, &shape, &fabric.fabric())
         .with_context(cannot)?;
     let warnings = warnings_of(&path, &bound);
     let template = if garment_frame == Frame::OURS {

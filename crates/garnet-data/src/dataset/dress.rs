@@ -7,7 +7,7 @@ use garnet_body::{
     poses::{PoseSampler, Poser, SelfContact},
     shape::{BodyParameters, ParametricBody, Population, tape_measures},
 };
-use garnet_drape::{BodyPath, GarmentPackage, PackageError, StoredParameters, Teacher};
+use garnet_drape::{BodyPath, GarmentPackage, PackageError, Simulator, StoredParameters};
 use garnet_pattern::Wearer;
 
 use super::generate::DatasetOptions;
@@ -23,7 +23,7 @@ pub(super) struct Dresser<'a> {
     options: DatasetOptions,
     population: Population,
     /// Drapes the template.
-    template: Teacher,
+    template: Simulator,
     /// Cuts garments to measure.
     tailor: Option<Tailor>,
     /// Whom the template fits.
@@ -55,12 +55,12 @@ struct Ready {
     body: garnet_skin::Body,
     poser: Poser,
     contact: SelfContact,
-    /// A teacher of its own, if the garment was cut for it.
+    /// A simulator of its own, if the garment was cut for it.
     own: Option<Own>,
 }
 
 struct Own {
-    teacher: Teacher,
+    simulator: Simulator,
     garment: BTreeMap<String, f64>,
     worn: Vec<garnet_mesh::Point3>,
 }
@@ -89,7 +89,7 @@ impl<'a> Dresser<'a> {
             package,
             options: options.clone(),
             population: Population::new(options.seed),
-            template: Teacher::new(package)?,
+            template: Simulator::new(package)?,
             tailor,
             fitting: Fitting::of_package(package)?,
         })
@@ -178,13 +178,13 @@ impl Dressed {
             Err(error) => return rejected("", "pose", error.to_string()),
         };
         let options = &dresser.options;
-        let (teacher, from) = match &ready.own {
-            Some(own) => (&own.teacher, &ready.body),
+        let (simulator, from) = match &ready.own {
+            Some(own) => (&own.simulator, &ready.body),
             None => (&dresser.template, &dresser.package.body),
         };
         let draped = BodyPath::to_shape(from, &ready.body, &sound.pose)
             .map_err(PackageError::from)
-            .and_then(|path| teacher.until(&path, options.quality, options.until, stop));
+            .and_then(|path| simulator.until(&path, options.quality, options.until, stop));
         let drape = match draped {
             Ok(drape) => drape,
             Err(error) => return rejected(sound.sequence, "simulation", error.to_string()),
@@ -222,7 +222,7 @@ fn own(
 ) -> Result<Own, DataError> {
     let worn = tailor.dress(body, wearer, stop)?;
     Ok(Own {
-        teacher: tailor.teacher(&worn, body)?,
+        simulator: tailor.simulator(&worn, body)?,
         garment: values(&worn.sewn.parameters),
         worn: worn.positions,
     })

@@ -4,11 +4,11 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use garnet_data::{DataError, Split, noise_floor};
-use garnet_drape::{Quality, Teacher};
+use garnet_drape::{Quality, Simulator};
 
 use super::sample::{Sample, Seconds};
 use crate::measure::Measure;
-use crate::teachers::Teachers;
+use crate::simulators::Simulators;
 use crate::{Left, SceneName, Stage, StagedScene, Tally, TrainError};
 
 /// What is asked of the teacher on a scene.
@@ -46,12 +46,12 @@ pub fn ask_teacher(
 ) -> Result<(), TrainError> {
     let measure = Measure::new(stage)?;
     let asked = |name| questions.iter().find(|(scene, _)| *scene == name);
-    let mut teachers = Teachers::new(stage);
+    let mut simulators = Simulators::new(stage);
     let keep = |name| asked(name).is_some_and(|(_, questions)| !questions.is_empty());
     stage.for_each_of(split, keep, Ok, &mut |staged: StagedScene| {
-        let teacher = teachers.of(&staged)?;
+        let simulator = simulators.of(&staged)?;
         for &question in asked(staged.name).map_or(&[][..], |(_, questions)| questions) {
-            let answer = answer(&teacher, &measure, &staged, question)?;
+            let answer = answer(&simulator, &measure, &staged, question)?;
             take(staged.name, question, answer);
         }
         Ok(())
@@ -59,7 +59,7 @@ pub fn ask_teacher(
 }
 
 fn answer(
-    teacher: &Teacher,
+    simulator: &Simulator,
     measure: &Measure,
     staged: &StagedScene,
     question: Question,
@@ -72,14 +72,14 @@ fn answer(
                 let reason = "the data set does not say the pose of its body";
                 return Ok(Answer::Failed(reason.to_owned()));
             };
-            let found = noise_floor(teacher, &staged.worn.body, pose, quality, &stop);
+            let found = noise_floor(simulator, &staged.worn.body, pose, quality, &stop);
             let failed = |error: DataError| Answer::Failed(error.to_string());
             return Ok(found.map_or_else(failed, Answer::Noise));
         }
     };
     let start = Instant::now();
     let path = staged.path()?;
-    let drape = match teacher.drape(&path, quality, &stop, &mut |_| {}) {
+    let drape = match simulator.drape(&path, quality, &stop, &mut |_| {}) {
         Ok(drape) => drape,
         Err(error) => return Ok(Answer::Failed(error.to_string())),
     };

@@ -5,38 +5,38 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use garnet_data::{DataError, Tailor, wearer_of};
-use garnet_drape::Teacher;
+use garnet_drape::Simulator;
 
 use crate::{Stage, StagedScene, TrainError, Worn};
 
-/// Makes the teachers of scenes; that of the last garment is kept.
+/// Makes the simulators of scenes; that of the last garment is kept.
 #[derive(Debug)]
-pub(crate) struct Teachers<'a> {
+pub(crate) struct Simulators<'a> {
     stage: &'a Stage,
-    last: Option<(Arc<Worn>, Arc<Teacher>)>,
+    last: Option<(Arc<Worn>, Arc<Simulator>)>,
 }
 
-impl<'a> Teachers<'a> {
+impl<'a> Simulators<'a> {
     pub(crate) fn new(stage: &'a Stage) -> Self {
         Self { stage, last: None }
     }
 
-    /// The teacher that made a scene.
-    pub(crate) fn of(&mut self, staged: &StagedScene) -> Result<Arc<Teacher>, TrainError> {
+    /// That which made a scene.
+    pub(crate) fn of(&mut self, staged: &StagedScene) -> Result<Arc<Simulator>, TrainError> {
         let last = self.last.take();
         let known = last.filter(|(worn, _)| Arc::ptr_eq(worn, &staged.worn));
         let known = match known {
             Some(known) => known,
             None => (
                 Arc::clone(&staged.worn),
-                Arc::new(teacher_of(self.stage, staged)?),
+                Arc::new(simulator_of(self.stage, staged)?),
             ),
         };
         Ok(Arc::clone(&self.last.insert(known).1))
     }
 }
 
-fn teacher_of(stage: &Stage, staged: &StagedScene) -> Result<Teacher, TrainError> {
+fn simulator_of(stage: &Stage, staged: &StagedScene) -> Result<Simulator, TrainError> {
     let package = &stage.package;
     let tailor = match &staged.own {
         Some(_) if stage.is_made_to_measure() => Tailor::of_package(package)?,
@@ -59,11 +59,11 @@ fn teacher_of(stage: &Stage, staged: &StagedScene) -> Result<Teacher, TrainError
         let tailor = tailor.with_size(None).with_parameters(parameters);
         let wearer = wearer.map_err(DataError::from)?;
         let worn = tailor.dress(body, &wearer, &AtomicBool::new(false))?;
-        return Ok(tailor.teacher(&worn, body)?);
+        return Ok(tailor.simulator(&worn, body)?);
     }
     let cloth = Arc::clone(stage.template().ready()?.shared_cloth());
     let fabric = package.manifest.fabric.fabric();
-    Ok(Teacher::of_garment(
+    Ok(Simulator::of_garment(
         cloth,
         &package.body,
         &package.rest,

@@ -1,4 +1,4 @@
-//! The simulation as a teacher: a garment, ready to be draped on the way of its body to a pose.
+//! The simulator of a garment: ready to be draped on the way of its body to a pose.
 
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -55,7 +55,7 @@ pub fn quality_of(name: &str) -> Option<Quality> {
 /// Vertices at one place are simulated as one. Loose pieces, buttons say, are carried along with the
 /// cloth that they sit on.
 #[derive(Debug, Clone)]
-pub struct Teacher {
+pub struct Simulator {
     garment: Arc<BoundGarment>,
     /// Nodes of the garment that are simulated.
     nodes: Vec<u32>,
@@ -73,12 +73,12 @@ pub struct Teacher {
     is_sewn: bool,
 }
 
-impl Teacher {
+impl Simulator {
     /// The garment of a package.
     ///
     /// # Errors
     ///
-    /// Those of [`Teacher::of_garment`], and [`PackageError::Skin`].
+    /// Those of [`Simulator::of_garment`], and [`PackageError::Skin`].
     pub fn new(package: &GarmentPackage) -> Result<Self, PackageError> {
         let garment = Garment::new(package.mesh.clone()).bind(&package.body)?;
         let fabric = package.manifest.fabric.fabric();
@@ -175,11 +175,11 @@ impl Teacher {
     }
 
     /// Simulates the garment as far as is said: until the body comes to its last place, both positions of the result are
-    /// [`Drape::arrived`] of [`Teacher::drape`]; until it is [midway](Moment::Midway), [`Drape::midway`] is that of it.
+    /// [`Drape::arrived`] of [`Simulator::drape`]; until it is [midway](Moment::Midway), [`Drape::midway`] is that of it.
     ///
     /// # Errors
     ///
-    /// As [`Teacher::drape`].
+    /// As [`Simulator::drape`].
     pub fn until(
         &self,
         path: &BodyPath,
@@ -191,11 +191,11 @@ impl Teacher {
         self.drape_by(path, schedule, stop, &mut |_| {})
     }
 
-    /// [`Teacher::drape`] by a schedule that is none of the qualities'.
+    /// [`Simulator::drape`] by a schedule that is none of the qualities'.
     ///
     /// # Errors
     ///
-    /// As [`Teacher::drape`], and [`PackageError::Sim`] for a schedule that cannot be followed.
+    /// As [`Simulator::drape`], and [`PackageError::Sim`] for a schedule that cannot be followed.
     pub fn drape_by(
         &self,
         path: &BodyPath,
@@ -248,15 +248,15 @@ impl Teacher {
     /// ```no_run
     /// use std::{path::Path, sync::atomic::AtomicBool};
     ///
-    /// use garnet_drape::{PackageError, GarmentPackage, Moment, Settling, Teacher};
+    /// use garnet_drape::{PackageError, GarmentPackage, Moment, Settling, Simulator};
     /// use garnet_mesh::Point3;
     /// use garnet_skin::PosedBody;
     ///
     /// fn settled(target: &PosedBody, from: &[Point3]) -> Result<Vec<Point3>, PackageError> {
     ///     let package = GarmentPackage::read(Path::new("models/tshirt"))?;
-    ///     let teacher = Teacher::new(&package)?;
+    ///     let simulator = Simulator::new(&package)?;
     ///     let (settling, stop) = (Settling::of(Moment::Rest), AtomicBool::new(false));
-    ///     teacher.settled(&package.body, target, from, settling, &stop)
+    ///     simulator.settled(&package.body, target, from, settling, &stop)
     /// }
     /// ```
     ///
