@@ -3,14 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
+use garnet_body::poses::{Poser, key_pose};
 use garnet_mesh::Point3;
 use garnet_sim::Moment;
-use garnet_skin::{Body, Pose};
+use garnet_skin::{Body, Pose, PosedBody};
 
 use crate::{
     BoundGarment, Choice, Draper, Error, Garment, GarmentPackage, Limit, Manifest, Network,
     Settling, Simulator, StoredCost, calibration,
 };
+
+/// Poses of the library in which costs are measured: arms up, legs bent, and wide.
+const USUAL_POSES: [&str; 3] = ["wave", "sit", "warrior_two"];
 
 /// The garment of a package, bound to its body, with its trained variants.
 ///
@@ -139,19 +143,20 @@ impl Package {
         Ok(draper.with_simulator(self.simulator()?))
     }
 
-    /// Measures what drapes of a variant cost here, on the body at rest: each is done twice, and the
-    /// second time counts.
+    /// Measures what drapes of a variant cost here: the mean over a few poses of a human body, or the
+    /// body at rest of another one, after one drape that is not measured.
     ///
     /// # Errors
     ///
     /// As [`Package::draper`] and [`Draper::drape`].
     pub fn measure(&self, variant: &str) -> Result<MeasuredCost, Error> {
-        let rest = self
-            .body()
-            .posed(&Pose::rest(self.body().skeleton().num_joints()))?;
+        let targets = self.usual_targets()?;
         let seconds = |draper: &Draper| {
-            draper.drape(&rest)?;
-            Ok::<_, Error>(draper.drape(&rest)?.seconds.total())
+            draper.drape(&targets[0])?;
+            let drapes = targets.iter().map(|target| draper.drape(target));
+            let times = drapes.map(|drape| Ok(drape?.seconds.total()));
+            let sum: f64 = times.sum::<Result<f64, Error>>()?;
+            Ok::<_, Error>(sum / targets.len() as f64)
         };
         let relaxed = |is_relaxed| {
             let draper = self.draper_relaxed(variant, Some(is_relaxed))?;
@@ -167,6 +172,19 @@ impl Package {
             seconds: relaxed(false)?,
             settled_seconds: relaxed(true)?,
         })
+    }
+
+    /// The body in the poses that costs are measured in.
+    fn usual_targets(&self) -> Result<Vec<PosedBody>, Error> {
+        let skeleton = self.body().skeleton();
+        let poses: Vec<Pose> = match Poser::new(skeleton) {
+            Ok(poser) => (USUAL_POSES.iter().filter_map(|name| key_pose(name)))
+                .map(|pose| poser.pose(&pose.angles))
+                .collect(),
+            Err(_) => vec![Pose::rest(skeleton.num_joints())],
+        };
+        let targets = poses.iter().map(|pose| Ok(self.body().posed(pose)?));
+        targets.collect()
     }
 
     /// Writes a drape as OBJ: the template with all but its `v` and `vn` lines byte for byte.

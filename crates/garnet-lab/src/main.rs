@@ -19,6 +19,7 @@ mod body_sheet;
 mod branching;
 mod check_poses;
 mod check_shapes;
+mod costs;
 mod drape_sheet;
 mod gallery;
 #[allow(dead_code, reason = "the command asks for more of it")]
@@ -72,6 +73,8 @@ enum Instrument {
     NoiseFloor(noise_floor::Arguments),
     /// Measure how much bodies and poses of a data set differ.
     Spread(spread::Arguments),
+    /// Measure what drapes of the variants of a package cost here, and store it in the package.
+    Costs(costs::Arguments),
     /// Time a network, and write a case of it for other implementations.
     TorchCase(torch_case::Arguments),
     /// Draw bodies at rest or in poses.
@@ -108,6 +111,7 @@ fn main() -> ExitCode {
         Instrument::Branching(arguments) => branching::run(arguments),
         Instrument::NoiseFloor(arguments) => noise_floor::run(&arguments),
         Instrument::Spread(arguments) => spread::run(&arguments),
+        Instrument::Costs(arguments) => costs::run(&arguments),
         Instrument::TorchCase(arguments) => torch_case::run(&arguments),
         Instrument::BodySheet(arguments) => body_sheet::run(&arguments),
         Instrument::PoseSheet(arguments) => pose_sheet::run(&arguments),
