@@ -109,8 +109,8 @@ fn errors_name_vertices_as_the_file_does() {
     let fixture = Fixture::new();
     // Each triangle has vertices of its own, which lie at the places of those of its neighbors; the edge from
     // place to place of `v 2` and `v 3` has three of them.
-    let text = "v 0.06 0 0\nv 0.06 0.1 0\nv 0.06 0 0.1\nv 0.06 0 0.1\nv 0.06 0.1 0\nv 0.06 0.1 0.1\n\
-                v 0.06 0 0.1\nv 0.06 0.1 0\nv 0.12 0.1 0.1\nf 1 2 3\nf 4 5 6\nf 7 8 9\n";
+    let text = "v 0.13 0 0\nv 0.13 0.1 0\nv 0.13 0 0.1\nv 0.13 0 0.1\nv 0.13 0.1 0\nv 0.13 0.1 0.1\n\
+                v 0.13 0 0.1\nv 0.13 0.1 0\nv 0.19 0.1 0.1\nf 1 2 3\nf 4 5 6\nf 7 8 9\n";
     fixture.text("fan.obj", text);
     refused(
         &fixture,

@@ -204,12 +204,6 @@ pub enum TrainError {
         /// How many.
         scenes: usize,
     },
-    /// No scene tells how good a variant is: it falls back to the warp in all of them.
-    #[error("all of {scenes} scenes have bodies that it was not trained for: they are warped")]
-    AllUnfamiliar {
-        /// How many.
-        scenes: usize,
-    },
     /// A scene holds another number of vertices than garment or body have.
     #[error("{scene}: {found} {what}, expected {expected}")]
     Count {

@@ -304,11 +304,6 @@ fn settled(
     };
     let found = evaluate_until(stage, split, &[candidate], Finish::None, &mut tell, stop)?;
     let row = found.rows.first();
-    if row.is_some_and(|row| row.fallbacks == found.scenes) {
-        return Err(TrainError::AllUnfamiliar {
-            scenes: found.scenes,
-        });
-    }
     match row.filter(|row| row.unsettled < found.scenes) {
         Some(row) => Ok((row.scores.distance, frames)),
         None => Err(TrainError::FliesApart {
