@@ -1,4 +1,5 @@
-//! One drape as users wait for it: the whole way from bytes to bytes, and one more of a bound garment.
+//! One drape as users wait for it: the whole way from bytes to bytes, and one more of a bound
+//! garment.
 
 use std::sync::atomic::AtomicBool;
 

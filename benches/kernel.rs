@@ -1,9 +1,11 @@
-//! Kernels of the network, forward and backward, on one and two threads, beside a plain matrix product.
+//! Kernels of the network, forward and backward, on one and two threads, beside a plain matrix
+//! product.
 //!
-//! The throughput is that of the multiplications and additions of the matrix products alone ("Gelem/s" are
-//! GFLOP/s). The measure of the convolution is a product of 10000 x 1152 by 1152 x 128: 80 % of its rate is
-//! the bar. `cargo bench --bench kernel -- share` prints nothing but the shares, measured by turns, of the
-//! faster of two products: that of `faer`, and that of the kernels themselves, a linear layer.
+//! The throughput is that of the multiplications and additions of the matrix products alone
+//! ("Gelem/s" are GFLOP/s). The measure of the convolution is a product of 10000 x 1152 by 1152 x
+//! 128: 80 % of its rate is the bar. `cargo bench --bench kernel -- share` prints nothing but the
+//! shares, measured by turns, of the faster of two products: that of `faer`, and that of the
+//! kernels themselves, a linear layer.
 
 #![allow(clippy::print_stdout, reason = "a program that reports")]
 

@@ -1,7 +1,8 @@
-//! What networks keep in memory, and the most that a prediction or a training step takes beside that.
+//! What networks keep in memory, and the most that a prediction or a training step takes beside
+//! that.
 //!
-//! `cargo bench --bench memory -- [PRESET …]`: each row is measured in a process of its own. The most
-//! memory of a process is what Linux tells of it; elsewhere it is not told.
+//! `cargo bench --bench memory -- [PRESET …]`: each row is measured in a process of its own. The
+//! most memory of a process is what Linux tells of it; elsewhere it is not told.
 
 #![allow(clippy::print_stdout, reason = "a program that reports")]
 

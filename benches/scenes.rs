@@ -1,6 +1,7 @@
 //! Untangling on scenes of real garments and bodies, as they are and subdivided once.
 //!
-//! `GARNET_ASSETS` names a folder with `scenes/*/scene.json`; without it there is nothing to measure.
+//! `GARNET_ASSETS` names a folder with `scenes/*/scene.json`; without it there is nothing to
+//! measure.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;

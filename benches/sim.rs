@@ -1,5 +1,5 @@
-//! The simulator: one second of substeps, one second of contacts, a whole drape, and the settling of cloth that
-//! something else has put on the body.
+//! The simulator: one second of substeps, one second of contacts, a whole drape, and the settling
+//! of cloth that something else has put on the body.
 //!
 //! Substeps of a scene run on one thread; what lies between them takes all that rayon has.
 

@@ -1,4 +1,5 @@
-//! Data sets: what is refused before anything is written, and what is told of scenes that were rejected.
+//! Data sets: what is refused before anything is written, and what is told of scenes that were
+//! rejected.
 
 use std::fs;
 

@@ -125,7 +125,8 @@ fn vertices_that_no_face_names_decide_nothing() {
     assert_eq!(report["drapes"][0]["untangle"]["inside"], 0);
 }
 
-/// A copy of `body.rig.npz` with a vertex that no face names, and of meshes with one elsewhere in each.
+/// A copy of `body.rig.npz` with a vertex that no face names, and of meshes with one elsewhere in
+/// each.
 fn with_strays(fixture: &Fixture) {
     let rig = read_rig(fixture.path("body.rig.npz")).unwrap();
     let (mut positions, faces) = rig.rest.unwrap().into_parts();

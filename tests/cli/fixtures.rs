@@ -29,8 +29,8 @@ const SCENES: &str = r#"{"schema": "garnet.import/1", "units": "m", "scenes": [
   {"split": "test", "body": "c", "sequence": "walk", "body_mesh": "most.obj", "garment_mesh": "md_most.obj"}]}"#;
 
 impl Fixture {
-    /// `body.obj` with `body.rig.npz`, `bent.obj`, and more bent `more.obj` and `most.obj`; `bend.json`, `scenes.json` and
-    /// `sleeve.obj`.
+    /// `body.obj` with `body.rig.npz`, `bent.obj`, and more bent `more.obj` and `most.obj`;
+    /// `bend.json`, `scenes.json` and `sleeve.obj`.
     pub(crate) fn new() -> Self {
         let fixture = Self {
             folder: tempfile::tempdir().unwrap(),

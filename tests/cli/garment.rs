@@ -1,4 +1,5 @@
-//! Packages: what is refused before anything is written, what is warned of, and files in other units.
+//! Packages: what is refused before anything is written, what is warned of, and files in other
+//! units.
 
 use std::fs;
 
@@ -107,8 +108,8 @@ fn a_garment_that_no_command_would_take_is_refused() {
 #[test]
 fn errors_name_vertices_as_the_file_does() {
     let fixture = Fixture::new();
-    // Each triangle has vertices of its own, which lie at the places of those of its neighbors; the edge from
-    // place to place of `v 2` and `v 3` has three of them.
+    // Each triangle has vertices of its own, which lie at the places of those of its neighbors; the
+    // edge from place to place of `v 2` and `v 3` has three of them.
     let text = "v 0.13 0 0\nv 0.13 0.1 0\nv 0.13 0 0.1\nv 0.13 0 0.1\nv 0.13 0.1 0\nv 0.13 0.1 0.1\n\
                 v 0.13 0 0.1\nv 0.13 0.1 0\nv 0.19 0.1 0.1\nf 1 2 3\nf 4 5 6\nf 7 8 9\n";
     fixture.text("fan.obj", text);

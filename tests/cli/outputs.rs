@@ -1,4 +1,5 @@
-//! Where outputs go: never over what is read, never under the name of another format, into folders that are named as such.
+//! Where outputs go: never over what is read, never under the name of another format, into folders
+//! that are named as such.
 
 use crate::fixtures::{Fixture, stderr};
 use crate::train::done;

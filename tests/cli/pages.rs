@@ -1,9 +1,11 @@
 //! The commands of README.md and of the guides do what the pages show.
 //!
-//! A page is followed literally, in an empty folder beside `models`: a block ```` ```json NAME ```` or
-//! ```` ```toml NAME ```` is saved as that file, and each `$` line of a `console` block runs in a shell. The lines below
-//! it are what it prints, stdout before stderr: numbers and times are those of some machine and match any, a line `...`
-//! matches any lines, `? 2` is the exit status. Where nothing is shown, the command has to succeed, and no more.
+//! A page is followed literally, in an empty folder beside `models`: a
+//! block ```` ```json NAME ```` or ```` ```toml NAME ```` is saved as that file, and each `$` line
+//! of a `console` block runs in a shell. The lines below it are what it prints, stdout before
+//! stderr: numbers and times are those of some machine and match any, a line `...` matches any
+//! lines, `? 2` is the exit status. Where nothing is shown, the command has to succeed, and no
+//! more.
 
 use std::{
     fs,
@@ -76,7 +78,8 @@ fn every_guide_has_a_test() {
     assert!(num_guides > 0);
 }
 
-/// Runs all commands of a page in one new folder; with `PAGES=overwrite` the page shows what they print from then on.
+/// Runs all commands of a page in one new folder; with `PAGES=overwrite` the page shows what they
+/// print from then on.
 fn follow(page: &str) {
     let path = root().join(page);
     let text = fs::read_to_string(&path).unwrap();

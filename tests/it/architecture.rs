@@ -80,6 +80,9 @@ const OUTERMOST: [&str; 3] = ["garnet-lab", "garnet-tests", "garnet-benches"];
 /// Lines of a source file, its tests included: a longer one has more than one idea.
 const MAX_LINES: usize = 800;
 
+/// Columns of a comment at most; code fences, tables and addresses may be wider.
+const MAX_COLUMNS: usize = 100;
+
 /// The packages of the workspace, each with the names of all that it depends on.
 fn packages() -> BTreeMap<String, (PathBuf, Vec<String>)> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
@@ -172,20 +175,55 @@ fn all_packages_share_the_lints_of_the_workspace() {
 
 #[test]
 fn no_source_file_is_longer_than_a_reader_can_hold() {
-    let mut folders = vec![
-        root().join("crates"),
-        root().join("tests"),
-        root().join("benches"),
-    ];
+    for (path, text) in sources() {
+        let lines = text.lines().count();
+        assert!(lines <= MAX_LINES, "{} has {lines} lines", path.display());
+    }
+}
+
+#[test]
+fn comments_are_no_wider_than_code() {
+    let mut wide = Vec::new();
+    for (path, text) in sources() {
+        let mut is_fenced = false;
+        for (number, line) in text.lines().enumerate() {
+            let Some(comment) = line.trim_start().strip_prefix("//") else {
+                is_fenced = false;
+                continue;
+            };
+            let words = comment.trim_start_matches(['/', '!']).trim_start();
+            if words.starts_with("```") {
+                is_fenced = !is_fenced;
+            }
+            let is_exempt = is_fenced || words.starts_with('|') || words.contains("://");
+            if !is_exempt && line.chars().count() > MAX_COLUMNS {
+                wide.push(format!("{}:{}", path.display(), number + 1));
+            }
+        }
+    }
+    assert!(
+        wide.is_empty(),
+        "wider than {MAX_COLUMNS} columns: {wide:#?}"
+    );
+}
+
+/// The Rust files of crates, tests and benches, with their text.
+fn sources() -> Vec<(PathBuf, String)> {
+    let mut folders = ["crates", "tests", "benches"]
+        .map(|folder| root().join(folder))
+        .to_vec();
+    let mut sources = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
             if path.is_dir() {
                 folders.push(path);
             } else if path.extension().is_some_and(|extension| extension == "rs") {
-                let lines = fs::read_to_string(&path).unwrap().lines().count();
-                assert!(lines <= MAX_LINES, "{} has {lines} lines", path.display());
+                let text = fs::read_to_string(&path).unwrap();
+                sources.push((path, text));
             }
         }
     }
+    assert!(!sources.is_empty());
+    sources
 }

@@ -30,7 +30,8 @@ fn modules(folder: &Path) -> BTreeMap<Module, String> {
     found
 }
 
-/// The paths that a text uses, as words: those of its `use` items, and those that begin with `crate`.
+/// The paths that a text uses, as words: those of its `use` items, and those that begin with
+/// `crate`.
 fn paths(text: &str) -> Vec<Vec<String>> {
     let code: Vec<&str> = (text.lines())
         .map(|line| line.split("//").next().unwrap_or_default())

@@ -1,5 +1,5 @@
-//! Whole pipelines on generated bodies, golden drapes, the architecture, the demo files, and scenes from
-//! outside.
+//! Whole pipelines on generated bodies, golden drapes, the architecture, the demo files, and scenes
+//! from outside.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 

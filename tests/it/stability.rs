@@ -1,4 +1,5 @@
-//! Drapes must not depend on what does not matter, and change little where the scene changes little.
+//! Drapes must not depend on what does not matter, and change little where the scene changes
+//! little.
 
 use garnet::{
     BoundGarment, Draper, Garment, Isometry3, Point3, PosedBody, TriMesh, UnitQuaternion, Vector3,
@@ -99,8 +100,8 @@ fn one_bound_garment_drapes_many_bodies_at_once() {
 /// Arms come down onto the trunk in small steps, until they touch it. Their tips move 1 cm a step;
 /// cloth on the trunk must neither jump from one step to the next nor be drawn along.
 ///
-/// Some steps farther on the arms run into the trunk, and cloth that is caught between them may jump
-/// by centimeters: README, known limits.
+/// Some steps farther on the arms run into the trunk, and cloth that is caught between them may
+/// jump by centimeters: README, known limits.
 #[test]
 fn an_arm_that_comes_to_rest_on_the_trunk_does_not_make_the_shirt_jump() {
     const STEP: f32 = 0.018;

@@ -1,4 +1,5 @@
-//! Tapered bones and their smooth union: the shape of the mannequin and of the form under its clothes.
+//! Tapered bones and their smooth union: the shape of the mannequin and of the form under its
+//! clothes.
 
 use garnet::{Point3, Vector3};
 

@@ -1,5 +1,5 @@
-//! The files in `models/demo`: a tunic on the built-in body, and that body in a few poses; and a larger
-//! scene to measure the command with.
+//! The files in `models/demo`: a tunic on the built-in body, and that body in a few poses; and a
+//! larger scene to measure the command with.
 
 use std::error::Error;
 use std::fmt::Write as _;

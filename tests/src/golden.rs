@@ -1,4 +1,5 @@
-//! Golden drapes: where the warp, the simulator and the shipped variant `accurate` put cloth, stored.
+//! Golden drapes: where the warp, the simulator and the shipped variant `accurate` put cloth,
+//! stored.
 //!
 //! Data sets and weights stand on these. Whoever changes where the simulator puts cloth raises
 //! [`GENERATOR`], which `dataset.json` keeps, and writes the files anew:
@@ -181,7 +182,8 @@ impl Stored {
         Ok(())
     }
 
-    /// How far a vertex is from where it was stored at most, in metres; infinite for another garment.
+    /// How far a vertex is from where it was stored at most, in metres; infinite for another
+    /// garment.
     pub fn farthest(&self, positions: &[Point3]) -> f32 {
         if positions.len() != self.num_vertices || self.places.is_empty() {
             return f32::INFINITY;

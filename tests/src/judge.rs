@@ -33,9 +33,10 @@ pub struct Judgement {
     /// Vertices with room that are inside the body: winding number above 0.5.
     pub inside: usize,
     /// Vertices caught where the body runs through itself: their closest face, or a face whose
-    /// center is within 10 mm of their closest point, lies inside another part of the body, probed
-    /// 0.5 mm before it; in a slit or crease of one part only if they are no farther from the skin than
-    /// 5 mm. The definition is that of [`garnet_knn::Traps`], written down once more.
+    /// center is within 10 mm of their closest point, lies inside another part of the body,
+    /// probed 0.5 mm before it; in a slit or crease of one part only if they are no farther
+    /// from the skin than 5 mm. The definition is that of [`garnet_knn::Traps`], written down
+    /// once more.
     pub trapped: usize,
     /// Smallest distance to the skin of vertices outside and not trapped, in metres.
     pub min_distance: f32,

@@ -1,4 +1,5 @@
-//! Generated bodies and garments, and an independent judge of drapes, for tests, benches and the demo.
+//! Generated bodies and garments, and an independent judge of drapes, for tests, benches and the
+//! demo.
 //!
 //! Nothing here is read from outside: bodies are level sets of smooth unions of tapered bones,
 //! garments are quad panels wrapped around them. Only sums, products and square roots are used for

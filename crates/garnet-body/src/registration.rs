@@ -1,11 +1,11 @@
 //! Two bodies of different topologies, point by point.
 //!
-//! A garment that lies on one body, and a network that was trained on it, are of use on another body
-//! once each vertex of the first has its place on the second. The first is brought into the rest pose
-//! of the second by the names of its joints, its bones stretched to their lengths, and its skin drawn
-//! onto the other skin in rounds: each vertex to the closest face that looks the same way, the moves
-//! smoothed over the skin, less from round to round (non-rigid ICP, *Amberg et al. 2007*, with the
-//! stiffness as a membrane).
+//! A garment that lies on one body, and a network that was trained on it, are of use on another
+//! body once each vertex of the first has its place on the second. The first is brought into the
+//! rest pose of the second by the names of its joints, its bones stretched to their lengths, and
+//! its skin drawn onto the other skin in rounds: each vertex to the closest face that looks the
+//! same way, the moves smoothed over the skin, less from round to round (non-rigid ICP, *Amberg et
+//! al. 2007*, with the stiffness as a membrane).
 
 use garnet_mesh::{Point3, Topology, Vector3, face_normals, vertex_normals};
 use garnet_skin::{Body, Pose, Skeleton};
@@ -185,8 +185,8 @@ fn stance(own: &Body, other: &Skeleton) -> Result<Vec<Point3>, RetargetError> {
         .collect())
 }
 
-/// Where the joints of the first figure are in the second, `[joint]`; none for those that follow their
-/// parents.
+/// Where the joints of the first figure are in the second, `[joint]`; none for those that follow
+/// their parents.
 fn targets(figures: &[Figure; 2], num_joints: usize) -> Vec<Option<Direction>> {
     let [own, other] = figures;
     let mut targets = vec![None; num_joints];
@@ -196,8 +196,8 @@ fn targets(figures: &[Figure; 2], num_joints: usize) -> Vec<Option<Direction>> {
             targets[from] = Some(other.position(to));
         }
     }
-    // Where rigs put chest, neck and collarbones is a matter of taste: they are put at the same share of
-    // the way from the pelvis to between the shoulders, and on to the head.
+    // Where rigs put chest, neck and collarbones is a matter of taste: they are put at the same
+    // share of the way from the pelvis to between the shoulders, and on to the head.
     let [[low, mid, high], [to_low, to_mid, to_high]] = [axis(own), axis(other)];
     let collars = Side::BOTH.map(|side| own.joint(Role::Collar(side)));
     let between = own.trunk().iter().chain(own.neck()).copied();

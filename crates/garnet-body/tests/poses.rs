@@ -315,7 +315,8 @@ fn a_forearm_pushed_into_the_trunk_is_as_deep_as_it_was_pushed() {
     assert!(separated.depths[1] > 0.0, "light contact stays");
 }
 
-/// An arm that swings into the trunk and out again within two seconds, 30 poses a second, by angles in degrees to the side.
+/// An arm that swings into the trunk and out again within two seconds, 30 poses a second, by angles
+/// in degrees to the side.
 fn swing(body: &Body, inwards: f64) -> Vec<Pose> {
     let poser = Poser::new(body.skeleton()).unwrap();
     let pose = |frame: u32| {
@@ -504,7 +505,8 @@ fn the_built_in_body_does_not_run_through_itself_in_drawn_poses() {
     }
 }
 
-/// What networks learn from are drawn poses: where a body stands is taken off no farther than they go.
+/// What networks learn from are drawn poses: where a body stands is taken off no farther than they
+/// go.
 #[test]
 fn drawn_poses_and_those_of_the_library_are_at_home() {
     let built = ParametricBody::build(&BodyParameters::new(0.5)).unwrap();

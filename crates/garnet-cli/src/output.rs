@@ -29,14 +29,16 @@ pub(crate) fn check_file(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses a mesh that cannot be written, or whose name says that it is of another format than is written.
+/// Refuses a mesh that cannot be written, or whose name says that it is of another format than is
+/// written.
 pub(crate) fn check_obj(path: &Path) -> anyhow::Result<()> {
     check_named(path, "name a file")?;
     check_kind(path, "meshes are written as OBJ", "obj")?;
     check_file(path)
 }
 
-/// Refuses a picture that cannot be written, or whose name says that it is of another format than is written.
+/// Refuses a picture that cannot be written, or whose name says that it is of another format than
+/// is written.
 pub(crate) fn check_png(path: &Path) -> anyhow::Result<()> {
     check_named(path, "name a file")?;
     check_kind(path, "pictures are PNG", "png")?;
@@ -108,7 +110,8 @@ pub(crate) fn check_folder(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// As [`check_folder`], and refuses a new folder whose name is that of a file, which was meant perhaps.
+/// As [`check_folder`], and refuses a new folder whose name is that of a file, which was meant
+/// perhaps.
 pub(crate) fn check_output_folder(folder: &Path) -> anyhow::Result<()> {
     let extension = folder.extension().map(OsStr::to_string_lossy);
     let kind = extension.filter(|found| {
@@ -171,7 +174,8 @@ pub(crate) fn make_folder(folder: &Path) -> anyhow::Result<()> {
     fs::create_dir(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))
 }
 
-/// Makes a folder that was checked, and removes the temporary files that killed runs have left in it.
+/// Makes a folder that was checked, and removes the temporary files that killed runs have left in
+/// it.
 pub(crate) fn open_folder(folder: &Path) -> anyhow::Result<()> {
     make_folder(folder)?;
     remove_stale_temporaries(folder);

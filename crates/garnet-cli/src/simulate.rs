@@ -23,7 +23,8 @@ pub(crate) struct SimulateArgs {
     /// How fine the steps are.
     #[arg(long, value_name = "QUALITY", default_value = "teacher")]
     quality: QualityName,
-    /// Fabric: silk, jersey, interlock, cotton, knit or denim [default: that of the package, else cotton].
+    /// Fabric: silk, jersey, interlock, cotton, knit or denim
+    /// [default: that of the package, else cotton].
     #[arg(long, value_name = "NAME")]
     fabric: Option<String>,
     /// Write an OBJ for each frame of the way into this folder.

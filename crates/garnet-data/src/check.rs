@@ -17,7 +17,8 @@ pub struct SceneReport {
     pub strain_max: f32,
     /// Share of the vertices faster than 5 mm/s.
     pub moving: f32,
-    /// Vertices inside the body that the simulator has [lost](garnet_sim::Lost): not those that it caught.
+    /// Vertices inside the body that the simulator has [lost](garnet_sim::Lost): not those that it
+    /// caught.
     pub inside: u32,
     /// The deepest of them, in metres.
     pub deepest: f32,
@@ -45,9 +46,11 @@ pub struct BalanceReport {
     pub steps: usize,
     /// Newton iterations, each with one factorisation.
     pub iterations: usize,
-    /// Vertices that were held where they lay: caught between two parts of the body, or in a crease.
+    /// Vertices that were held where they lay: caught between two parts of the body, or in a
+    /// crease.
     pub held: usize,
-    /// How far vertices moved from where the production solver had left them, in the mean, in metres.
+    /// How far vertices moved from where the production solver had left them, in the mean, in
+    /// metres.
     pub moved: f64,
 }
 
@@ -142,7 +145,8 @@ impl Limits {
         squeezed_intersections: u32::MAX,
     };
 
-    /// The same for cloth that has not settled: it moves, and folds that press on each other have not slid yet.
+    /// The same for cloth that has not settled: it moves, and folds that press on each other have
+    /// not slid yet.
     #[must_use]
     pub const fn of_arrivals(self) -> Self {
         Self {

@@ -1,7 +1,7 @@
 //! Garments cut and put on, simulated scenes and data sets.
 //!
-//! A [`Tailor`] cuts a garment for a body and puts it on. [`generate`] drapes it on many bodies of the
-//! population in many poses, and keeps what was good enough in a [`Dataset`].
+//! A [`Tailor`] cuts a garment for a body and puts it on. [`generate`] drapes it on many bodies of
+//! the population in many poses, and keeps what was good enough in a [`Dataset`].
 
 mod check;
 mod dataset;

@@ -12,11 +12,12 @@ use crate::DataError;
 /// By how much a joint turns more in the second drape, in radians.
 pub const NOISE_TURN: f32 = 0.001;
 
-/// The joint that turns: the first that the body has and that moves the garment; else the last of the body.
+/// The joint that turns: the first that the body has and that moves the garment; else the last of
+/// the body.
 const NOISE_JOINTS: [&str; 2] = ["left_shoulder", "left_hip"];
 
-/// How far a drape of `simulator` moves if one shoulder of `body` turns by [`NOISE_TURN`] more, or a hip
-/// if shoulders do not move the garment: in metres, in the mean over all vertices.
+/// How far a drape of `simulator` moves if one shoulder of `body` turns by [`NOISE_TURN`] more, or
+/// a hip if shoulders do not move the garment: in metres, in the mean over all vertices.
 ///
 /// The hand moves by 0.7 mm. What cloth moves more is not decided by the body: no network can
 /// predict it.
@@ -43,8 +44,8 @@ pub fn noise_joint(simulator: &Simulator, body: &Body) -> usize {
     joint.unwrap_or(body.skeleton().num_joints() - 1)
 }
 
-/// How far a drape of `simulator` moves if a joint of `body` turns by an angle more, in radians, about its own z axis, as in
-/// [`noise_floor`]: in metres, in the mean over all vertices.
+/// How far a drape of `simulator` moves if a joint of `body` turns by an angle more, in radians,
+/// about its own z axis, as in [`noise_floor`]: in metres, in the mean over all vertices.
 ///
 /// # Errors
 ///

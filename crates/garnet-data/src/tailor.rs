@@ -102,7 +102,8 @@ impl Tailor {
         self.parameters.fit(&cut, &wearer.measures)
     }
 
-    /// Cuts the garment in its size or to the measures of `wearer`, and puts it on `body`, which is the wearer at rest: the seams are closed, the cloth contracts onto the skin.
+    /// Cuts the garment in its size or to the measures of `wearer`, and puts it on `body`, which is
+    /// the wearer at rest: the seams are closed, the cloth contracts onto the skin.
     ///
     /// # Errors
     ///
@@ -117,8 +118,9 @@ impl Tailor {
         let cut = self.size.map_or(wearer.measures, Size::measures);
         let sewn = self.template.sewn(&self.parameters, &cut, wearer)?;
         let rest = rest_of(&sewn);
-        // A template has the edges of the pattern and its symmetry: a garment at rest is not to lie in the
-        // folds that cloth which gives way to compression falls into, on the one side or the other.
+        // A template has the edges of the pattern and its symmetry: a garment at rest is not to lie
+        // in the folds that cloth which gives way to compression falls into, on the one side or the
+        // other.
         let fabric = Fabric {
             compression: 1.0,
             ..self.fabric.fabric()

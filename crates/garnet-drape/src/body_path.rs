@@ -34,8 +34,8 @@ pub struct BodyPath {
 }
 
 impl BodyPath {
-    /// The path from `body` at rest to a target of the same body: another pose, perhaps with another
-    /// shape that is known by its offsets alone.
+    /// The path from `body` at rest to a target of the same body: another pose, perhaps with
+    /// another shape that is known by its offsets alone.
     pub fn to_posed(body: &Body, target: &PosedBody) -> Self {
         let zero = || vec![Vector3::zeros(); body.rest().num_vertices()];
         let shape = target
@@ -154,8 +154,8 @@ impl BodyPath {
         body.fitted_by(&self.positions(time), self.transforms(time))
     }
 
-    /// Where a garment's nodes `[node]` would be at a time from 0 to 1 if they went along with the body,
-    /// in metres: the shape-aware warp on the way. `offsets_nodes` are those of
+    /// Where a garment's nodes `[node]` would be at a time from 0 to 1 if they went along with the
+    /// body, in metres: the shape-aware warp on the way. `offsets_nodes` are those of
     /// [`BoundGarment::shape_offsets_nodes`] for [`BodyPath::shape`].
     ///
     /// # Panics
@@ -172,7 +172,8 @@ impl BodyPath {
         skin_dual_quaternion(&shaped, garment.weights(), &self.transforms(time))
     }
 
-    /// How far each vertex of the body at rest moves by the change of its shape `[vertex]`, in metres.
+    /// How far each vertex of the body at rest moves by the change of its shape `[vertex]`, in
+    /// metres.
     pub fn shape(&self) -> &[Vector3] {
         &self.shape
     }

@@ -35,8 +35,8 @@ pub struct Candidate {
     pub distance_error: Option<f64>,
     /// Operations of the network.
     pub flop: Option<f64>,
-    /// About how long a drape takes here, in seconds: what the package says, times how much slower this
-    /// machine is than the one that made it; `None` if the package does not say.
+    /// About how long a drape takes here, in seconds: what the package says, times how much slower
+    /// this machine is than the one that made it; `None` if the package does not say.
     pub seconds: Option<f64>,
 }
 
@@ -57,8 +57,8 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// Chooses among the variants of the package in `folder`. With `relax_frames` all are relaxed for so
-    /// many frames, or none is.
+    /// Chooses among the variants of the package in `folder`. With `relax_frames` all are relaxed
+    /// for so many frames, or none is.
     pub fn new(
         folder: &Path,
         manifest: &Manifest,
@@ -166,8 +166,8 @@ impl Candidate {
         }
     }
 
-    /// Whether it leaves the cloth where it could be worn: before it rests it has to be relaxed, unless
-    /// the user says for how long, and on the way it is not on the body.
+    /// Whether it leaves the cloth where it could be worn: before it rests it has to be relaxed,
+    /// unless the user says for how long, and on the way it is not on the body.
     fn is_drape(&self, relax_frames: Option<u32>) -> bool {
         match self.moment {
             Moment::Rest => true,
@@ -183,7 +183,8 @@ fn ascending(a: Option<f64>, b: Option<f64>) -> Ordering {
     last(a).total_cmp(&last(b))
 }
 
-/// Points of the chain that [`calibration`] relaxes: more take longer and are measured more exactly.
+/// Points of the chain that [`calibration`] relaxes: more take longer and are measured more
+/// exactly.
 const CHAIN: usize = 20_000;
 
 /// How often it is relaxed; the least time counts.

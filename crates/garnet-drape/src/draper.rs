@@ -122,8 +122,8 @@ pub struct Provenance {
     pub relaxed_from: Option<Moment>,
     /// Why the drape is not the one that was asked for; `None` if it is.
     pub fallback: Option<Fallback>,
-    /// Why the cloth could not be simulated from where it was brought; `None` if it could, or was not
-    /// to be.
+    /// Why the cloth could not be simulated from where it was brought; `None` if it could, or was
+    /// not to be.
     pub unrelaxed: Option<Arc<Error>>,
 }
 
@@ -135,8 +135,8 @@ pub enum Fallback {
     /// predicts cloth on the way, simulated all the way from the body at rest.
     #[cfg(feature = "package")]
     Unfamiliar(crate::Unfamiliar),
-    /// What the network predicts on the way could not be simulated further: the garment was warped by
-    /// pose and shape.
+    /// What the network predicts on the way could not be simulated further: the garment was warped
+    /// by pose and shape.
     OnTheWay,
 }
 
@@ -200,7 +200,8 @@ pub(crate) struct Brought {
 }
 
 impl<'a> Placed<'a> {
-    /// A garment that something else has brought to a body: positions `[vertex]` of its mesh, in metres.
+    /// A garment that something else has brought to a body: positions `[vertex]` of its mesh, in
+    /// metres.
     ///
     /// # Errors
     ///
@@ -253,8 +254,8 @@ impl<'a> Placed<'a> {
 /// Drapes a bound garment on one posed body after the other.
 ///
 /// The garment is warped to the body; a network, if there is one, predicts where the cloth is; the
-/// simulation, if there is one, relaxes it from there; and penetrations are removed. What takes memory
-/// is kept inside, so that threads may share a draper.
+/// simulation, if there is one, relaxes it from there; and penetrations are removed. What takes
+/// memory is kept inside, so that threads may share a draper.
 #[derive(Debug, Clone)]
 pub struct Draper {
     pub(crate) garment: Arc<BoundGarment>,
@@ -294,9 +295,9 @@ impl Draper {
     ///
     /// # Errors
     ///
-    /// [`Error::Skin`] or [`Error::Untangle`] if `body` is not of the body that the garment was bound
-    /// to, or has coordinates out of any range. A network that is not trusted and a simulation that
-    /// fails are no errors: see [`Provenance`].
+    /// [`Error::Skin`] or [`Error::Untangle`] if `body` is not of the body that the garment was
+    /// bound to, or has coordinates out of any range. A network that is not trusted and a
+    /// simulation that fails are no errors: see [`Provenance`].
     pub fn drape(&self, body: &PosedBody) -> Result<Drape, Error> {
         self.drape_until(body, &AtomicBool::new(false))
     }

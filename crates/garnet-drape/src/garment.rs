@@ -70,8 +70,8 @@ impl BoundGarment {
         self.cloth.mesh()
     }
 
-    /// Cloth that was bound to `body`, made ready to be untangled. Whether it lies on the body is not
-    /// looked at.
+    /// Cloth that was bound to `body`, made ready to be untangled. Whether it lies on the body is
+    /// not looked at.
     ///
     /// # Errors
     ///

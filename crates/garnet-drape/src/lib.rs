@@ -1,8 +1,8 @@
 //! The drape: a garment is warped to a body, moved by a network, relaxed by simulation, untangled.
 //!
-//! A [`Garment`] that lies on a body at rest is [bound](Garment::bind) once; a [`Draper`] drapes it on
-//! one posed body after the other. A [`Package`] is a garment with trained variants, and makes the
-//! draper of each.
+//! A [`Garment`] that lies on a body at rest is [bound](Garment::bind) once; a [`Draper`] drapes it
+//! on one posed body after the other. A [`Package`] is a garment with trained variants, and makes
+//! the draper of each.
 //!
 //! Without features the crate warps and untangles. `package` adds garment packages, pose-space
 //! deformations and the simulator; `network` adds GarNet, which runs on Burn.

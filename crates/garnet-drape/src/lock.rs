@@ -20,8 +20,9 @@ const BETWEEN_TRIES: Duration = Duration::from_millis(10);
 
 /// A file that this run alone has, until the value is dropped: then the file goes.
 ///
-/// It is kept locked, and holds the number of the process for the message of another run. The system unlocks it when the
-/// process ends, in whatever way: a file that a killed run has left holds nobody up.
+/// It is kept locked, and holds the number of the process for the message of another run. The
+/// system unlocks it when the process ends, in whatever way: a file that a killed run has left
+/// holds nobody up.
 #[derive(Debug)]
 pub struct FileLock {
     /// Kept open, since closing it unlocks it.
@@ -45,7 +46,8 @@ impl FileLock {
     ///
     /// # Errors
     ///
-    /// [`PackageError::InUse`] with `what` while another run has the file; [`PackageError::Folder`].
+    /// [`PackageError::InUse`] with `what` while another run has the file;
+    /// [`PackageError::Folder`].
     pub fn take(path: &Path, what: &Path) -> Result<Self, PackageError> {
         for _ in 0..TRIES {
             match Self::attempt(path)? {

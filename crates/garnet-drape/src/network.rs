@@ -13,7 +13,8 @@ use crate::{BoundGarment, Error, Unfamiliar};
 
 /// A network bound to a garment and the body that it lies on.
 ///
-/// It stands between warp and untangling of a [`Draper`](crate::Draper), and may be shared by threads.
+/// It stands between warp and untangling of a [`Draper`](crate::Draper), and may be shared by
+/// threads.
 #[derive(Debug, Clone)]
 pub struct Network {
     model: Arc<Model>,
@@ -97,8 +98,8 @@ impl Network {
         })
     }
 
-    /// A network of a named size with random weights: it leaves the warp as it is, but takes as long
-    /// as a trained one.
+    /// A network of a named size with random weights: it leaves the warp as it is, but takes as
+    /// long as a trained one.
     ///
     /// # Errors
     ///
@@ -136,8 +137,8 @@ impl Network {
         Ok(WarpedGarment::new(cloth, &self.body, body, self.warp())?)
     }
 
-    /// Predicts where a warped garment is; nowhere, if the body is unlike those that the network was
-    /// trained on, or the garment would be torn. Bodies elsewhere than at rest are unlike them:
+    /// Predicts where a warped garment is; nowhere, if the body is unlike those that the network
+    /// was trained on, or the garment would be torn. Bodies elsewhere than at rest are unlike them:
     /// [`PosedBody::at_home`].
     ///
     /// # Errors

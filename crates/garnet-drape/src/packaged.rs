@@ -116,7 +116,8 @@ impl Package {
         }
     }
 
-    /// Drapes by the variant that keeps within a limit; by the warp, if none does. The choice says so.
+    /// Drapes by the variant that keeps within a limit; by the warp, if none does. The choice says
+    /// so.
     ///
     /// # Errors
     ///
@@ -143,8 +144,8 @@ impl Package {
         Ok(draper.with_simulator(self.simulator()?))
     }
 
-    /// Measures what drapes of a variant cost here: the mean over a few poses of a human body, or the
-    /// body at rest of another one, after one drape that is not measured.
+    /// Measures what drapes of a variant cost here: the mean over a few poses of a human body, or
+    /// the body at rest of another one, after one drape that is not measured.
     ///
     /// # Errors
     ///
@@ -191,8 +192,8 @@ impl Package {
     ///
     /// # Errors
     ///
-    /// [`Error::Obj`] for another number of positions than the template has vertices, or if the file
-    /// cannot be written.
+    /// [`Error::Obj`] for another number of positions than the template has vertices, or if the
+    /// file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>, positions: &[Point3]) -> Result<(), Error> {
         Ok(self
             .content

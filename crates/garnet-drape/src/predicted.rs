@@ -18,7 +18,8 @@ use crate::{
 /// What stands between warp and untangling.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Learned {
-    /// How the garment came to the body, if it was made for another one: the network knows that one.
+    /// How the garment came to the body, if it was made for another one: the network knows that
+    /// one.
     refit: Option<Arc<Refit>>,
     network: Option<Arc<Network>>,
     /// For how many frames what the network predicts is relaxed.
@@ -35,8 +36,8 @@ pub struct Progress<'a> {
 }
 
 impl Progress<'_> {
-    /// Positions `[vertex]` of the garment at the end of a frame, in metres, where the target stands;
-    /// `None` of other events.
+    /// Positions `[vertex]` of the garment at the end of a frame, in metres, where the target
+    /// stands; `None` of other events.
     pub fn frame(&self) -> Option<Vec<Point3>> {
         match self.event {
             Event::Frame { positions, .. } => {
@@ -55,8 +56,8 @@ impl std::fmt::Debug for Progress<'_> {
 
 impl Draper {
     /// The same with a network, which was bound to this garment, or to the garment of its
-    /// [refit](Draper::with_refit). What it predicts is relaxed for so many frames of a sixtieth of a
-    /// second, where there is a [simulator](Draper::with_simulator).
+    /// [refit](Draper::with_refit). What it predicts is relaxed for so many frames of a sixtieth of
+    /// a second, where there is a [simulator](Draper::with_simulator).
     #[must_use]
     pub fn with_network(mut self, network: impl Into<Arc<Network>>, relax_frames: u32) -> Self {
         self.learned.network = Some(network.into());
@@ -93,8 +94,8 @@ impl Draper {
         self.learned.simulator.as_ref()
     }
 
-    /// The moment at which the cloth is brought, and for how long it is relaxed from there; without a
-    /// network not at all, unless the [options](crate::DrapeOptions::relax_frames) say so.
+    /// The moment at which the cloth is brought, and for how long it is relaxed from there; without
+    /// a network not at all, unless the [options](crate::DrapeOptions::relax_frames) say so.
     pub fn relaxation(&self) -> Settling {
         let network = self.learned.network.as_ref();
         Settling {

@@ -8,10 +8,10 @@ use crate::{BoundGarment, Draper, Error, Garment};
 
 /// A garment and the body that it was made for, brought to another body.
 ///
-/// Its own body stands in for the other one: each of its vertices has a place on the other skin, wherever
-/// that moves. The garment lies on the other body at rest as it does on the stand-in, and a network that
-/// was trained on the own body drapes on the stand-in; only penetrations are removed from the other skin
-/// itself.
+/// Its own body stands in for the other one: each of its vertices has a place on the other skin,
+/// wherever that moves. The garment lies on the other body at rest as it does on the stand-in, and
+/// a network that was trained on the own body drapes on the stand-in; only penetrations are removed
+/// from the other skin itself.
 #[derive(Debug, Clone)]
 pub struct Refit {
     garment: BoundGarment,
@@ -23,7 +23,8 @@ impl Refit {
     ///
     /// # Errors
     ///
-    /// [`Error::Figure`] if one of the skeletons is no human figure, and those of [`Garment::bind`].
+    /// [`Error::Figure`] if one of the skeletons is no human figure, and those of
+    /// [`Garment::bind`].
     pub fn new(garment: Garment, own: &Body, other: &Body) -> Result<Self, Error> {
         let (registration, garment) =
             rayon::join(|| Registration::new(own, other), || garment.bind(own));
@@ -58,7 +59,8 @@ impl Refit {
         Ok(self.garment.mesh().with_positions(drape.positions)?)
     }
 
-    /// The own body with shape and pose of the other one, from the vertices `[vertex]` of that, in metres.
+    /// The own body with shape and pose of the other one, from the vertices `[vertex]` of that, in
+    /// metres.
     ///
     /// # Errors
     ///

@@ -18,8 +18,8 @@ use crate::parts::{allowed_parts, collider};
 use crate::{BodyPath, GarmentPackage, Moment, PackageError, Settling};
 
 /// Distances from the skin at rest from which on air carries cloth along, a little and wholly, in
-/// metres. Lower ones hold tight cloth to the warp, which strains it and lets fewer dresses rest; higher
-/// ones leave loose cloth to chance. 0 for both was tried (docs/experiments/013).
+/// metres. Lower ones hold tight cloth to the warp, which strains it and lets fewer dresses rest;
+/// higher ones leave loose cloth to chance. 0 for both was tried (docs/experiments/013).
 const LOOSE: [f32; 2] = [0.002, 0.006];
 
 /// More of the vertices inside the body at rest than this, and the garment does not lie on it.
@@ -52,8 +52,8 @@ pub fn quality_of(name: &str) -> Option<Quality> {
 
 /// A garment that lies on a body at rest, ready to be simulated.
 ///
-/// Vertices at one place are simulated as one. Loose pieces, buttons say, are carried along with the
-/// cloth that they sit on.
+/// Vertices at one place are simulated as one. Loose pieces, buttons say, are carried along with
+/// the cloth that they sit on.
 #[derive(Debug, Clone)]
 pub struct Simulator {
     garment: Arc<BoundGarment>,
@@ -89,8 +89,9 @@ impl Simulator {
     ///
     /// # Errors
     ///
-    /// [`PackageError::InsideAtStart`] if a third of the garment is inside the body; [`PackageError::Sim`]
-    /// for a mesh that no cloth can be, by its vertices, or constants that no fabric has.
+    /// [`PackageError::InsideAtStart`] if a third of the garment is inside the body;
+    /// [`PackageError::Sim`] for a mesh that no cloth can be, by its vertices, or constants that no
+    /// fabric has.
     pub fn of_garment(
         garment: impl Into<Arc<BoundGarment>>,
         body: &Body,
@@ -150,11 +151,11 @@ impl Simulator {
         nodes.any(|(of, weight)| of == joint && weight > GOES_ALONG)
     }
 
-    /// Simulates the garment while the body goes along its path, and until it rests. Bodies that end far from where they rest are to
-    /// come [home](PosedBody::at_home) first.
+    /// Simulates the garment while the body goes along its path, and until it rests. Bodies that
+    /// end far from where they rest are to come [home](PosedBody::at_home) first.
     ///
-    /// The result's positions are those of the garment's mesh `[vertex]`. `observer` is told how far
-    /// it is, with the positions at the end of each frame; `stop` ends it.
+    /// The result's positions are those of the garment's mesh `[vertex]`. `observer` is told how
+    /// far it is, with the positions at the end of each frame; `stop` ends it.
     ///
     /// # Errors
     ///
@@ -174,8 +175,9 @@ impl Simulator {
         Schedule::for_quality(quality, self.cloth.mean_edge_length())
     }
 
-    /// Simulates the garment as far as is said: until the body comes to its last place, both positions of the result are
-    /// [`Drape::arrived`] of [`Simulator::drape`]; until it is [midway](Moment::Midway), [`Drape::midway`] is that of it.
+    /// Simulates the garment as far as is said: until the body comes to its last place, both
+    /// positions of the result are [`Drape::arrived`] of [`Simulator::drape`]; until it is
+    /// [midway](Moment::Midway), [`Drape::midway`] is that of it.
     ///
     /// # Errors
     ///
@@ -214,7 +216,8 @@ impl Simulator {
         Ok(result)
     }
 
-    /// Runs a scene in which the body goes along a path and the garment starts at `start` `[simulated node]`.
+    /// Runs a scene in which the body goes along a path and the garment starts at `start`
+    /// `[simulated node]`.
     fn on_way<T>(&self, path: &BodyPath, start: &[Point3], run: impl FnOnce(&Scene<'_>) -> T) -> T {
         let motion = |time: f32| path.positions(time);
         let offsets = self.garment.shape_offsets_nodes(path.shape());
@@ -236,12 +239,14 @@ impl Simulator {
         })
     }
 
-    /// Simulates a garment that something else has put on its way to a posed body, a network say, until the body has
-    /// arrived and the cloth has settled for a while: it gives way where it is strained, leaves the skin, and finds its finer folds.
+    /// Simulates a garment that something else has put on its way to a posed body, a network say,
+    /// until the body has arrived and the cloth has settled for a while: it gives way where it is
+    /// strained, leaves the skin, and finds its finer folds.
     ///
-    /// `body` is that which the garment was bound to, `posed` the same in its last place, [at home](PosedBody::at_home): the body goes
-    /// there from its rest within a second; `from` and the result are the positions
-    /// of the garment's mesh `[vertex]`, in metres. Where nothing [takes time](Settling::takes_time) the result is `from`.
+    /// `body` is that which the garment was bound to, `posed` the same in its last place,
+    /// [at home](PosedBody::at_home): the body goes there from its rest within a second; `from` and
+    /// the result are the positions of the garment's mesh `[vertex]`, in metres. Where nothing
+    /// [takes time](Settling::takes_time) the result is `from`.
     ///
     /// # Examples
     ///
@@ -320,14 +325,14 @@ impl Simulator {
         nodes.map(|&node| at_nodes[node as usize]).collect()
     }
 
-    /// Positions of the garment's mesh `[vertex]` of those of the simulated nodes `[simulated node]`,
-    /// in metres.
+    /// Positions of the garment's mesh `[vertex]` of those of the simulated nodes
+    /// `[simulated node]`, in metres.
     pub fn vertices(&self, simulated_nodes: &[Point3]) -> Vec<Point3> {
         self.moved(self.garment.rest_nodes(), simulated_nodes)
     }
 
-    /// Positions of the garment's mesh `[vertex]` once the simulated nodes are no more at `from` `[node]`:
-    /// loose pieces go with what they follow.
+    /// Positions of the garment's mesh `[vertex]` once the simulated nodes are no more at `from`
+    /// `[node]`: loose pieces go with what they follow.
     fn moved(&self, from: &[Point3], simulated: &[Point3]) -> Vec<Point3> {
         let mut at_nodes = from.to_vec();
         for (&node, &position) in self.nodes.iter().zip(simulated) {
@@ -347,11 +352,13 @@ fn settled(
     schedule: &Schedule,
     stop: &AtomicBool,
 ) -> Result<Vec<Point3>, SimError> {
-    // On a thread of rayon's: another thread would wait to be woken each time that all of them have looked for contacts.
+    // On a thread of rayon's: another thread would wait to be woken each time that all of them have
+    // looked for contacts.
     rayon::scope(|_| settle(scene, schedule, &mut stopping(stop, &mut |_| {})))
 }
 
-/// What a simulation says of its nodes, said of the vertices of the garment's mesh: of the first one at each place.
+/// What a simulation says of its nodes, said of the vertices of the garment's mesh: of the first
+/// one at each place.
 fn of_vertices(error: SimError, garment: &BoundGarment, nodes: &[u32]) -> SimError {
     let node_of_vertex = garment.weld().node_of_vertex();
     error.with_vertices(|simulated| {
@@ -376,7 +383,8 @@ pub fn stopping<'a>(
     }
 }
 
-/// The nodes of cloth that is simulated: neither of loose pieces nor of vertices that no face names.
+/// The nodes of cloth that is simulated: neither of loose pieces nor of vertices that no face
+/// names.
 fn simulated_nodes(garment: &BoundGarment) -> Vec<u32> {
     let is_named = |node: u32| !garment.topology().vertex_faces(node as usize).is_empty();
     let nodes = (0_u32..).zip(garment.is_piece());
@@ -406,8 +414,9 @@ pub fn check_stop(stop: &AtomicBool) -> Result<(), PackageError> {
     Ok(())
 }
 
-/// The simulated node that each node of a loose piece follows: the nearest of that part of the cloth which is nearest to the piece. A
-/// buckle between shirt and trousers is not torn between them.
+/// The simulated node that each node of a loose piece follows: the nearest of that part of the
+/// cloth which is nearest to the piece. A buckle between shirt and trousers is not torn between
+/// them.
 fn carried(garment: &BoundGarment, nodes: &[u32]) -> Vec<(u32, u32)> {
     let part = garment.topology().components();
     let pieces = (0_u32..).zip(garment.is_piece());

@@ -9,8 +9,8 @@ use crate::{gltf::GltfProblem, npy::ArrayProblem, obj::ObjError};
 
 /// A rig, pose or scene file that cannot be read.
 ///
-/// The text says which file; [`std::error::Error::source`] says why, with key, line and column where
-/// there are any.
+/// The text says which file; [`std::error::Error::source`] says why, with key, line and column
+/// where there are any.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot read `{}`", path.display())]
 pub struct FileError {

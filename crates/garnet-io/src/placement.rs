@@ -19,9 +19,9 @@ const LEAST_SIZE: f32 = 0.01;
 /// Raise it for garments that nowhere come near the skin.
 const MAX_GAP: f32 = 0.15;
 
-/// Half of the cloth may lie as far as this to one side of the skin, over the diagonal of the body's
-/// box. Clothes go around the body, and their offsets cancel; a cape has less than half of this, and
-/// a shirt beside the body more. Raise it for things that are carried on one side.
+/// Half of the cloth may lie as far as this to one side of the skin, over the diagonal of the
+/// body's box. Clothes go around the body, and their offsets cancel; a cape has less than half of
+/// this, and a shirt beside the body more. Raise it for things that are carried on one side.
 const MAX_OFFSET: f32 = 0.06;
 
 /// What is nearer to the skin than this touches it, over the diagonal of the body's box.

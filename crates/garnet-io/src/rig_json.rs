@@ -22,8 +22,8 @@ struct RigJson {
     weights: String,
 }
 
-/// Reads `{"units", "up", "mesh", "joints": [{"name", "parent", "rest_position"}], "weights"}`; paths
-/// are relative to `folder`.
+/// Reads `{"units", "up", "mesh", "joints": [{"name", "parent", "rest_position"}], "weights"}`;
+/// paths are relative to `folder`.
 pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Rig, FileProblem> {
     let file: RigJson = json::parse(bytes)?;
     let frame = Frame {

@@ -5,9 +5,10 @@ use crate::adjacency_tiles::{SlotsOfVertices, Tiles};
 
 /// Neighbor lists of all vertices, each with the vertex itself first.
 ///
-/// Made once for a mesh. Beside the lists it keeps how the gradients of a backward pass are gathered: each
-/// tile of vertices adds up what it sends to the vertices it sees, and each vertex collects its sums tile by
-/// tile. No two threads write to one place, and the order of every sum is fixed.
+/// Made once for a mesh. Beside the lists it keeps how the gradients of a backward pass are
+/// gathered: each tile of vertices adds up what it sends to the vertices it sees, and each vertex
+/// collects its sums tile by tile. No two threads write to one place, and the order of every sum is
+/// fixed.
 ///
 /// ```
 /// use garnet_kernel::Adjacency;
@@ -55,8 +56,8 @@ impl Adjacency {
 
     /// Lists of any directed graph: the list of a vertex names those that it takes features from.
     ///
-    /// The vertex itself is put first whether it is named or not; what is named twice counts once. The order
-    /// is kept otherwise, and sums follow it.
+    /// The vertex itself is put first whether it is named or not; what is named twice counts once.
+    /// The order is kept otherwise, and sums follow it.
     ///
     /// # Errors
     ///

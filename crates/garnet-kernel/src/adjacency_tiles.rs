@@ -1,12 +1,13 @@
 //! Tiles of vertices, and where each tile adds up what it sends to other vertices.
 //!
-//! A *slot* is a place of a tile for one vertex that the tile sees. In a mesh whose numbering follows its
-//! surface a tile sees little more than itself, so the slots of all tiles are not many more than the
-//! vertices; in the worst case they are as many as the edges.
+//! A *slot* is a place of a tile for one vertex that the tile sees. In a mesh whose numbering
+//! follows its surface a tile sees little more than itself, so the slots of all tiles are not many
+//! more than the vertices; in the worst case they are as many as the edges.
 
 use std::ops::Range;
 
-/// Vertices a tile. The aggregate of a tile (128 x 8 heads x 128 channels x 4 B = 0.5 MB) stays in L2.
+/// Vertices a tile. The aggregate of a tile (128 x 8 heads x 128 channels x 4 B = 0.5 MB) stays in
+/// L2.
 pub(crate) const TILE_ROWS: usize = 128;
 
 /// The tiles of a graph.

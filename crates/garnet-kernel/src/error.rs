@@ -2,7 +2,8 @@
 
 use thiserror::Error;
 
-/// Why an [`Adjacency`](crate::Adjacency) or a [`NeighborTable`](crate::NeighborTable) cannot be made.
+/// Why an [`Adjacency`](crate::Adjacency) or a [`NeighborTable`](crate::NeighborTable) cannot be
+/// made.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum KernelError {

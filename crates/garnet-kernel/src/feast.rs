@@ -1,16 +1,17 @@
 //! The mesh convolution of FeaStNet.
 //!
-//! Verma, Boyer, Verbeek 2018, *FeaStNet: Feature-Steered Graph Convolutions for 3D Shape Analysis*,
-//! equations 3 to 5, in the translation-invariant form (equation 8):
+//! Verma, Boyer, Verbeek 2018, *FeaStNet: Feature-Steered Graph Convolutions for 3D Shape
+//! Analysis*, equations 3 to 5, in the translation-invariant form (equation 8):
 //!
 //! ```text
 //! y_i  = act(b + r_i + 1/|N_i| Σ_j Σ_m q_ijm x_j W_m)      j in N_i, i itself among them
 //! q_ij = softmax_m(x_j U - x_i U + c)
 //! ```
 //!
-//! with rows `x_i` and an optional residual `r`. The products `x U` are made once for each vertex. A tile of
-//! vertices is aggregated for each head, `z_im = Σ_j q_ijm x_j / |N_i|`, and one matrix product `z W` gives
-//! its outputs: the work is that of the product, and nothing is stored for each edge.
+//! with rows `x_i` and an optional residual `r`. The products `x U` are made once for each vertex.
+//! A tile of vertices is aggregated for each head, `z_im = Σ_j q_ijm x_j / |N_i|`, and one matrix
+//! product `z W` gives its outputs: the work is that of the product, and nothing is stored for each
+//! edge.
 
 use rayon::prelude::*;
 
@@ -25,8 +26,8 @@ use crate::{Activation, Adjacency, Features, Workspace, check};
 
 /// Weights of a FeaStNet convolution.
 ///
-/// With `torch_geometric.nn.FeaStConv`: `u` is `u.weight` transposed, `c` and `b` are `c` and `bias`, and
-/// `w[m * in + k][o]` is `lin.weight[m * out + o][k]`.
+/// With `torch_geometric.nn.FeaStConv`: `u` is `u.weight` transposed, `c` and `b` are `c` and
+/// `bias`, and `w[m * in + k][o]` is `lin.weight[m * out + o][k]`.
 #[derive(Debug, Clone, Copy)]
 pub struct FeastLayer<'a> {
     /// Number of heads, `M`.
@@ -50,8 +51,8 @@ pub struct FeastLayer<'a> {
 pub struct FeastInput<'a> {
     /// Who sees whom.
     pub adjacency: &'a Adjacency,
-    /// Parts that make up the features of a vertex, each `[num_vertices, channels]`: the input channels of
-    /// the layer are those of all parts in turn, and the concatenation is never formed.
+    /// Parts that make up the features of a vertex, each `[num_vertices, channels]`: the input
+    /// channels of the layer are those of all parts in turn, and the concatenation is never formed.
     pub features: &'a [Features<'a>],
     /// Added before the activation, `[num_vertices, out_channels]`.
     pub residual: Option<&'a [f32]>,

@@ -1,4 +1,5 @@
-//! Sums over neighbors, one for each head, and their backward pass: the inner loops of a FeaStNet convolution.
+//! Sums over neighbors, one for each head, and their backward pass: the inner loops of a FeaStNet
+//! convolution.
 //!
 //! Heads are taken in groups whose sums stay in registers.
 
@@ -49,8 +50,8 @@ macro_rules! for_head_groups {
     }};
 }
 
-/// Writes `sums[m][k] = Σ_j weights[j][m] features[j][k]` for a part of the features, in the order of
-/// [`Columns`](crate::feast_columns::Columns).
+/// Writes `sums[m][k] = Σ_j weights[j][m] features[j][k]` for a part of the features, in the order
+/// of [`Columns`](crate::feast_columns::Columns).
 #[inline(always)]
 pub(crate) fn aggregate<V: Lanes>(
     features: Features<'_>,
@@ -121,10 +122,11 @@ impl SlotRows<'_> {
     }
 }
 
-/// The backward pass of [`aggregate`] over all parts of the features, from gradients `d_sums` of the sums.
+/// The backward pass of [`aggregate`] over all parts of the features, from gradients `d_sums` of
+/// the sums.
 ///
-/// Writes `Σ_k d_sums[m][k] features[j][k]` to `d_weights[j][m]` and adds `Σ_m weights[j][m] d_sums[m][k]` to
-/// the slot of each edge.
+/// Writes `Σ_k d_sums[m][k] features[j][k]` to `d_weights[j][m]` and adds
+/// `Σ_m weights[j][m] d_sums[m][k]` to the slot of each edge.
 #[inline(always)]
 pub(crate) fn aggregate_backward<V: Lanes>(
     features: &[Features<'_>],

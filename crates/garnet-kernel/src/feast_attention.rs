@@ -1,6 +1,7 @@
 //! How much each head of a FeaStNet convolution takes from each neighbor.
 //!
-//! Rows of heads are padded to whole vectors: the offsets of the padding are so low that its weights vanish.
+//! Rows of heads are padded to whole vectors: the offsets of the padding are so low that its
+//! weights vanish.
 
 use std::ops::Range;
 
@@ -16,9 +17,9 @@ use crate::{Adjacency, FeastLayer, Features, Workspace};
 /// An offset that takes all weight from a head.
 const NEVER: f32 = -1e30;
 
-/// Logits so far below the largest one count no less: e^-40 is nothing beside 1 in single precision, and its products
-/// with derivatives are still normal numbers, while those of e^-80, in each padded row, were not (each costs a
-/// hundred cycles on some processors).
+/// Logits so far below the largest one count no less: e^-40 is nothing beside 1 in single
+/// precision, and its products with derivatives are still normal numbers, while those of e^-80, in
+/// each padded row, were not (each costs a hundred cycles on some processors).
 const LEAST: f32 = -40.0;
 
 /// The products `x U` of all vertices.
@@ -220,7 +221,8 @@ impl<'a> Attention<'a> {
         }
     }
 
-    /// The gradients of the logits of an edge whose heads fill one vector; see [`Self::weigh_backward`].
+    /// The gradients of the logits of an edge whose heads fill one vector; see
+    /// [`Self::weigh_backward`].
     #[inline(always)]
     pub(crate) fn logit_gradient<V: Lanes>(weights: V, gradients: V, degree: f32) -> V {
         let mean = V::splat(degree * weights.mul(gradients).sum());

@@ -1,8 +1,9 @@
 //! The backward pass of the FeaStNet convolution.
 //!
-//! Weights and aggregates are made again, tile by tile. With `z' = y' Wᵀ` the gradients of features and
-//! logits are added up in the slots of the tile, in the order of its edges; afterwards each vertex collects
-//! its slots. Gradients of weights are summed over fixed blocks of tiles, then over blocks.
+//! Weights and aggregates are made again, tile by tile. With `z' = y' Wᵀ` the gradients of features
+//! and logits are added up in the slots of the tile, in the order of its edges; afterwards each
+//! vertex collects its slots. Gradients of weights are summed over fixed blocks of tiles, then over
+//! blocks.
 
 use rayon::prelude::*;
 
@@ -37,7 +38,8 @@ pub struct FeastGradients<'a> {
     pub b: &'a mut [f32],
 }
 
-/// Computes all gradients from the output `y` of [`feast_forward`](crate::feast_forward) and its gradient `dy`.
+/// Computes all gradients from the output `y` of [`feast_forward`](crate::feast_forward) and its
+/// gradient `dy`.
 ///
 /// `y` is read only where the layer has an activation; it may be empty else.
 ///

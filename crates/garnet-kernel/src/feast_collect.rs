@@ -1,4 +1,5 @@
-//! The last step of the backward pass of the FeaStNet convolution: vertices collect what tiles sent them.
+//! The last step of the backward pass of the FeaStNet convolution: vertices collect what tiles sent
+//! them.
 
 use rayon::prelude::*;
 
@@ -165,8 +166,8 @@ struct Sources<'a> {
 }
 
 impl Sources<'_> {
-    /// The sum for the channels of a vector; a function of its own, because a closure would be compiled
-    /// without the instructions of `V`.
+    /// The sum for the channels of a vector; a function of its own, because a closure would be
+    /// compiled without the instructions of `V`.
     #[inline(always)]
     fn collected<V: Lanes>(&self, channel: usize, load: impl Fn(&[f32]) -> V) -> V {
         let (column, end) = (self.columns.start + channel, self.columns.end);

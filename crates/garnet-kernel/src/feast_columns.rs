@@ -1,15 +1,15 @@
 //! The order of the columns of aggregates.
 //!
-//! Vectors of all heads for the same channels lie one behind the other, so that loops over heads have one
-//! address. The rows of the weights are put into the same order before the product.
+//! Vectors of all heads for the same channels lie one behind the other, so that loops over heads
+//! have one address. The rows of the weights are put into the same order before the product.
 
 use crate::Workspace;
 use crate::workspace::Scratch;
 
 /// For each column of an aggregate the row of the weights that it is multiplied with.
 ///
-/// The columns of a part of the features are `[vector][head][lane]`, then `[head][channel]` for the channels
-/// that fill no vector; those of the next part follow.
+/// The columns of a part of the features are `[vector][head][lane]`, then `[head][channel]` for the
+/// channels that fill no vector; those of the next part follow.
 pub(crate) struct Columns {
     rows: Vec<u32>,
 }

@@ -11,7 +11,8 @@ const TILE_ROWS: usize = 256;
 
 /// Writes the largest values to `y`, `[channels]`, and the rows that have them to `largest`.
 ///
-/// Among equal values the first row wins. A value that is not a number is never larger than another.
+/// Among equal values the first row wins. A value that is not a number is never larger than
+/// another.
 ///
 /// # Panics
 ///
@@ -90,7 +91,8 @@ impl Kernel for MaxOfRows<'_> {
     }
 }
 
-/// Writes to `dx`, `[rows, channels]`, the gradient of the features from that of the output, `[channels]`.
+/// Writes to `dx`, `[rows, channels]`, the gradient of the features from that of the output,
+/// `[channels]`.
 ///
 /// # Panics
 ///

@@ -14,10 +14,12 @@ use crate::{lanes_avx2::Avx2, lanes_avx512::Avx512};
 
 /// A level of vector instructions; a later one is faster.
 ///
-/// Results of two levels differ by rounding. (Matrix products choose for themselves, always the best.)
+/// Results of two levels differ by rounding. (Matrix products choose for themselves, always the
+/// best.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum InstructionSet {
-    /// Whatever the compiler makes of plain arithmetic, eight numbers at a time: SSE2 on x86-64, NEON on Arm.
+    /// Whatever the compiler makes of plain arithmetic, eight numbers at a time: SSE2 on x86-64,
+    /// NEON on Arm.
     Portable,
     /// AVX2 and FMA: eight numbers.
     Avx2,
@@ -27,8 +29,8 @@ pub enum InstructionSet {
 
 /// A computation that is compiled once for each level.
 pub(crate) trait Kernel {
-    /// Runs with vectors of the type `V`. Implementations are `#[inline(always)]`, so that their loops are
-    /// compiled with the instructions of `V`.
+    /// Runs with vectors of the type `V`. Implementations are `#[inline(always)]`, so that their
+    /// loops are compiled with the instructions of `V`.
     fn run<V: Lanes>(self);
 }
 
@@ -55,7 +57,8 @@ impl InstructionSet {
     #[inline]
     pub(crate) fn run<K: Kernel>(self, kernel: K) {
         match self {
-            // SAFETY: `Workspace` lowers what it is given to what was detected, and nobody else makes calls.
+            // SAFETY: `Workspace` lowers what it is given to what was detected, and nobody else
+            // makes calls.
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => unsafe { run_avx512(kernel) },
             // SAFETY: as above.

@@ -33,7 +33,8 @@ pub(crate) trait Lanes: Copy {
     fn max(self, other: Self) -> Self;
     /// The sum over all lanes.
     fn sum(self) -> f32;
-    /// Writes the sum over all lanes of each of some vectors; what follows in `sums` may become zero.
+    /// Writes the sum over all lanes of each of some vectors; what follows in `sums` may become
+    /// zero.
     #[inline(always)]
     fn store_sums<const G: usize>(vectors: [Self; G], sums: &mut [f32]) {
         for (sum, vector) in sums[..G].iter_mut().zip(vectors) {
@@ -57,7 +58,8 @@ pub(crate) trait Lanes: Copy {
     /// Writes at most `LANES` row numbers of a slice.
     fn store_indices(indices: Self::Indices, values: &mut [u32]);
 
-    /// The exponential function for arguments in `[-80, 80]`, others are clamped; relative error below 2e-7.
+    /// The exponential function for arguments in `[-80, 80]`, others are clamped; relative error
+    /// below 2e-7.
     ///
     /// Range reduction by `ln 2` in two parts and a polynomial: Moshier, Cephes, `expf`.
     #[inline(always)]

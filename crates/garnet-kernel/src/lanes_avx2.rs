@@ -1,7 +1,8 @@
 //! Eight numbers in an AVX register, with FMA.
 //!
-//! Every function here is inlined into one that is compiled for AVX2 and FMA and called only where the
-//! processor has them (`InstructionSet::run`): that is the condition of safety of all the intrinsics.
+//! Every function here is inlined into one that is compiled for AVX2 and FMA and called only where
+//! the processor has them (`InstructionSet::run`): that is the condition of safety of all the
+//! intrinsics.
 
 #![allow(unsafe_code, reason = "vector instructions")]
 

@@ -29,7 +29,8 @@ fn first_lanes(len: usize) -> __mmask16 {
     if len >= N { !0 } else { (1 << len) - 1 }
 }
 
-/// The sums over all lanes of eight vectors, in the first eight lanes: a tree of shuffles that all share.
+/// The sums over all lanes of eight vectors, in the first eight lanes: a tree of shuffles that all
+/// share.
 #[inline(always)]
 fn sums_of_eight(v: [__m512; 8]) -> __m512 {
     // SAFETY: the instructions exist (head of this file).

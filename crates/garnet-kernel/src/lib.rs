@@ -1,9 +1,11 @@
-//! Fused CPU kernels of the network, forward and backward: mesh convolution, linear layers, pooling.
+//! Fused CPU kernels of the network, forward and backward: mesh convolution, linear layers,
+//! pooling.
 //!
-//! All matrices are row-major slices of `f32`, `[rows, channels]`, in memory of the caller. Temporary memory
-//! comes from a [`Workspace`] that is made once. Kernels choose their instructions when they run (AVX-512,
-//! AVX2 with FMA, or whatever the compiler makes of plain loops), split rows into tiles of fixed size over
-//! the threads of rayon, and sum in a fixed order: the result never depends on the number of threads.
+//! All matrices are row-major slices of `f32`, `[rows, channels]`, in memory of the caller.
+//! Temporary memory comes from a [`Workspace`] that is made once. Kernels choose their instructions
+//! when they run (AVX-512, AVX2 with FMA, or whatever the compiler makes of plain loops), split
+//! rows into tiles of fixed size over the threads of rayon, and sum in a fixed order: the result
+//! never depends on the number of threads.
 //!
 //! ```
 //! use garnet_kernel::{

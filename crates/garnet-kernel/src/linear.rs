@@ -1,7 +1,7 @@
 //! Linear layers with bias and activation: `y = act(b + Σ_k x_k W_k)`.
 //!
-//! The input may come in parts that are never concatenated. A part that is the same for all rows (a global
-//! feature) is multiplied once and joins the bias.
+//! The input may come in parts that are never concatenated. A part that is the same for all rows (a
+//! global feature) is multiplied once and joins the bias.
 
 use rayon::prelude::*;
 
@@ -35,7 +35,8 @@ impl LinearInput<'_> {
 pub struct LinearLayer<'a> {
     /// Number of output channels.
     pub out_channels: usize,
-    /// Weights, `[in_channels, out_channels]`: the rows are the input channels of all parts in turn.
+    /// Weights, `[in_channels, out_channels]`: the rows are the input channels of all parts in
+    /// turn.
     pub w: &'a [f32],
     /// Bias, `[out_channels]`; absent means zero.
     pub b: Option<&'a [f32]>,

@@ -1,8 +1,8 @@
 //! The backward pass of linear layers.
 //!
-//! Gradients of inputs are products within tiles of rows. Each panel of the gradient of the weights is a
-//! product over all rows, or, where there are few panels, a sum of products over fixed blocks of rows. Of a
-//! broadcast part only the sum over rows matters, which is the gradient of the bias.
+//! Gradients of inputs are products within tiles of rows. Each panel of the gradient of the weights
+//! is a product over all rows, or, where there are few panels, a sum of products over fixed blocks
+//! of rows. Of a broadcast part only the sum over rows matters, which is the gradient of the bias.
 
 use rayon::prelude::*;
 
@@ -23,7 +23,8 @@ const MIN_BLOCK_ROWS: usize = 512;
 /// Gradients of a linear layer; what is there before is overwritten.
 #[derive(Debug)]
 pub struct LinearGradients<'a> {
-    /// Of each part of the input, where it is wanted: `[rows, channels]`, or `[channels]` of a broadcast part.
+    /// Of each part of the input, where it is wanted: `[rows, channels]`, or `[channels]` of a
+    /// broadcast part.
     pub parts: &'a mut [Option<&'a mut [f32]>],
     /// `[in_channels, out_channels]`.
     pub w: &'a mut [f32],
@@ -31,7 +32,8 @@ pub struct LinearGradients<'a> {
     pub b: Option<&'a mut [f32]>,
 }
 
-/// Computes all gradients from the output `y` of [`linear_forward`](crate::linear_forward) and its gradient `dy`.
+/// Computes all gradients from the output `y` of [`linear_forward`](crate::linear_forward) and its
+/// gradient `dy`.
 ///
 /// `y` is read only where the layer has an activation; it may be empty else.
 ///

@@ -108,8 +108,8 @@ impl<'a> MatrixMut<'a> {
         if self.rows == 0 || self.columns == 0 {
             return;
         }
-        // SAFETY: every matrix was checked on creation to lie in its slice, the shapes agree, and the
-        // borrow rules keep the written one apart from the others.
+        // SAFETY: every matrix was checked on creation to lie in its slice, the shapes agree, and
+        // the borrow rules keep the written one apart from the others.
         unsafe {
             gemm::gemm(
                 self.rows,

@@ -11,9 +11,9 @@ const TILE_ROWS: usize = 128;
 
 /// Writes the largest values to `y`, `[num_rows, channels]`, and where they come from to `largest`.
 ///
-/// `features` has a row for each source of the table. `largest` gets source rows in the shape of `y`; it may
-/// be empty where no backward pass follows. Among equal values the first of the row wins. A value that is
-/// not a number is never larger than another.
+/// `features` has a row for each source of the table. `largest` gets source rows in the shape of
+/// `y`; it may be empty where no backward pass follows. Among equal values the first of the row
+/// wins. A value that is not a number is never larger than another.
 ///
 /// # Panics
 ///

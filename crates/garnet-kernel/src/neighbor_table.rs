@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use crate::KernelError;
 
-/// For each row of one matrix the same number of rows of another: the nearest body points of each garment
-/// vertex, or the points that a coarser point stands for.
+/// For each row of one matrix the same number of rows of another: the nearest body points of each
+/// garment vertex, or the points that a coarser point stands for.
 #[derive(Debug, Clone)]
 pub struct NeighborTable {
     num_sources: usize,
@@ -26,7 +26,8 @@ impl NeighborTable {
     ///
     /// # Errors
     ///
-    /// [`KernelError::UnevenTable`], [`KernelError::NeighborOutOfRange`] and [`KernelError::TooLarge`].
+    /// [`KernelError::UnevenTable`], [`KernelError::NeighborOutOfRange`] and
+    /// [`KernelError::TooLarge`].
     pub fn new(
         num_sources: usize,
         neighbors_per_row: usize,

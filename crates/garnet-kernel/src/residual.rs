@@ -25,7 +25,8 @@ pub fn add_forward(a: &[f32], b: &[f32], activation: Activation, y: &mut [f32]) 
     });
 }
 
-/// Writes to `d_sum` the gradient of what the activation was applied to, from its output `y` and gradient `dy`.
+/// Writes to `d_sum` the gradient of what the activation was applied to, from its output `y` and
+/// gradient `dy`.
 ///
 /// It is the gradient of both summands of [`add_forward`].
 ///

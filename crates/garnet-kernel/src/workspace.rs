@@ -1,7 +1,8 @@
 //! Memory that kernels need for a while, kept from call to call.
 //!
-//! Fresh pages cost more than the arithmetic on them, so buffers are handed out from a pool and given
-//! back on drop. Their content is whatever was there before: who takes a buffer writes it first.
+//! Fresh pages cost more than the arithmetic on them, so buffers are handed out from a pool and
+//! given back on drop. Their content is whatever was there before: who takes a buffer writes it
+//! first.
 
 #![allow(unsafe_code, reason = "64-byte blocks are seen as numbers")]
 
@@ -12,8 +13,8 @@ use crate::InstructionSet;
 
 /// Scratch memory and the choice of instructions, made once and given to every kernel.
 ///
-/// It may be shared by threads; one for a whole network is right. It grows to the largest need and never
-/// shrinks.
+/// It may be shared by threads; one for a whole network is right. It grows to the largest need and
+/// never shrinks.
 #[derive(Debug, Default)]
 pub struct Workspace {
     instructions: InstructionSet,
@@ -41,7 +42,8 @@ impl Workspace {
         Self::default()
     }
 
-    /// An empty workspace that uses the given instructions, or the best below them that this machine has.
+    /// An empty workspace that uses the given instructions, or the best below them that this
+    /// machine has.
     pub fn with_instructions(instructions: InstructionSet) -> Self {
         Self {
             instructions: instructions.min(InstructionSet::detected()),
@@ -109,8 +111,8 @@ impl Deref for Scratch<'_> {
     type Target = [f32];
 
     fn deref(&self) -> &[f32] {
-        // SAFETY: `Block` is `repr(C)` around 16 numbers with no padding (64 bytes, aligned to 64), and
-        // `scratch` made at least `len / 16` of them, rounded up.
+        // SAFETY: `Block` is `repr(C)` around 16 numbers with no padding (64 bytes, aligned to 64),
+        // and `scratch` made at least `len / 16` of them, rounded up.
         unsafe { std::slice::from_raw_parts(self.blocks.as_ptr().cast(), self.len) }
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! Seen along the ray, each triangle goes round the point once, minus once, or not at all. That is
 //! counted on its sides one by one, each by a rule that gives two triangles the same answer for a
-//! side they share: watertight, as Woop, Benthin and Wald 2013. Ties are broken as if the point were
-//! moved by infinitesimals (Edelsbrunner and Mücke 1990, "Simulation of simplicity") and
+//! side they share: watertight, as Woop, Benthin and Wald 2013. Ties are broken as if the point
+//! were moved by infinitesimals (Edelsbrunner and Mücke 1990, "Simulation of simplicity") and
 //! orientations are exact (Shewchuk 1997), so rays through edges and vertices count right.
 
 use crate::bvh::{Block, Bvh};

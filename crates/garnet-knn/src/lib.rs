@@ -1,4 +1,5 @@
-//! Nearest neighbours and proximity: k-NN, closest point on a mesh, signed distance, triangle intersections.
+//! Nearest neighbours and proximity: k-NN, closest point on a mesh, signed distance, triangle
+//! intersections.
 //!
 //! Two values are made once and asked often: a [`VertexTree`] over points and a [`Surface`] over
 //! triangles. Both are immutable while asked, so all threads may share them.

@@ -127,7 +127,8 @@ impl Segment {
         })
     }
 
-    /// On which side a side of a triangle passes the line; `from` and `to` are relative to its start.
+    /// On which side a side of a triangle passes the line; `from` and `to` are relative to its
+    /// start.
     #[inline]
     fn turn(&self, from: Vector3<f64>, to: Vector3<f64>) -> Turn {
         let volume = from.cross(&to).dot(&self.direction);

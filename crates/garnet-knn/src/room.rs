@@ -1,4 +1,5 @@
-//! Whether there is room for something before a place on the skin of a body that may run through itself.
+//! Whether there is room for something before a place on the skin of a body that may run through
+//! itself.
 
 use rayon::prelude::*;
 
@@ -14,15 +15,16 @@ pub const PROBE_DISTANCE: f32 = 5e-4;
 pub enum Room {
     /// Air.
     Free,
-    /// The opposite wall of a slit or of a sharp crease, and behind the place one part of the body alone.
+    /// The opposite wall of a slit or of a sharp crease, and behind the place one part of the body
+    /// alone.
     InSlit,
     /// Another part of the body, which the place is inside of.
     Embedded,
 }
 
 impl Room {
-    /// Whether something so far from the skin, in metres, is caught there: slits catch what is on their walls, no deeper than
-    /// `slit_depth`, in metres.
+    /// Whether something so far from the skin, in metres, is caught there: slits catch what is on
+    /// their walls, no deeper than `slit_depth`, in metres.
     pub fn catches(self, distance: f32, slit_depth: f32) -> bool {
         match self {
             Self::Free => false,
@@ -33,7 +35,8 @@ impl Room {
 }
 
 impl Surface {
-    /// What is before a place on the skin with this unit normal, [`PROBE_DISTANCE`] away, by winding numbers.
+    /// What is before a place on the skin with this unit normal, [`PROBE_DISTANCE`] away, by
+    /// winding numbers.
     pub fn room_before(&self, place: Point3, normal: Vector3) -> Room {
         let probe = PROBE_DISTANCE * normal;
         if !self.contains(place + probe) {
@@ -46,7 +49,8 @@ impl Surface {
         }
     }
 
-    /// [`Surface::room_before`] for many places with their normals `[place]` at once, on all threads.
+    /// [`Surface::room_before`] for many places with their normals `[place]` at once, on all
+    /// threads.
     pub fn room_before_all(&self, places: &[(Point3, Vector3)]) -> Vec<Room> {
         let places = places.par_iter().with_min_len(POINTS_PER_TASK);
         places
@@ -54,7 +58,8 @@ impl Surface {
             .collect()
     }
 
-    /// Inside how many parts of the body a point is; of open skins by the generalised winding number.
+    /// Inside how many parts of the body a point is; of open skins by the generalised winding
+    /// number.
     pub fn parts_around(&self, point: Point3) -> i32 {
         if self.is_closed() {
             self.winding_number(point)

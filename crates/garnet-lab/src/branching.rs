@@ -2,9 +2,9 @@
 //!
 //! Distance and angle, in millimetres and degrees, of the teacher's drapes from those of the same
 //! simulation in two patches (the same constraints in another order), of a movement half as long
-//! again, and of the fast quality; and how much the teacher's cloth is strained: along its edges, and
-//! along that direction of each face in which it is longest. Medians and means over sampled poses of
-//! the built-in body.
+//! again, and of the fast quality; and how much the teacher's cloth is strained: along its edges,
+//! and along that direction of each face in which it is longest. Medians and means over sampled
+//! poses of the built-in body.
 
 use std::{
     io::{self, Write},

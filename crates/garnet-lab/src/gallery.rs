@@ -1,9 +1,9 @@
 //! What networks make of a data set, beside the teacher.
 //!
 //! `gallery.png` has scenes of the split (test, unless told otherwise) in rows: skinning, warp,
-//! variants and teacher, and where the last variant is off; `curvature.png` has the mean curvature of
-//! variants and teacher (figure 7 of the paper); `errors.png` has the mean distance of each vertex over
-//! the split on the template, one column a variant, from the front and from the back.
+//! variants and teacher, and where the last variant is off; `curvature.png` has the mean curvature
+//! of variants and teacher (figure 7 of the paper); `errors.png` has the mean distance of each
+//! vertex over the split on the template, one column a variant, from the front and from the back.
 
 use std::{
     error::Error,

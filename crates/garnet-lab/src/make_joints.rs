@@ -1,5 +1,5 @@
-//! Fits the joints of the built-in body to vertices of its rest mesh, stores the weights in the crate
-//! and tells how far they are off on 500 other bodies.
+//! Fits the joints of the built-in body to vertices of its rest mesh, stores the weights in the
+//! crate and tells how far they are off on 500 other bodies.
 
 use std::{error::Error, path::PathBuf};
 

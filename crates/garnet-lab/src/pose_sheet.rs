@@ -34,8 +34,8 @@ pub(crate) struct Arguments {
     body: String,
     /// Where pictures go.
     folder: PathBuf,
-    /// `keys`, `gait`, `samples`, `sound` (key poses, parts of the body apart), the beginning of names
-    /// of key poses, or a motion file.
+    /// `keys`, `gait`, `samples`, `sound` (key poses, parts of the body apart), the beginning of
+    /// names of key poses, or a motion file.
     #[arg(default_values = ["keys", "gait"])]
     kinds: Vec<String>,
 }

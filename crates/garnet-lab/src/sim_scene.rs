@@ -1,7 +1,7 @@
 //! Drapes of the teacher on poses of the built-in body, in numbers and pictures.
 //!
-//! Each pose is one line: time, strain, speeds and penetration; and of the quality `reference` how far
-//! the teacher's drape is from balance.
+//! Each pose is one line: time, strain, speeds and penetration; and of the quality `reference` how
+//! far the teacher's drape is from balance.
 
 use std::{
     error::Error,

@@ -1,9 +1,9 @@
 //! How much bodies and poses of a data set differ.
 //!
-//! Bodies: how many, how many of each sex, and least, median and greatest stature, girth of the chest
-//! and body mass index. Poses: how many scenes from how many sequences, and by what angle joints are
-//! turned from rest, in degrees: median, 95 % and the most over scenes and, where there are two such
-//! joints, sides.
+//! Bodies: how many, how many of each sex, and least, median and greatest stature, girth of the
+//! chest and body mass index. Poses: how many scenes from how many sequences, and by what angle
+//! joints are turned from rest, in degrees: median, 95 % and the most over scenes and, where there
+//! are two such joints, sides.
 
 use std::{
     collections::{BTreeMap, BTreeSet},

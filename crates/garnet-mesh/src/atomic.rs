@@ -70,8 +70,8 @@ pub fn write_atomically(
 
 /// A file that is written, but not in its place yet: it lies under a temporary name beside it.
 ///
-/// If the value is dropped the temporary file goes, and its place is as it was. With several of them all that takes time, and most
-/// that can fail, is done before the first one is in its place.
+/// If the value is dropped the temporary file goes, and its place is as it was. With several of
+/// them all that takes time, and most that can fail, is done before the first one is in its place.
 #[derive(Debug)]
 pub struct StagedFile {
     /// As it was named.
@@ -182,10 +182,11 @@ const NUM_RANDOM: usize = 6;
 /// A temporary file that nothing was written into for so long was left by a process that is gone.
 const STALE: Duration = Duration::from_hours(1);
 
-/// Removes the temporary files that killed processes have left in a folder: those that were not changed for an hour.
+/// Removes the temporary files that killed processes have left in a folder: those that were not
+/// changed for an hour.
 ///
-/// Younger ones may be those of a process that is at work. It is no error if the folder is not there, or if a file
-/// cannot be removed: such files do no harm.
+/// Younger ones may be those of a process that is at work. It is no error if the folder is not
+/// there, or if a file cannot be removed: such files do no harm.
 pub fn remove_stale_temporaries(folder: impl AsRef<Path>) {
     let Ok(entries) = fs::read_dir(folder) else {
         return;
@@ -197,7 +198,8 @@ pub fn remove_stale_temporaries(folder: impl AsRef<Path>) {
     }
 }
 
-/// Whether a name is one of those that temporary files get; those of pictures have an extension, too.
+/// Whether a name is one of those that temporary files get; those of pictures have an extension,
+/// too.
 fn is_temporary(name: &OsStr) -> bool {
     let rest = name.to_str().and_then(|name| name.strip_prefix(PREFIX));
     let drawn = rest.and_then(|rest| rest.split('.').next());

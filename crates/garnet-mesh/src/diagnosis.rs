@@ -30,7 +30,8 @@ impl Bounds {
         Some(bounds)
     }
 
-    /// The bounds of the vertices that faces name, or nothing without faces: other vertices may lie anywhere.
+    /// The bounds of the vertices that faces name, or nothing without faces: other vertices may lie
+    /// anywhere.
     ///
     /// # Panics
     ///

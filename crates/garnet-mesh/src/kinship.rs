@@ -1,4 +1,5 @@
-//! Whether a mesh is another one in another pose and shape: by the lengths of its edges, its edges, and its sides.
+//! Whether a mesh is another one in another pose and shape: by the lengths of its edges, its edges,
+//! and its sides.
 
 use std::collections::HashSet;
 
@@ -46,7 +47,8 @@ pub fn kinship(rest: &[Point3], other: &[Point3], faces: &[[u32; 3]]) -> Kinship
     }
 }
 
-/// At least this share of a mesh's edges are edges of the known one; those that cut polygons into triangles may be others.
+/// At least this share of a mesh's edges are edges of the known one; those that cut polygons into
+/// triangles may be others.
 const MIN_SHARE: f64 = 0.5;
 
 /// Edges of a mesh that are looked for in the known one.
@@ -132,9 +134,10 @@ impl<'a> KnownMesh<'a> {
         Err(MeshDifference::VertexCount { found, expected })
     }
 
-    /// Refuses a mesh whose vertices are others, or in another order. Its vertices are at `positions` `[vertex]`, in
-    /// any unit, and its polygons have `edges`; none if it has no polygons. Returns how many times as long its edges
-    /// are, as a power of ten: between strangers they may all be longer.
+    /// Refuses a mesh whose vertices are others, or in another order. Its vertices are at
+    /// `positions` `[vertex]`, in any unit, and its polygons have `edges`; none if it has no
+    /// polygons. Returns how many times as long its edges are, as a power of ten: between strangers
+    /// they may all be longer.
     ///
     /// ```
     /// use garnet_mesh::{KnownMesh, primitives::icosphere};
@@ -163,8 +166,8 @@ impl<'a> KnownMesh<'a> {
         Ok(decades)
     }
 
-    /// The same, and refuses a mesh that is the mirror image of the known one, which is to enclose a volume. Its positions are in
-    /// the unit of the known mesh.
+    /// The same, and refuses a mesh that is the mirror image of the known one, which is to enclose
+    /// a volume. Its positions are in the unit of the known mesh.
     ///
     /// # Errors
     ///

@@ -1,5 +1,5 @@
-//! Triangle meshes: topology, normals, areas, curvatures, comparison, fingerprints; atomic writes of
-//! files.
+//! Triangle meshes: topology, normals, areas, curvatures, comparison, fingerprints; atomic writes
+//! of files.
 //!
 //! Values are checked once, where they enter: a [`TriMesh`] holds only coordinates up to
 //! [`MAX_COORDINATE`] and faces that name existing vertices. Everything else takes positions and

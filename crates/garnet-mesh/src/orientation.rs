@@ -2,11 +2,12 @@
 
 use crate::{Bounds, Point3};
 
-/// A mesh whose faces enclose less than this share of its box, in size, has no side that is surely the inner one.
+/// A mesh whose faces enclose less than this share of its box, in size, has no side that is surely
+/// the inner one.
 const MIN_ENCLOSED: f64 = 1e-3;
 
-/// Whether most of the faces of a mesh look inwards: the volume that they enclose is negative. An open mesh is closed by cones from the
-/// middle of its box.
+/// Whether most of the faces of a mesh look inwards: the volume that they enclose is negative. An
+/// open mesh is closed by cones from the middle of its box.
 ///
 /// ```
 /// use garnet_mesh::{is_inside_out, primitives::icosphere};

@@ -2,8 +2,8 @@
 
 use crate::{MeshError, Point3, Topology, TriMesh};
 
-/// The mesh with each triangle split into four at the middles of its sides; its vertices come first,
-/// then one for each edge.
+/// The mesh with each triangle split into four at the middles of its sides; its vertices come
+/// first, then one for each edge.
 ///
 /// # Errors
 ///

@@ -2,10 +2,11 @@
 
 use crate::{MeshError, Point3};
 
-/// The largest coordinate that a mesh may have, in metres (in those of a file before its units are known).
+/// The largest coordinate that a mesh may have, in metres (in those of a file before its units are
+/// known).
 ///
-/// There `f32` tells places apart that are 6 cm from each other. Far beyond, squares and products of lengths become
-/// infinite, and queries have to look at every face.
+/// There `f32` tells places apart that are 6 cm from each other. Far beyond, squares and products
+/// of lengths become infinite, and queries have to look at every face.
 pub const MAX_COORDINATE: f32 = 1e6;
 
 /// A triangle mesh whose faces name existing vertices, with coordinates up to [`MAX_COORDINATE`].

@@ -4,14 +4,14 @@
 //! shares a kernel regression, or a small network for each region, predicts of pose and shape. They
 //! are plain code.
 //!
-//! With the feature
-//! `burn` there is also *GarNet*: a network predicts, for each vertex of a skinned garment M over a body B, the translation that brings it to where a simulation would put it: `G_P
-//! = M + f(M, B)` (*Gundogdu et al. 2020, Eq. 1*). [`GarNetConfig`] says what it is made of and
-//! makes a `GarNet`; a [`GarmentGraph`] and a
-//! `BodySampling` hold what is known before any scene, a `Scene` one garment over one body. Two
-//! paths run the same modules: tensors with derivatives for training
-//! (`GarNet::forward`, `surrogate`, `losses`), and a `Predictor` without either for draping, which
-//! takes and gives points. Both call the kernels of `garnet-kernel`, so their results are equal.
+//! With the feature `burn` there is also *GarNet*: a network predicts, for each vertex of a skinned
+//! garment M over a body B, the translation that brings it to where a simulation would put it:
+//! `G_P = M + f(M, B)` (*Gundogdu et al. 2020, Eq. 1*). [`GarNetConfig`] says what it is made of
+//! and makes a `GarNet`; a [`GarmentGraph`] and a `BodySampling` hold what is known before any
+//! scene, a `Scene` one garment over one body. Two paths run the same modules: tensors with
+//! derivatives for training (`GarNet::forward`, `surrogate`, `losses`), and a `Predictor` without
+//! either for draping, which takes and gives points. Both call the kernels of `garnet-kernel`, so
+//! their results are equal.
 //!
 //! A [`Model`] is either of the two, or one after the other, bound to a garment.
 #![cfg_attr(feature = "burn", doc = "\n```")]

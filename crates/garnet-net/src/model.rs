@@ -216,8 +216,8 @@ impl Model {
             })
     }
 
-    /// Another garment of the same topology, as [`Model::predict_on`] takes it: other places at rest,
-    /// other sewing parameters.
+    /// Another garment of the same topology, as [`Model::predict_on`] takes it: other places at
+    /// rest, other sewing parameters.
     ///
     /// # Errors
     ///

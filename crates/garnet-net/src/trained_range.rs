@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The least and the greatest of the numbers that tell poses and shapes, over all scenes that a network was
-/// trained on; whoever trains and whoever asks agree on the numbers.
+/// The least and the greatest of the numbers that tell poses and shapes, over all scenes that a
+/// network was trained on; whoever trains and whoever asks agree on the numbers.
 ///
 /// ```
 /// use garnet_net::TrainedRange;

@@ -1,5 +1,5 @@
-//! The network against `PyTorch`: `benches/python/garnet_torch.py` made the reference values, in double
-//! precision, from the weights that lie beside them.
+//! The network against `PyTorch`: `benches/python/garnet_torch.py` made the reference values, in
+//! double precision, from the weights that lie beside them.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::Path;

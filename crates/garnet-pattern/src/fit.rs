@@ -48,10 +48,11 @@ impl Fit {
 impl Parameters {
     /// How the garment, cut to the measures `cut`, fits a wearer.
     ///
-    /// A T-shirt fits from 6 to 36 % more than the chest, a sweater from 8 to 45 %; both stretch over
-    /// waist and hip by 2 % at most. A dress fits from 1 to 26 % at the chest and from 1 to 45 % at
-    /// the waist. Jeans must hold: from -4 % to 6 % under the waistband, or of 97 % of the hip under a belly. On tighter bodies the
-    /// simulated drapes of many poses fold through themselves or are strained by a fifth and more.
+    /// A T-shirt fits from 6 to 36 % more than the chest, a sweater from 8 to 45 %; both stretch
+    /// over waist and hip by 2 % at most. A dress fits from 1 to 26 % at the chest and from 1 to 45
+    /// % at the waist. Jeans must hold: from -4 % to 6 % under the waistband, or of 97 % of the hip
+    /// under a belly. On tighter bodies the simulated drapes of many poses fold through themselves
+    /// or are strained by a fifth and more.
     pub fn fit(&self, cut: &Measures, wearer: &Measures) -> Fit {
         let place = |place, garment: f64, body: f64, low, high| Ease {
             place,

@@ -8,8 +8,8 @@ const ROUNDS: usize = 12;
 
 /// Moves interior points so that the smallest angle around each becomes as large as it can.
 ///
-/// Only points at triangles with an angle below `squeezed` degrees move, by a search in eight directions with shrinking steps:
-/// a pattern without squeezed triangles stays as it is.
+/// Only points at triangles with an angle below `squeezed` degrees move, by a search in eight
+/// directions with shrinking steps: a pattern without squeezed triangles stays as it is.
 pub(crate) fn mend(points: &mut [Point2], outline: usize, faces: &[[u32; 3]], squeezed: f64) {
     let squeezed = squeezed.to_radians().sin();
     let mut around: Vec<Vec<usize>> = vec![Vec::new(); points.len()];
@@ -43,7 +43,8 @@ pub(crate) fn mend(points: &mut [Point2], outline: usize, faces: &[[u32; 3]], sq
                     let angle = f64::from(direction) * std::f64::consts::FRAC_PI_4;
                     points[vertex] = [from[0] + step * angle.cos(), from[1] + step * angle.sin()];
                     let found = worst(points, vertex);
-                    // Far away the angles of a ring that is folded over are the smaller the farther.
+                    // Far away the angles of a ring that is folded over are the smaller the
+                    // farther.
                     if found > best + 1e-9 && is_among(points[vertex], &ring) {
                         (best, better) = (found, Some(points[vertex]));
                     }

@@ -78,7 +78,8 @@ pub struct Parameter {
     pub value: f64,
 }
 
-/// Parameters that are less than this share of the way to the end of the range from the default are not blamed.
+/// Parameters that are less than this share of the way to the end of the range from the default are
+/// not blamed.
 const FAR: f64 = 0.5;
 
 /// The values of all parameters of one garment, each within its range.

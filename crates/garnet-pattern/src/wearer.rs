@@ -122,8 +122,8 @@ impl Measures {
         self.shoulder_joint_height() - 0.074 * self.stature
     }
 
-    /// The girth that a waistband at a height is cut for: that of the trunk, or less than the hip's under a
-    /// belly that is wider, since trousers that are cut for the belly fall.
+    /// The girth that a waistband at a height is cut for: that of the trunk, or less than the hip's
+    /// under a belly that is wider, since trousers that are cut for the belly fall.
     pub(crate) fn band_girth(&self, height: f64) -> f64 {
         self.trunk_girth(height).min(WIDEST_BAND * self.hip)
     }
@@ -148,8 +148,8 @@ impl Measures {
 /// A waistband is cut no wider than for this share of the hip.
 const WIDEST_BAND: f64 = 0.97;
 
-/// How the girth goes from the hip (0) to the waist (1): by this power of the height between them. The
-/// hips stay wide a third of the way up; of the built-in body this is within 2 % of its girths.
+/// How the girth goes from the hip (0) to the waist (1): by this power of the height between them.
+/// The hips stay wide a third of the way up; of the built-in body this is within 2 % of its girths.
 const HIGH_HIP: f64 = 1.6;
 
 /// Joints of the left side and the middle of the rest pose, with the names of SMPL.

@@ -12,7 +12,8 @@ const FRAMES_OF_FOLDS: u32 = 3;
 
 /// A body on its way, and the air that goes along with it.
 ///
-/// It is always where the next substeps begin: [`advance`](BodyOnWay::advance) may run beside the substeps before.
+/// It is always where the next substeps begin: [`advance`](BodyOnWay::advance) may run beside the
+/// substeps before.
 pub(crate) struct BodyOnWay<'a> {
     body: MovingBody<'a>,
     skin: Skin,
@@ -57,8 +58,8 @@ impl<'a> BodyOnWay<'a> {
         &self.skin
     }
 
-    /// How far the air next to each garment vertex moves in the frame, in metres, and how loose the cloth
-    /// is there `[vertex]`; empty if the air stands still.
+    /// How far the air next to each garment vertex moves in the frame, in metres, and how loose the
+    /// cloth is there `[vertex]`; empty if the air stands still.
     pub(crate) fn wind(&self) -> &[(Vector3, f32)] {
         &self.wind
     }

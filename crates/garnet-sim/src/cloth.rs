@@ -15,8 +15,9 @@ use garnet_mesh::{MeshError, Topology};
 /// E(x) = Σ_edges ½ k (|xᵢ − xⱼ| − l)² + Σ_hinges ½ b |Σₘ wₘ xₘ|² + Σ_vertices m g y
 /// ```
 ///
-/// with the springs of Van Gelder 1998 (k = Y (A₀ + A₁) / l², a [share](Fabric::compression) of it for edges shorter than l) and the quadratic bending of Bergou
-/// et al. 2006, with a coefficient calibrated on a cantilever ([`BENDING_FACTOR`]).
+/// with the springs of Van Gelder 1998 (k = Y (A₀ + A₁) / l², a [share](Fabric::compression) of it
+/// for edges shorter than l) and the quadratic bending of Bergou et al. 2006, with a coefficient
+/// calibrated on a cantilever ([`BENDING_FACTOR`]).
 ///
 /// # Examples
 ///
@@ -44,7 +45,8 @@ pub struct Cloth {
     spare: Spare,
 }
 
-/// Resistance of an edge to a change of its length: energy ½ k (|x₁ − x₀| − l)², with another k where it is shorter than l.
+/// Resistance of an edge to a change of its length: energy ½ k (|x₁ − x₀| − l)², with another k
+/// where it is shorter than l.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring {
     /// The ends of the edge, the smaller first.
@@ -81,9 +83,9 @@ pub struct BendingHinge {
 
 /// The factor c in the stiffness b = c B / (A₀ + A₁) of a hinge.
 ///
-/// Bergou et al. 2006 have 3, which counts a curvature once along each of three directions of edges.
-/// On equilateral faces, which sewn garments mostly have, theory gives 1 for cylinders and 9/8 for
-/// narrow strips; with 1.05 a heavy cantilever hangs as the elastica does, within 1.1 % for
+/// Bergou et al. 2006 have 3, which counts a curvature once along each of three directions of
+/// edges. On equilateral faces, which sewn garments mostly have, theory gives 1 for cylinders and
+/// 9/8 for narrow strips; with 1.05 a heavy cantilever hangs as the elastica does, within 1.1 % for
 /// gravito-bending numbers from 1 to 100 (`tests/physics/cantilever.rs`).
 pub const BENDING_FACTOR: f32 = 1.05;
 
@@ -207,13 +209,14 @@ impl Cloth {
         &self.springs
     }
 
-    /// Whether a face at an edge was shrunk `[edge]`: ribs and waistbands, which are worn stretched.
+    /// Whether a face at an edge was shrunk `[edge]`: ribs and waistbands, which are worn
+    /// stretched.
     pub fn is_shrunk(&self) -> &[bool] {
         &self.is_shrunk
     }
 
-    /// What friction is multiplied by at each vertex `[vertex]`: the [grip](RestShape::Flat::grip) at shrunk
-    /// faces, 0 at others.
+    /// What friction is multiplied by at each vertex `[vertex]`: the [grip](RestShape::Flat::grip)
+    /// at shrunk faces, 0 at others.
     pub(crate) fn grips(&self) -> Vec<f32> {
         let mut grips = vec![0.0; self.num_vertices()];
         let edges = self.springs.iter().zip(&self.is_shrunk);

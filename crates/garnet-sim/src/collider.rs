@@ -8,8 +8,8 @@ use garnet_mesh::{Topology, TriMesh};
 
 /// The faces of a body, and which part of it each belongs to.
 ///
-/// Parts are numbers below 32 that mean nothing here: two arms, a trunk and two legs, say. They tell
-/// cloth which skin it may rest on, and where two parts face each other.
+/// Parts are numbers below 32 that mean nothing here: two arms, a trunk and two legs, say. They
+/// tell cloth which skin it may rest on, and where two parts face each other.
 #[derive(Debug, Clone)]
 pub struct Collider {
     adjacency: Arc<Adjacency>,

@@ -51,8 +51,8 @@ pub enum Event<'a> {
     },
 }
 
-/// Cloth with an edge that is longer than this over its length at rest has flown apart and is refused.
-/// Lower ones refuse cloth that is torn at one edge alone.
+/// Cloth with an edge that is longer than this over its length at rest has flown apart and is
+/// refused. Lower ones refuse cloth that is torn at one edge alone.
 const FLOWN_APART: f32 = 5.0 * TORN_STRETCH;
 
 /// Speeds are measured over the frames of the last so many seconds.

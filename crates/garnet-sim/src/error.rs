@@ -6,7 +6,8 @@ use garnet_mesh::MeshError;
 
 /// What can be wrong with a fabric, a garment, a collider or a schedule, or go wrong in a run.
 ///
-/// Fields number vertices and faces from 0; texts number the vertices of garments from 1, as OBJ files do, and say so.
+/// Fields number vertices and faces from 0; texts number the vertices of garments from 1, as OBJ
+/// files do, and say so.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimError {

@@ -7,10 +7,12 @@ use crate::SimError;
 /// The membrane is isotropic with Poisson's ratio 1/3, which springs along the edges of a regular
 /// mesh give; warp, weft and shear are not told apart.
 ///
-/// Cloth that is pushed together gives way into folds at almost no force. Folds shorter than the edges of
-/// a mesh have no place in it, so that its edges stand for them: they resist being shortened by a small share of what they resist
-/// being stretched by (the immediate buckling of Choi and Ko 2002, "Stable but responsive cloth"; the relaxed membrane of Pipkin 1986). With
-/// all of it cloth that has too much room, over a raised shoulder say, crumples into folds of the mesh that are others on every way to the same pose.
+/// Cloth that is pushed together gives way into folds at almost no force. Folds shorter than the
+/// edges of a mesh have no place in it, so that its edges stand for them: they resist being
+/// shortened by a small share of what they resist being stretched by (the immediate buckling of
+/// Choi and Ko 2002, "Stable but responsive cloth"; the relaxed membrane of Pipkin 1986). With all
+/// of it cloth that has too much room, over a raised shoulder say, crumples into folds of the mesh
+/// that are others on every way to the same pose.
 ///
 /// # Examples
 ///
@@ -27,7 +29,8 @@ pub struct Fabric {
     pub density: f32,
     /// Young's modulus times thickness, N/m: the force a meter of width that doubles the length.
     pub membrane: f32,
-    /// The share of the membrane's stiffness that acts against being shortened, from 0 to 1: 1 for a sheet that the mesh is fine enough for.
+    /// The share of the membrane's stiffness that acts against being shortened, from 0 to 1: 1 for
+    /// a sheet that the mesh is fine enough for.
     pub compression: f32,
     /// Bending rigidity B, N m: the moment a meter of width over the curvature.
     pub bending: f32,
@@ -45,8 +48,8 @@ pub const DEFAULT_THICKNESS: f32 = 0.003;
 
 /// What [`Fabric::compression`] is unless told otherwise, a share of the stiffness.
 ///
-/// Larger ones let cloth on raised shoulders crumple into folds that depend on the way there; smaller
-/// ones let edges collapse. 0.004 to 1 were tried (docs/experiments/012).
+/// Larger ones let cloth on raised shoulders crumple into folds that depend on the way there;
+/// smaller ones let edges collapse. 0.004 to 1 were tried (docs/experiments/012).
 pub const USUAL_COMPRESSION: f32 = 0.01;
 
 /// The names that [`Fabric::named`] knows.
@@ -73,14 +76,14 @@ impl Fabric {
         Self::of(0.08, 700.0, 3e-6, 0.25)
     }
 
-    /// Single jersey, as light T-shirts are made of. Its folds are as short as the edges of a garment
-    /// of 5000 vertices.
+    /// Single jersey, as light T-shirts are made of. Its folds are as short as the edges of a
+    /// garment of 5000 vertices.
     pub const fn jersey() -> Self {
         Self::of(0.18, 300.0, 5e-6, 0.3)
     }
 
-    /// Interlock and other double knits, as heavy T-shirts are made of: (B / ρ g)^⅓ is 27 mm, two edges
-    /// of a T-shirt of 5000 vertices, so that its mesh can hold the folds.
+    /// Interlock and other double knits, as heavy T-shirts are made of: (B / ρ g)^⅓ is 27 mm, two
+    /// edges of a T-shirt of 5000 vertices, so that its mesh can hold the folds.
     pub const fn interlock() -> Self {
         Self::of(0.25, 1000.0, 5e-5, 0.3)
     }

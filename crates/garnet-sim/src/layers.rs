@@ -8,8 +8,9 @@ use crate::{Cloth, Point3};
 
 /// The distances that vertices keep: what production and reference solver push apart alike.
 ///
-/// The ends of an edge do not repel: the spring holds them apart. A pair that was nearer at the start
-/// than its reach keeps the distance of the start, so that pockets and collars are not blown up.
+/// The ends of an edge do not repel: the spring holds them apart. A pair that was nearer at the
+/// start than its reach keeps the distance of the start, so that pockets and collars are not blown
+/// up.
 #[derive(Debug, Clone)]
 pub(crate) struct Layers {
     topology: Arc<Topology>,

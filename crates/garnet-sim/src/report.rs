@@ -62,8 +62,8 @@ pub struct Speeds {
 /// Vertices with a speed below this count as settled, m/s.
 pub const STILL_SPEED: f32 = 0.005;
 
-/// Vertices of a garment that are *inside* ([`Surface::contains`]) or *trapped* ([`Traps`]): the words
-/// mean what they mean of any drape.
+/// Vertices of a garment that are *inside* ([`Surface::contains`]) or *trapped* ([`Traps`]): the
+/// words mean what they mean of any drape.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Penetration {
@@ -77,13 +77,14 @@ pub struct Penetration {
     pub num_trapped_inside: usize,
 }
 
-/// Vertices of a garment inside the skin that are not *caught by the simulator*: those that contacts
-/// should have kept out. A scene of a data set may have so many and no more.
+/// Vertices of a garment inside the skin that are not *caught by the simulator*: those that
+/// contacts should have kept out. A scene of a data set may have so many and no more.
 ///
-/// A vertex is caught by the simulator if there is no room before its closest point: skin of another
-/// part, or the opposite wall of a slit or crease that the vertex is no deeper in than 15 mm. That is
-/// less than to be [trapped](Traps), which skin near embedded skin is enough for, and more, for slits
-/// trap what is no deeper than 5 mm. Data sets are accepted by this rule and stay what they are.
+/// A vertex is caught by the simulator if there is no room before its closest point: skin of
+/// another part, or the opposite wall of a slit or crease that the vertex is no deeper in than 15
+/// mm. That is less than to be [trapped](Traps), which skin near embedded skin is enough for, and
+/// more, for slits trap what is no deeper than 5 mm. Data sets are accepted by this rule and stay
+/// what they are.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Lost {
@@ -203,8 +204,9 @@ impl Speeds {
     }
 }
 
-/// Cloth no deeper than this next to a slit or a crease is caught in it by the simulator, in metres.
-/// A smaller one rejects scenes with closed armpits, a larger one lets cloth slide into the body there.
+/// Cloth no deeper than this next to a slit or a crease is caught in it by the simulator, in
+/// metres. A smaller one rejects scenes with closed armpits, a larger one lets cloth slide into the
+/// body there.
 const CAUGHT_DEPTH: f32 = 0.015;
 
 impl Penetration {
@@ -258,7 +260,8 @@ enum Place {
     Outside,
     /// Inside, next to skin without room before it.
     Caught,
-    /// Inside, deep next to a slit or crease, before whose skin the opposite wall of the same part is.
+    /// Inside, deep next to a slit or crease, before whose skin the opposite wall of the same part
+    /// is.
     Deep {
         distance: f32,
     },
@@ -286,8 +289,8 @@ fn place(point: Point3, skin: &Surface) -> Place {
     }
 }
 
-/// Puts points `[vertex]` that are inside `skin` before it, where there is room and they are no deeper
-/// than [`MAX_FREED`]; returns how many.
+/// Puts points `[vertex]` that are inside `skin` before it, where there is room and they are no
+/// deeper than [`MAX_FREED`]; returns how many.
 pub(crate) fn free(points: &mut [Point3], skin: &Surface) -> usize {
     let freed = points.par_iter_mut().filter_map(|point| {
         let Place::Inside { way_out } = place(*point, skin) else {
@@ -308,8 +311,8 @@ const MAX_FREED: f32 = 0.02;
 pub struct SelfIntersections {
     /// Pairs with room around them.
     pub num_free: usize,
-    /// Pairs with a vertex that lies where the body has no room for two layers of cloth: in an armpit
-    /// that closes, where limbs run through each other, in crumpled skin.
+    /// Pairs with a vertex that lies where the body has no room for two layers of cloth: in an
+    /// armpit that closes, where limbs run through each other, in crumpled skin.
     pub num_squeezed: usize,
 }
 

@@ -17,12 +17,12 @@ pub enum RestShape {
         /// Place of each corner in the plane `[face][corner]`, in metres. An edge that the faces
         /// give two lengths (a seam) takes their mean.
         corners: Vec<[[f32; 2]; 3]>,
-        /// Length that is aimed at over flat length `[face]`: ribs 0.9, waistbands 0.93, all else 1.
-        /// Empty means 1 everywhere.
+        /// Length that is aimed at over flat length `[face]`: ribs 0.9, waistbands 0.93, all
+        /// else 1. Empty means 1 everywhere.
         shrink: Vec<f32>,
-        /// What the fabric's friction on skin is multiplied by at shrunk faces, which keep all of it
-        /// while the body moves: [`GRIP`] where elastic, buttons or a belt hold them. 0: they hold
-        /// as other cloth does.
+        /// What the fabric's friction on skin is multiplied by at shrunk faces, which keep all of
+        /// it while the body moves: [`GRIP`] where elastic, buttons or a belt hold them. 0: they
+        /// hold as other cloth does.
         grip: f32,
     },
 }

@@ -9,8 +9,8 @@ use garnet_mesh::check_range;
 pub struct Scene<'a> {
     /// The garment.
     pub cloth: &'a Cloth,
-    /// Where its vertices are at the start `[vertex]`, in metres: on the body at time 0, and best at
-    /// rest there. Cloth that is dropped from afar finds other folds for each body.
+    /// Where its vertices are at the start `[vertex]`, in metres: on the body at time 0, and best
+    /// at rest there. Cloth that is dropped from afar finds other folds for each body.
     pub start: &'a [Point3],
     /// What the garment lies on, if anything.
     pub body: Option<MovingBody<'a>>,
@@ -28,8 +28,8 @@ pub struct MovingBody<'a> {
     /// Parts of the body that each garment vertex may touch `[vertex]`: bit k stands for part k.
     /// `None`: all may touch all.
     pub allowed_parts: Option<&'a [u32]>,
-    /// The face of the body that each garment vertex lies on, or one near it, if that is known `[vertex]`: cloth that starts
-    /// near the skin then needs no search for it.
+    /// The face of the body that each garment vertex lies on, or one near it, if that is known
+    /// `[vertex]`: cloth that starts near the skin then needs no search for it.
     pub likely_faces: Option<&'a [u32]>,
 }
 

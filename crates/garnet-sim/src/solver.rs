@@ -27,8 +27,8 @@ pub(crate) struct Solver<'a> {
     /// Length of a substep, in seconds, and how many there are from one refresh to the next.
     step: f32,
     num_substeps: u32,
-    /// Displacement of the air next to each vertex a substep, m, and the share of its velocity against
-    /// it that the vertex loses; empty if it stands still.
+    /// Displacement of the air next to each vertex a substep, m, and the share of its velocity
+    /// against it that the vertex loses; empty if it stands still.
     wind: Vec<Quad>,
     /// Velocity lost to air that stands still, 1/s.
     drag: f32,
@@ -137,8 +137,8 @@ impl<'a> Solver<'a> {
             .set_projection(self.cloth, &self.inverse_masses, projection);
     }
 
-    /// Lets the air move by so much in the next frame around cloth so loose `[vertex]`, in metres; not
-    /// at all if empty.
+    /// Lets the air move by so much in the next frame around cloth so loose `[vertex]`, in metres;
+    /// not at all if empty.
     pub(crate) fn set_wind(&mut self, of_frame: &[(Vector3, f32)]) {
         let per_frame = self.num_substeps * self.schedule.refreshes_per_frame;
         let rate = self.schedule.carry * self.step;
@@ -198,13 +198,14 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Whether each vertex lay where the body has no room for it when the contacts were refreshed last
-    /// `[vertex]`.
+    /// Whether each vertex lay where the body has no room for it when the contacts were refreshed
+    /// last `[vertex]`.
     pub(crate) fn is_squeezed(&self) -> &[bool] {
         &self.contacts.is_squeezed
     }
 
-    /// Takes the substeps from a refresh to the next; another thread, if there is one, does something else meanwhile.
+    /// Takes the substeps from a refresh to the next; another thread, if there is one, does
+    /// something else meanwhile.
     pub(crate) fn step(&mut self, meanwhile: impl FnOnce() + Send) {
         let (schedule, step) = (self.schedule, self.step);
         let pace = Pace {

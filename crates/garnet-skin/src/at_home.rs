@@ -1,8 +1,9 @@
 //! A posed body where the rest body stands, and how it faces.
 //!
-//! How cloth hangs doesn't depend on where a body stands nor on which way it faces. A simulation that starts on the body
-//! at rest would carry the cloth there first, within the same second, and what a network has learned are bodies near their rest. So
-//! shifts and turns about the vertical are taken off before a drape, and put on the result.
+//! How cloth hangs doesn't depend on where a body stands nor on which way it faces. A simulation
+//! that starts on the body at rest would carry the cloth there first, within the same second, and
+//! what a network has learned are bodies near their rest. So shifts and turns about the vertical
+//! are taken off before a drape, and put on the result.
 
 use std::borrow::Cow;
 
@@ -14,11 +15,12 @@ use crate::{Body, PosedBody, SkinError};
 /// A body shifts this far sideways as part of its pose, in metres.
 const OWN_SHIFT: f64 = 0.05;
 
-/// A body comes this far above or below the ground of the rest body as part of its pose, in metres: of who lies, no joint is as low
-/// as the skin.
+/// A body comes this far above or below the ground of the rest body as part of its pose, in metres:
+/// of who lies, no joint is as low as the skin.
 const OWN_RISE: f64 = 0.25;
 
-/// A body turns by this much as part of its pose, in radians. In 4,621 poses of the library the pelvis turns by 24° at most.
+/// A body turns by this much as part of its pose, in radians. In 4,621 poses of the library the
+/// pelvis turns by 24° at most.
 const OWN_TURN: f64 = 0.45;
 
 /// A posed body near its rest, and the way back to where it stands.
@@ -65,15 +67,17 @@ fn moved_by(way: Option<Isometry3<f64>>, mut points: Vec<Point3>) -> Vec<Point3>
 }
 
 impl PosedBody {
-    /// This body without the shift of its root against `rest` and without its turn about the vertical (y): drapes there are drapes
-    /// here.
+    /// This body without the shift of its root against `rest` and without its turn about the
+    /// vertical (y): drapes there are drapes here.
     ///
-    /// Small shifts and turns belong to the pose and are kept, so that a body near its rest stays where it is; larger ones are kept the
-    /// less the larger they are, from twice as large on not at all.
+    /// Small shifts and turns belong to the pose and are kept, so that a body near its rest stays
+    /// where it is; larger ones are kept the less the larger they are, from twice as large on not
+    /// at all.
     ///
     /// # Errors
     ///
-    /// [`SkinError::TransformCount`] if this is another body than `rest`; those of [`Surface::moved`](garnet_knn::Surface::moved).
+    /// [`SkinError::TransformCount`] if this is another body than `rest`; those of
+    /// [`Surface::moved`](garnet_knn::Surface::moved).
     pub fn at_home(&self, rest: &Body) -> Result<BodyAtHome<'_>, SkinError> {
         let transforms = self.posed_from_rest();
         let skeleton = rest.skeleton();
@@ -142,7 +146,8 @@ fn kept(quantity: f64, own: f64) -> f64 {
     (2.0 * own - size).max(0.0).copysign(quantity)
 }
 
-/// How far a rotation turns about y, in radians from −π to π: its twist (Dobrowolski 2015, "Swing-twist decomposition in Clifford algebra").
+/// How far a rotation turns about y, in radians from −π to π: its twist (Dobrowolski 2015,
+/// "Swing-twist decomposition in Clifford algebra").
 fn turn_about_y(rotation: &UnitQuaternion<f64>) -> f64 {
     let half = rotation.j.atan2(rotation.w);
     let turn = 2.0 * half;

@@ -35,8 +35,8 @@ impl Rig {
         Body::new(rest, self.skeleton, self.weights)
     }
 
-    /// Makes a body of the rig and a rest mesh from elsewhere, which must have the vertices that the
-    /// weights are for.
+    /// Makes a body of the rig and a rest mesh from elsewhere, which must have the vertices that
+    /// the weights are for.
     ///
     /// # Errors
     ///
@@ -73,8 +73,8 @@ pub struct Body {
     without_strays: OnceLock<Option<Arc<Self>>>,
 }
 
-/// The surface of a mesh; of one that is open, with its seams closed: files of graphics split vertices along the seams of their
-/// textures.
+/// The surface of a mesh; of one that is open, with its seams closed: files of graphics split
+/// vertices along the seams of their textures.
 fn skin_of(rest: &TriMesh, weights: &SkinWeights) -> Surface {
     let skin = Surface::new(rest);
     if skin.is_closed() {
@@ -123,7 +123,8 @@ fn named_vertices(mesh: &TriMesh) -> Vec<bool> {
 }
 
 impl Body {
-    /// Checks that mesh, skeleton and weights fit together. The faces of a mesh that is inside out are [turned](Body::was_inside_out).
+    /// Checks that mesh, skeleton and weights fit together. The faces of a mesh that is inside out
+    /// are [turned](Body::was_inside_out).
     ///
     /// # Errors
     ///
@@ -154,7 +155,8 @@ impl Body {
         })
     }
 
-    /// Those of `values` `[vertex]` whose vertices are named by a face: the others are no part of the skin.
+    /// Those of `values` `[vertex]` whose vertices are named by a face: the others are no part of
+    /// the skin.
     pub fn of_skin<'a, T>(&'a self, values: &'a [T]) -> impl Iterator<Item = &'a T> {
         let values = values.iter().enumerate();
         let is_named = |vertex: usize| self.is_named.get(vertex).is_none_or(|&named| named);

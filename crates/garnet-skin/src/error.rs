@@ -149,8 +149,8 @@ pub enum SkinError {
     NotRigid {
         /// Name of the joint.
         joint: String,
-        /// Largest entry of `LᵀL - 1`, `L` the linear part, or of the last row less `0 0 0 1`; 2 for
-        /// a mirror.
+        /// Largest entry of `LᵀL - 1`, `L` the linear part, or of the last row less `0 0 0 1`; 2
+        /// for a mirror.
         deviation: f64,
         /// The largest that is allowed.
         tolerance: f64,

@@ -109,8 +109,8 @@ impl Garment {
 
 /// A garment with everything that does not depend on the target body.
 ///
-/// Vertices at one place are one *node* inside; see [`Weld`]. Positions `[node]` are in what ends on
-/// `_nodes`; [`Weld::scatter`] takes them to positions `[vertex]`.
+/// Vertices at one place are one *node* inside; see [`Weld`]. Positions `[node]` are in what ends
+/// on `_nodes`; [`Weld::scatter`] takes them to positions `[vertex]`.
 #[derive(Debug, Clone)]
 pub struct BoundGarment {
     mesh: TriMesh,

@@ -97,7 +97,8 @@ impl Skeleton {
     /// T_j = T_parent(j) · Translate(h_j) · R_j · Translate(-h_j)      h_j: rest position of joint j
     /// ```
     ///
-    /// A root has `Translate(root_translation)` in place of `T_parent`. Products are taken in `f64`.
+    /// A root has `Translate(root_translation)` in place of `T_parent`. Products are taken in
+    /// `f64`.
     ///
     /// # Errors
     ///

@@ -8,8 +8,8 @@ use crate::{DualQuaternion, Point3, SkinWeights};
 /// How the transforms of several joints are blended at a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
-    /// Dual-quaternion skinning (Kavan et al. 2007): every vertex moves rigidly, so limbs keep their
-    /// volume where they twist.
+    /// Dual-quaternion skinning (Kavan et al. 2007): every vertex moves rigidly, so limbs keep
+    /// their volume where they twist.
     #[default]
     DualQuaternion,
     /// Linear blend skinning: the weighted mean of where the joints would put the vertex.
@@ -249,7 +249,8 @@ mod tests {
             for step in 1..=200 {
                 let next = twisted(share, 170.0 + 0.1 * step as f32)[0];
                 approx::assert_relative_eq!(next.coords.norm(), 0.1, epsilon = 1e-6);
-                // A tenth of a degree turns no vertex by more than half a degree off the side change.
+                // A tenth of a degree turns no vertex by more than half a degree off the side
+                // change.
                 if (next - previous).norm() > 0.1 * 0.5_f32.to_radians() {
                     jumps += 1;
                 }

@@ -60,8 +60,8 @@ impl Skeleton {
     }
 }
 
-/// What a mirror makes of the numbers of a joint in [`Body::pose_and_shape`]: of the first two columns of
-/// M R M, of M o, and of the growth, with M = diag(−1, 1, 1).
+/// What a mirror makes of the numbers of a joint in [`Body::pose_and_shape`]: of the first two
+/// columns of M R M, of M o, and of the growth, with M = diag(−1, 1, 1).
 const SIGNS: [f32; Body::NUMBERS_A_JOINT] = [1.0, -1.0, -1.0, -1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0];
 
 /// And of those of the root, which are the direction up.
@@ -69,8 +69,8 @@ const SIGNS_OF_ROOT: [f32; Body::NUMBERS_A_JOINT] =
     [-1.0, 1.0, 1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0];
 
 impl Body {
-    /// What becomes of the numbers of [`Body::pose_and_shape`] if left and right are exchanged: for each
-    /// number the one that takes its place, and its sign.
+    /// What becomes of the numbers of [`Body::pose_and_shape`] if left and right are exchanged: for
+    /// each number the one that takes its place, and its sign.
     pub fn mirrored_numbers(&self, symmetry: &Symmetry) -> Vec<(usize, f32)> {
         let joints = self.skeleton().joints().iter().zip(&symmetry.joints);
         let of_joint = |(joint, &partner): (&Joint, &usize)| {

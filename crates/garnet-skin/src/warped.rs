@@ -60,9 +60,10 @@ impl Body {
 
     /// Numbers that describe pose and shape, [`Body::NUMBERS_A_JOINT`] a joint.
     ///
-    /// Of each joint: the first two columns of its rotation against its parent (of the root: where up
-    /// is, seen from it, and three zeros, for a body may look in any direction); the mean offset of its skin from the skin at rest, in metres; and the
-    /// mean of that offset along the normal at rest, which tells the girth.
+    /// Of each joint: the first two columns of its rotation against its parent (of the root: where
+    /// up is, seen from it, and three zeros, for a body may look in any direction); the mean offset
+    /// of its skin from the skin at rest, in metres; and the mean of that offset along the normal
+    /// at rest, which tells the girth.
     pub fn pose_and_shape(&self, posed: &PosedBody) -> Vec<f32> {
         let joints = self.skeleton().joints();
         let turned = |joint: usize| posed.posed_from_rest()[joint].rotation;

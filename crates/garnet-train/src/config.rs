@@ -33,8 +33,8 @@ pub struct TrainConfig {
     pub epochs: u32,
     /// Scenes whose derivatives are summed up into one step.
     pub accumulate: u32,
-    /// Learning rate of Adam: more learns faster, as long as it rises slowly and derivatives are bounded.
-    /// The paper's is 1e-3. Tried: 1e-3 and 3e-3 (docs/experiments/006-learning-rates.md).
+    /// Learning rate of Adam: more learns faster, as long as it rises slowly and derivatives are
+    /// bounded. The paper's is 1e-3. Tried: 1e-3 and 3e-3 (docs/experiments/006-learning-rates.md).
     pub learning_rate: f64,
     /// How it changes over the steps.
     pub schedule: Schedule,
@@ -138,7 +138,8 @@ impl TrainConfig {
         })
     }
 
-    /// The kind of network that a TOML file names; none if it leaves that to the name of the variant.
+    /// The kind of network that a TOML file names; none if it leaves that to the name of the
+    /// variant.
     ///
     /// # Errors
     ///
@@ -157,7 +158,8 @@ impl TrainConfig {
     ///
     /// # Errors
     ///
-    /// [`TrainError::ConfigText`] with the line, or [`TrainError::Config`] for a number that its field cannot hold.
+    /// [`TrainError::ConfigText`] with the line, or [`TrainError::Config`] for a number that its
+    /// field cannot hold.
     pub fn parse(text: &str) -> Result<Self, TrainError> {
         toml::from_str(text).map_err(|source| {
             Self::out_of_range(text).unwrap_or_else(|| TrainError::ConfigText {
@@ -167,8 +169,8 @@ impl TrainConfig {
         })
     }
 
-    /// The first number of a text that is out of range: those that are too small or too large for the type of their
-    /// field never come to it.
+    /// The first number of a text that is out of range: those that are too small or too large for
+    /// the type of their field never come to it.
     fn out_of_range(text: &str) -> Option<TrainError> {
         let table: toml::Table = toml::from_str(text).ok()?;
         let wrong = |number: &Number| {
@@ -199,8 +201,9 @@ impl TrainConfig {
     ///
     /// # Errors
     ///
-    /// [`TrainError::Config`] with the first number out of range, [`TrainError::NoLoss`] if no term of the loss has a
-    /// weight, [`TrainError::Net`] for a loss or a network that cannot be, and as [`TrainConfig::network_config`].
+    /// [`TrainError::Config`] with the first number out of range, [`TrainError::NoLoss`] if no term
+    /// of the loss has a weight, [`TrainError::Net`] for a loss or a network that cannot be, and as
+    /// [`TrainConfig::network_config`].
     pub fn validate(&self) -> Result<(), TrainError> {
         for number in self.numbers() {
             number.check(number.value)?;
@@ -215,7 +218,8 @@ impl TrainConfig {
         Ok(network.check_size()?)
     }
 
-    /// All numbers but those of the loss and of the network, which have ranges of their own. Any seed will do.
+    /// All numbers but those of the loss and of the network, which have ranges of their own. Any
+    /// seed will do.
     fn numbers(&self) -> [Number; 15] {
         let number = |field, value, min, max| Number {
             field,

@@ -32,8 +32,9 @@ pub enum Candidate {
 }
 
 impl Candidate {
-    /// The model of a file of weights as it is, and with its cloth settled for so many frames, or for as long as
-    /// it does by default. What a model puts where it arrives is no drape before it has settled.
+    /// The model of a file of weights as it is, and with its cloth settled for so many frames, or
+    /// for as long as it does by default. What a model puts where it arrives is no drape before it
+    /// has settled.
     ///
     /// # Errors
     ///
@@ -105,10 +106,11 @@ pub struct Row {
     pub moment: Moment,
     /// For how many frames the cloth settles where the network has put it.
     pub settle: u32,
-    /// Scenes whose cloth flew apart when it was to settle, and was left where the network had put it.
+    /// Scenes whose cloth flew apart when it was to settle, and was left where the network had put
+    /// it.
     pub unsettled: usize,
-    /// Scenes whose bodies are unlike those that the network was trained on, or whose cloth it would have torn, and was
-    /// not moved by it.
+    /// Scenes whose bodies are unlike those that the network was trained on, or whose cloth it
+    /// would have torn, and was not moved by it.
     pub fallbacks: usize,
     /// Weights of the network.
     pub parameters: u64,

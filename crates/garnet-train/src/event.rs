@@ -27,8 +27,8 @@ pub enum TrainEvent {
         round: u32,
         /// How many there will be.
         rounds: u32,
-        /// Mean error of scenes whose bodies and sequences are left out, the root of the mean square over
-        /// the vertices, in metres.
+        /// Mean error of scenes whose bodies and sequences are left out, the root of the mean
+        /// square over the vertices, in metres.
         left_out: f64,
     },
     /// The same of a region of the garment.
@@ -81,7 +81,8 @@ pub enum TrainEvent {
         /// How many there are.
         total: usize,
     },
-    /// How far from the teacher settled drapes are could not be measured; the weights are published without it.
+    /// How far from the teacher settled drapes are could not be measured; the weights are published
+    /// without it.
     NotSettled {
         /// What went wrong.
         why: String,

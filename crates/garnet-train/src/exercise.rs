@@ -49,8 +49,8 @@ impl Exercise {
     ///
     /// # Errors
     ///
-    /// [`TrainError::Config`], [`TrainError::ConfigText`] and [`TrainError::Net`] for what cannot be
-    /// trained or does not fit.
+    /// [`TrainError::Config`], [`TrainError::ConfigText`] and [`TrainError::Net`] for what cannot
+    /// be trained or does not fit.
     pub fn new(
         config: &TrainConfig,
         garment: &TriMesh,

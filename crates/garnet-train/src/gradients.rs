@@ -5,8 +5,8 @@ use burn::optim::GradientsParams;
 use burn::tensor::Tensor;
 use garnet_net::GarNet;
 
-/// Adam keeps squares of derivatives in single precision: larger ones overflow and stop a weight for
-/// good.
+/// Adam keeps squares of derivatives in single precision: larger ones overflow and stop a weight
+/// for good.
 const MAX_DERIVATIVE: f32 = 1e18;
 
 /// The norm of the derivatives by all weights.

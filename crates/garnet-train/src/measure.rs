@@ -17,7 +17,8 @@ pub(crate) struct Measure {
 /// The edges whose stretch is measured.
 #[derive(Debug)]
 enum Edges {
-    /// Against their lengths in the pattern that all wear, in metres; without those of ribs and waistbands.
+    /// Against their lengths in the pattern that all wear, in metres; without those of ribs and
+    /// waistbands.
     Pattern(Vec<RestEdge>),
     /// Against their lengths as each body wears them at rest.
     Worn(Vec<[u32; 2]>),

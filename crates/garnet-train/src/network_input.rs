@@ -4,7 +4,8 @@ use garnet_mesh::{Point3, Vector3};
 use garnet_net::SceneInput;
 use garnet_skin::{PosedBody, WarpedGarment};
 
-/// A scene as networks take it, from the vertices of the body `[body vertex]`, in metres, and their normals, if it asks for them.
+/// A scene as networks take it, from the vertices of the body `[body vertex]`, in metres, and their
+/// normals, if it asks for them.
 pub(crate) fn input_of<'a>(
     warped: &'a WarpedGarment,
     body: &'a [Point3],

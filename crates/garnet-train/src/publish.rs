@@ -33,7 +33,8 @@ pub struct Trained {
     pub epochs_asked: u32,
     /// The scores on the test split, without untangling; none if the split is empty.
     pub test: Option<Scores>,
-    /// Mean distance to the teacher on the test split once the cloth has settled, in metres, if that is known.
+    /// Mean distance to the teacher on the test split once the cloth has settled, in metres, if
+    /// that is known.
     pub settled_error: Option<f64>,
     /// What the package drapes with if no variant is asked for, now.
     pub default: DefaultVariant,
@@ -44,7 +45,8 @@ pub struct Trained {
 pub struct DefaultVariant {
     /// Its name.
     pub name: String,
-    /// Mean distance to the teacher on the validation split of what a drape with it gives, in metres, if that is known.
+    /// Mean distance to the teacher on the validation split of what a drape with it gives, in
+    /// metres, if that is known.
     pub valid_error: Option<f64>,
     /// Why it is the default.
     pub why: WhyDefault,
@@ -227,11 +229,13 @@ pub(crate) struct HasSplits {
     pub(crate) test: bool,
 }
 
-/// Adds a variant to the manifest of a package, and measures on the test split, if there is one, how far from the
-/// teacher its cloth is once it has settled, in metres; the same on the validation split, if its drapes settle.
+/// Adds a variant to the manifest of a package, and measures on the test split, if there is one,
+/// how far from the teacher its cloth is once it has settled, in metres; the same on the validation
+/// split, if its drapes settle.
 ///
-/// That takes longer than all else but the training: the variant is in the manifest before it begins. It is there without
-/// that number, too, if the garment cannot be simulated, or `stop` ends that; the observer is told why.
+/// That takes longer than all else but the training: the variant is in the manifest before it
+/// begins. It is there without that number, too, if the garment cannot be simulated, or `stop` ends
+/// that; the observer is told why.
 pub(crate) fn add_variant(
     folder: &Path,
     stage: &Stage,
@@ -283,8 +287,8 @@ pub(crate) fn add_variant(
     Ok(Some(error))
 }
 
-/// The mean distance to the teacher on a split, in metres, of cloth that has settled where weights put it, and
-/// for how many frames it settles.
+/// The mean distance to the teacher on a split, in metres, of cloth that has settled where weights
+/// put it, and for how many frames it settles.
 fn settled(
     stage: &Stage,
     split: Split,

@@ -67,7 +67,8 @@ pub fn kind_names() -> impl Iterator<Item = &'static str> {
 }
 
 impl Recipe {
-    /// What is trained is of a kind, one of [`kind_names`] or a fine-tuning such as `local-rq`, and has a name of its own.
+    /// What is trained is of a kind, one of [`kind_names`] or a fine-tuning such as `local-rq`, and
+    /// has a name of its own.
     ///
     /// # Errors
     ///
@@ -109,7 +110,8 @@ impl Recipe {
 
     /// Reads a name: `naive`, `global`, `local` or `global-params` start anew; `<variant>-rq`,
     /// `-mc`, `-mcrq` and `-umc` fine-tune `<variant>` with curvature losses (*Gundogdu et al.
-    /// 2020, section 3.4*); `pose-space`, `arrival`, `falling` and `midway` are pose-space deformations; any other name stands for itself.
+    /// 2020, section 3.4*); `pose-space`, `arrival`, `falling` and `midway` are pose-space
+    /// deformations; any other name stands for itself.
     ///
     /// # Errors
     ///

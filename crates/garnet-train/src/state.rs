@@ -34,7 +34,8 @@ const PARTS: [&str; 3] = ["adam", "best", "model"];
 #[serde(deny_unknown_fields)]
 pub(crate) struct Progress {
     pub(crate) schema: String,
-    /// Checksum of this text without it, and of the parts of the file; empty in states of earlier versions.
+    /// Checksum of this text without it, and of the parts of the file; empty in states of earlier
+    /// versions.
     #[serde(default)]
     checksum: String,
     /// The variant that is trained.
@@ -43,7 +44,8 @@ pub(crate) struct Progress {
     pub(crate) config: TrainConfig,
     /// Fingerprint of the data set.
     pub(crate) dataset: String,
-    /// The weights that it started from, by the name of their file and their checksum; none for random ones.
+    /// The weights that it started from, by the name of their file and their checksum; none for
+    /// random ones.
     pub(crate) base: Option<String>,
     /// Checksum of the pose-space deformation that it starts from, if it starts from one.
     #[serde(default)]
@@ -264,16 +266,16 @@ fn checksum(text: &str, parts: [&[u8]; 3]) -> Fingerprint {
     Fingerprint::of_bytes((text.to_owned() + &sums.concat()).as_bytes())
 }
 
-/// The bytes of what an optimizer knows, weight by weight in the order of their names: the optimizer itself has them in
-/// the order of a table that differs from run to run.
+/// The bytes of what an optimizer knows, weight by weight in the order of their names: the
+/// optimizer itself has them in the order of a table that differs from run to run.
 fn canonical(optimizer: &ModuleOptimizer) -> Result<Bytes, RecordError> {
     OptimizerRecord::from_bytes(optimizer.into_bytes()?)?.into_bytes()
 }
 
 /// The optimizer of a model, with what the bytes tell of its weights.
 ///
-/// What is told of weights that the model does not have, or in another form, would be left out without a word, or end
-/// the program.
+/// What is told of weights that the model does not have, or in another form, would be left out
+/// without a word, or end the program.
 fn optimizer_of(model: &GarNet, bytes: &[u8]) -> Result<ModuleOptimizer, String> {
     let mut shapes = Shapes::default();
     model.visit(&mut shapes);

@@ -76,8 +76,8 @@ pub fn training_folder(package: &Path, name: &str) -> PathBuf {
 ///
 /// # Errors
 ///
-/// [`TrainError`]: an old checkpoint and an old state stay as they were. While another run trains the variant, or writes
-/// the package, that is [`DataError::InUse`](garnet_data::DataError::InUse).
+/// [`TrainError`]: an old checkpoint and an old state stay as they were. While another run trains
+/// the variant, or writes the package, that is [`DataError::InUse`](garnet_data::DataError::InUse).
 pub fn train(
     job: &TrainJob,
     observer: &mut dyn FnMut(TrainEvent),

@@ -243,8 +243,8 @@ impl<'a> Cloth<'a> {
         contact
     }
 
-    /// The closest skin of a node that is outside the body and its distance. Where the node's last contacts prove that it
-    /// keeps the clearance, the distance is a lower bound.
+    /// The closest skin of a node that is outside the body and its distance. Where the node's last
+    /// contacts prove that it keeps the clearance, the distance is a lower bound.
     pub(crate) fn closest_outside(&self, node: usize) -> (ClosestPoint, f32) {
         let contact = &self.contacts[node];
         let moved = (self.positions[node] - contact.position).norm();

@@ -10,9 +10,9 @@ use crate::skin_normals::SkinNormals;
 /// Own skin that a node may be inside of is looked for no farther than this, in metres.
 const OWN_REACH: f32 = DEEPEST;
 
-/// Own skin in the pose is behind the cloth if the cosine between their normals is above this: lower
-/// than in the rest pose, for folds turn cloth away from its skin. Lower ones let cloth be pushed
-/// out through the far side of a limb, higher ones lose the skin under folds.
+/// Own skin in the pose is behind the cloth if the cosine between their normals is above this:
+/// lower than in the rest pose, for folds turn cloth away from its skin. Lower ones let cloth be
+/// pushed out through the far side of a limb, higher ones lose the skin under folds.
 const BEHIND_COSINE: f32 = -0.6;
 
 /// Cloth deeper inside its own part of the body returns to the skin that it lies on at rest: the
@@ -23,8 +23,8 @@ const DEEP: f32 = 0.012;
 /// Two walls face each other if the cosine of their normals is below this.
 pub(crate) const OPPOSED_COSINE: f32 = -0.5;
 
-/// Beyond this distance from the skin the direction to it is the normal, in metres; nearer, rounding
-/// decides over that direction.
+/// Beyond this distance from the skin the direction to it is the normal, in metres; nearer,
+/// rounding decides over that direction.
 const MIN_DIRECTION: f32 = 2e-4;
 
 /// A half space that a node must stay in: `normal · x >= offset + clearance`.
@@ -151,7 +151,8 @@ impl ContactFinder<'_> {
         contact
     }
 
-    /// Keeps cloth in front of the nearest skin, its own or foreign, or where it is if it is trapped there.
+    /// Keeps cloth in front of the nearest skin, its own or foreign, or where it is if it is
+    /// trapped there.
     fn keep_side(&self, contact: &mut Contact, reach: f32) {
         let Contact {
             position, closest, ..
@@ -174,7 +175,8 @@ impl ContactFinder<'_> {
         }
     }
 
-    /// Skin that faces a wall, if there is less room between the two than cloth is to keep from both.
+    /// Skin that faces a wall, if there is less room between the two than cloth is to keep from
+    /// both.
     fn opposite_wall(&self, position: Point3, hint: u32, wall: &Plane) -> Option<Plane> {
         let faces_it = |face: u32| self.normals.face(face).dot(&wall.normal) < OPPOSED_COSINE;
         let room = 2.0 * self.clearance - wall.height(position);

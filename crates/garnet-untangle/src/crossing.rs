@@ -41,7 +41,8 @@ impl Crossing {
         Ok(Self { surface, faces })
     }
 
-    /// Tests the faces of `moved` nodes, and those that crossed before, once these nodes were moved.
+    /// Tests the faces of `moved` nodes, and those that crossed before, once these nodes were
+    /// moved.
     pub(crate) fn refresh(
         &mut self,
         cloth: &Cloth<'_>,
@@ -73,7 +74,8 @@ pub(crate) fn crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
     faces
 }
 
-/// The faces of a garment that cross skin with room before it, which lies in no other part of the body and no slit, sorted.
+/// The faces of a garment that cross skin with room before it, which lies in no other part of the
+/// body and no slit, sorted.
 pub fn free_crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
     let pairs = garment.intersections(skin).into_iter();
     let free = pairs.filter(|&[_, face]| skin.room_before_face(face) == Room::Free);

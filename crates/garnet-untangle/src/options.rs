@@ -14,16 +14,16 @@ pub struct UntangleOptions {
     /// Edges are so while more than 0.5 % of them are longer than this over their rest length.
     /// Infinite for none.
     pub relax_beyond: f32,
-    /// Over which length of cloth a push dies out, in metres. Longer is smoother and moves more cloth,
-    /// shorter keeps folds and strains the cloth around a push.
+    /// Over which length of cloth a push dies out, in metres. Longer is smoother and moves more
+    /// cloth, shorter keeps folds and strains the cloth around a push.
     pub push_length: f32,
     /// How often contacts are found anew while the cloth is pushed out.
     pub contact_rounds: usize,
     /// How often cloth whose triangles still cross the skin is lifted further.
     pub crossing_rounds: usize,
-    /// Whether cloth is on the right side of the skin but for millimetres: it then leaves by the skin
-    /// nearest to it. Where it is trapped it stays where it is, and between two walls that leave it too
-    /// little room, in the middle.
+    /// Whether cloth is on the right side of the skin but for millimetres: it then leaves by the
+    /// skin nearest to it. Where it is trapped it stays where it is, and between two walls that
+    /// leave it too little room, in the middle.
     pub keeps_sides: bool,
 }
 
@@ -50,17 +50,18 @@ const DRAPED_STRETCH: f32 = 1.03;
 const DRAPED_RELAX_BEYOND: f32 = 1.05;
 
 /// Pushes into predicted drapes die out within this, in metres: less than into warps, which are
-/// deeper in the skin. Tried: 20 to 80 mm (docs/experiments/010). Below 50 mm cloth tears under arms.
+/// deeper in the skin. Tried: 20 to 80 mm (docs/experiments/010). Below 50 mm cloth tears under
+/// arms.
 const DRAPED_PUSH_LENGTH: f32 = 0.05;
 
-/// Pushes into simulated cloth die out within this, in metres: about the length of a fold. Tried: 15
-/// to 50 mm (docs/experiments/011). Longer ones let more of the cloth cross itself.
+/// Pushes into simulated cloth die out within this, in metres: about the length of a fold. Tried:
+/// 15 to 50 mm (docs/experiments/011). Longer ones let more of the cloth cross itself.
 const SIMULATED_PUSH_LENGTH: f32 = 0.02;
 
 impl UntangleOptions {
-    /// The same for garments that lie as a network predicts: they have hardly more strain than cloth
-    /// has, and lie in the skin by millimetres here and there, where a warp is strained and may lie in
-    /// it by centimetres.
+    /// The same for garments that lie as a network predicts: they have hardly more strain than
+    /// cloth has, and lie in the skin by millimetres here and there, where a warp is strained and
+    /// may lie in it by centimetres.
     #[must_use]
     pub fn for_drapes(self) -> Self {
         Self {
@@ -71,8 +72,8 @@ impl UntangleOptions {
         }
     }
 
-    /// The same for garments that were simulated: they lie as cloth does, so that edges are kept as they
-    /// are, and are too near to the skin here and there alone, on their side of it
+    /// The same for garments that were simulated: they lie as cloth does, so that edges are kept as
+    /// they are, and are too near to the skin here and there alone, on their side of it
     /// (docs/experiments/011).
     #[must_use]
     pub fn for_simulated(self) -> Self {

@@ -1,9 +1,9 @@
 //! Moving the cloth: each node to where its neighbours want it, then in front of the skin.
 //!
-//! A sweep is one step of projected Gauss-Seidel for: least squared deviation of the
-//! edges from those of the relaxed warp, held by a screening, under the half spaces of the contacts.
-//! Small regions are swept in place. Of large ones, blocks of nodes are, and see the other blocks as
-//! they were before the sweep, so that the result does not depend on the number of threads.
+//! A sweep is one step of projected Gauss-Seidel for: least squared deviation of the edges from
+//! those of the relaxed warp, held by a screening, under the half spaces of the contacts. Small
+//! regions are swept in place. Of large ones, blocks of nodes are, and see the other blocks as they
+//! were before the sweep, so that the result does not depend on the number of threads.
 
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -57,9 +57,9 @@ struct Pull {
 }
 
 impl<'a> Sweeper<'a> {
-    /// Draws nodes to `anchors`, each by its area over the square of the length over which pushes die
-    /// out, and keeps the edges at the anchors, brought into the range of stretch; edges that are
-    /// overstretched are pulled back to its upper end.
+    /// Draws nodes to `anchors`, each by its area over the square of the length over which pushes
+    /// die out, and keeps the edges at the anchors, brought into the range of stretch; edges that
+    /// are overstretched are pulled back to its upper end.
     pub(crate) fn new(
         graph: &'a ClothGraph,
         anchors: &'a [Point3],

@@ -1,9 +1,10 @@
 //! Leaving a part of the body that cloth does not belong to.
 //!
 //! Where an arm reaches through a skirt, the nearest skin would send one node to the front of the
-//! arm and its neighbour to the back, and tear the cloth. So nodes that hang together leave together,
-//! in one direction. Where the arm is pressed into the skin that the cloth belongs to, a way ends at
-//! that skin, inside the arm: cloth caught between two parts of the body stays between them.
+//! arm and its neighbour to the back, and tear the cloth. So nodes that hang together leave
+//! together, in one direction. Where the arm is pressed into the skin that the cloth belongs to, a
+//! way ends at that skin, inside the arm: cloth caught between two parts of the body stays between
+//! them.
 
 use garnet_knn::Passage;
 use garnet_mesh::{Point3, Vector3};
@@ -17,23 +18,25 @@ use crate::lengths::DEEPEST;
 /// No way out is longer than this, in metres.
 const MAX_LENGTH: f32 = DEEPEST;
 
-/// Room between two parts of the body that counts as outside, in metres: less than twice the default
-/// clearance, so that cloth between an arm and the trunk is squeezed and not sent through both.
+/// Room between two parts of the body that counts as outside, in metres: less than twice the
+/// default clearance, so that cloth between an arm and the trunk is squeezed and not sent through
+/// both.
 const MIN_GAP: f32 = 0.003;
 
-/// Steps in which a way out of a body with holes is probed, in metres. Parts thinner than this may be
-/// stepped over.
+/// Steps in which a way out of a body with holes is probed, in metres. Parts thinner than this may
+/// be stepped over.
 const STEP: f32 = 0.005;
 
-/// Cloth that is caught between its own skin and another part is no farther from its own than this, less
-/// the clearance, in metres.
+/// Cloth that is caught between its own skin and another part is no farther from its own than this,
+/// less the clearance, in metres.
 const CAUGHT_HEIGHT: f32 = 0.007;
 
 /// Halvings of the step in which such a way out ends.
 const HALVINGS: usize = 4;
 
 /// A node that finds no way out in a direction counts as if it had this way, in metres: longer than
-/// any, but so that a direction by which most of a patch gets out is better than a long one for all.
+/// any, but so that a direction by which most of a patch gets out is better than a long one for
+/// all.
 const NO_WAY_LENGTH: f32 = 2.0 * MAX_LENGTH;
 
 /// At most this many nodes of a patch are asked for the direction. More take longer, and change the
@@ -44,9 +47,9 @@ const MAX_SAMPLES: usize = 12;
 /// less than this cosine, else along the way.
 const MIN_COSINE: f32 = 0.2;
 
-/// Gives the nodes among `found` that are inside foreign parts a direction to leave them by, one for
-/// each connected patch of such nodes, and their half spaces. `directions` `[node]` are kept from
-/// round to round. A way that leads straight to the side the cloth belongs to may be
+/// Gives the nodes among `found` that are inside foreign parts a direction to leave them by, one
+/// for each connected patch of such nodes, and their half spaces. `directions` `[node]` are kept
+/// from round to round. A way that leads straight to the side the cloth belongs to may be
 /// `home_preference` times as long as one that leads straight away from it.
 pub(crate) fn find_ways_out(
     finder: &ContactFinder<'_>,
@@ -226,8 +229,8 @@ impl Start {
         }
     }
 
-    /// The first place along `direction` that is in no more parts of the body than it may be, or at the
-    /// node's own skin.
+    /// The first place along `direction` that is in no more parts of the body than it may be, or at
+    /// the node's own skin.
     fn exit(&self, finder: &ContactFinder<'_>, direction: Vector3) -> Option<Exit> {
         if self.parts <= self.own_parts {
             return Some(exit_near(finder, self.position, 0.0));
@@ -256,7 +259,8 @@ impl Start {
         None
     }
 
-    /// Whether a way comes upon the node's own skin from in front of it, where another part lies on it.
+    /// Whether a way comes upon the node's own skin from in front of it, where another part lies on
+    /// it.
     fn is_caught_at(&self, finder: &ContactFinder<'_>, passage: &Passage, place: Point3) -> bool {
         passage.turn < 0
             && finder.binding.is_own(self.node, passage.face)

@@ -1,9 +1,9 @@
 //! How open the surroundings of what is seen are: creases and contacts are dark, ridges bright.
 //!
-//! Ambient occlusion from the picture alone (Shanmugam and Arikan 2007, with an
-//! estimator like that of Bavoil and Sainz 2008): points around a pixel that rise above its tangent plane take light away.
-//! Two radii work together: the smaller draws folds, the larger rounds limbs off and grounds one
-//! surface on another.
+//! Ambient occlusion from the picture alone (Shanmugam and Arikan 2007, with an estimator like that
+//! of Bavoil and Sainz 2008): points around a pixel that rise above its tangent plane take light
+//! away. Two radii work together: the smaller draws folds, the larger rounds limbs off and grounds
+//! one surface on another.
 
 use nalgebra::{Rotation2, Vector2, Vector3};
 use rayon::prelude::*;

@@ -1,8 +1,9 @@
-//! Writes the golden drapes of `tests/it/golden` anew: `cargo run -p garnet-tests --bin make-golden`.
+//! Writes the golden drapes of `tests/it/golden` anew:
+//! `cargo run -p garnet-tests --bin make-golden`.
 //!
 //! Drapes of the warp and of the simulator that moved are written only under a new version of
-//! [`GENERATOR`]: data sets that exist were made by the old one. For whoever chooses other scenes it
-//! says how far noise at the start moves each drape.
+//! [`GENERATOR`]: data sets that exist were made by the old one. For whoever chooses other scenes
+//! it says how far noise at the start moves each drape.
 
 #![allow(clippy::print_stdout, reason = "a program that reports")]
 

@@ -140,8 +140,8 @@ impl Figure {
         self.positions.get(joint).copied().unwrap_or_default()
     }
 
-    /// The vector of a bone at rest: from the joint of `role` to the next joint of the limb. Nothing
-    /// for the head, the hands, the balls of the feet and bones without length.
+    /// The vector of a bone at rest: from the joint of `role` to the next joint of the limb.
+    /// Nothing for the head, the hands, the balls of the feet and bones without length.
     pub(crate) fn bone(&self, role: Role) -> Option<Direction> {
         let (from, to) = self.bone_joints(role)?;
         let bone = self.position(to) - self.position(from);

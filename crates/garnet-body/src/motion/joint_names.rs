@@ -143,7 +143,8 @@ pub fn role_names(role: Role) -> &'static [&'static str] {
         Role::Head => &["head"],
         // SMPL, classic BVH, DAZ | MakeHuman, Unreal | 3ds Max biped | CMU BVH, Mixamo, Rigify
         Role::Collar(_) => &["collar", "clavicle", "clav", "shoulder"],
-        // MakeHuman | Unreal, Rigify, VRM, 3ds Max | others | DAZ, Poser | Acclaim | CMU BVH, Mixamo
+        // MakeHuman | Unreal, Rigify, VRM, 3ds Max | others | DAZ, Poser | Acclaim | CMU BVH,
+        // Mixamo
         // | SMPL, classic BVH
         Role::Shoulder(_) => &[
             "upperarm01",

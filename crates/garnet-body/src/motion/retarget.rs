@@ -66,8 +66,8 @@ impl<'a> Retarget<'a> {
     ///
     /// # Errors
     ///
-    /// [`RetargetError::MissingJoints`] if one of them is no human figure: collarbones, balls of the
-    /// feet, fingers and toes may be missing.
+    /// [`RetargetError::MissingJoints`] if one of them is no human figure: collarbones, balls of
+    /// the feet, fingers and toes may be missing.
     pub fn new(
         motion: &'a Motion,
         target: &'a Skeleton,

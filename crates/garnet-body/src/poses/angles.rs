@@ -106,8 +106,8 @@ impl BodyAngles {
     }
 
     /// All angles in degrees: pelvis, spine and neck (flexion, side, turn); left and right leg
-    /// (flexion, abduction, rotation, knee, ankle); left and right arm (shrug, protraction, flexion,
-    /// abduction, rotation, elbow, pronation, wrist, deviation).
+    /// (flexion, abduction, rotation, knee, ankle); left and right arm (shrug, protraction,
+    /// flexion, abduction, rotation, elbow, pronation, wrist, deviation).
     pub fn to_array(&self) -> [f64; NUM_ANGLES] {
         let mut copy = *self;
         copy.angles_mut().map(|angle| *angle)

@@ -1,7 +1,7 @@
 //! How deep the parts of a posed body run into each other.
 //!
-//! The depth of two parts is the largest distance from a vertex of one that lies inside the other to
-//! the other's skin, either way round. Skin always folds where a limb bends, and skinned flesh,
+//! The depth of two parts is the largest distance from a vertex of one that lies inside the other
+//! to the other's skin, either way round. Skin always folds where a limb bends, and skinned flesh,
 //! unlike real one, does not give way there. Parts that hang on each other are therefore judged
 //! away from their joint only: vertices within [`CREASE`] times the radius of the limb at the joint
 //! (armpit, elbow pit, groin, knee pit) are left out. At elbow and knee the flesh beyond them meets
@@ -220,8 +220,8 @@ impl SelfContact {
     }
 }
 
-/// What of a part is tested against another: nothing for head and trunk, the vertices near the joint
-/// and the others apart for neighbors.
+/// What of a part is tested against another: nothing for head and trunk, the vertices near the
+/// joint and the others apart for neighbors.
 fn pairs_of(
     body: &Body,
     figure: &Figure,

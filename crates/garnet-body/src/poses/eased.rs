@@ -1,11 +1,13 @@
 //! Keeping the parts of a body apart through a motion.
 //!
-//! A pose by itself is [corrected](SelfContact::separated) until its parts touch lightly at most, but which joint gives
-//! way, and by how much, may change from one frame to the next: hands would jump. Here all frames are pushed apart by a
-//! little, the turns of each joint are smoothed over time, and the contacts are measured anew, some rounds.
+//! A pose by itself is [corrected](SelfContact::separated) until its parts touch lightly at most,
+//! but which joint gives way, and by how much, may change from one frame to the next: hands would
+//! jump. Here all frames are pushed apart by a little, the turns of each joint are smoothed over
+//! time, and the contacts are measured anew, some rounds.
 //!
-//! Turns are found at moments of the motion that lie [`STRIDE`] apart, no farther than [`REACH`] from the frames that are
-//! asked for, and interpolated between them: which frames those are matters by millimetres, where ways out are clear.
+//! Turns are found at moments of the motion that lie [`STRIDE`] apart, no farther than [`REACH`]
+//! from the frames that are asked for, and interpolated between them: which frames those are
+//! matters by millimetres, where ways out are clear.
 
 use std::{collections::BTreeSet, ops::RangeInclusive};
 
@@ -21,16 +23,20 @@ const ROUNDS: u32 = 8;
 /// Standard deviation of the smoothing, in seconds.
 const SMOOTHING: f64 = 0.07;
 
-/// How far apart the moments are for which turns are found, in seconds; frames of slower motions are all taken.
+/// How far apart the moments are for which turns are found, in seconds; frames of slower motions
+/// are all taken.
 const STRIDE: f64 = 1.0 / 30.0;
 
-/// How far before and after a frame the motion is looked at, in seconds: some three standard deviations of all rounds together.
+/// How far before and after a frame the motion is looked at, in seconds: some three standard
+/// deviations of all rounds together.
 const REACH: f64 = 0.6;
 
-/// Seconds from frame to frame that are believed; motions that tell others are taken for ones of 30 frames a second.
+/// Seconds from frame to frame that are believed; motions that tell others are taken for ones of 30
+/// frames a second.
 const FRAME_TIMES: RangeInclusive<f64> = 1e-4..=10.0;
 
-/// Turns of the joints in a pose, as axes times angles in radians, each about its joint in the joint's own frame `[joint]`.
+/// Turns of the joints in a pose, as axes times angles in radians, each about its joint in the
+/// joint's own frame `[joint]`.
 pub type Turns = Vec<Vector3<f32>>;
 
 /// How long a motion is, and how fast.
@@ -50,9 +56,9 @@ pub fn turn(pose: &mut Pose, turns: &[Vector3<f32>]) {
 }
 
 impl SelfContact {
-    /// The turns that keep the parts of the body apart in poses that follow each other by so many seconds `[pose][joint]`, as far
-    /// as that goes smoothly: where parts come together fast they may run into each other by more than the options
-    /// allow.
+    /// The turns that keep the parts of the body apart in poses that follow each other by so many
+    /// seconds `[pose][joint]`, as far as that goes smoothly: where parts come together fast they
+    /// may run into each other by more than the options allow.
     ///
     /// # Errors
     ///
@@ -83,7 +89,8 @@ impl SelfContact {
                 Ok(Some(turns_between(given, &pose)))
             });
             let pushed: Vec<Option<Turns>> = pushed.collect::<Result<_, SkinError>>()?;
-            // Once something gives way all rounds are taken, as smoothing goes on where nothing is left to push.
+            // Once something gives way all rounds are taken, as smoothing goes on where nothing is
+            // left to push.
             if pushed.iter().all(Option::is_none) && turns.iter().all(is_still) {
                 break;
             }
@@ -95,8 +102,8 @@ impl SelfContact {
         Ok(turns)
     }
 
-    /// The turns that keep the parts of the body apart in frames of a motion `[frame][joint]`, whose
-    /// poses of this body `poses_of` gives by their numbers.
+    /// The turns that keep the parts of the body apart in frames of a motion `[frame][joint]`,
+    /// whose poses of this body `poses_of` gives by their numbers.
     ///
     /// Whichever other frames are asked for, a frame's turns are the same but for millimetres,
     /// except where a limb may leave another part by several ways.
@@ -157,7 +164,8 @@ fn mixed(before: &[Vector3<f32>], after: &[Vector3<f32>], share: f32) -> Turns {
         .collect()
 }
 
-/// Half of a bell, from its middle, with a standard deviation of so many frames; no longer than `num_frames`.
+/// Half of a bell, from its middle, with a standard deviation of so many frames; no longer than
+/// `num_frames`.
 fn bell(deviation: f64, num_frames: usize) -> Vec<f32> {
     let deviation = deviation.max(f64::MIN_POSITIVE);
     let reach = ((3.0 * deviation).floor() as usize).min(num_frames);

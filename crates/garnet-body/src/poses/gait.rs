@@ -1,12 +1,12 @@
 //! The gait cycle.
 //!
 //! Angles of hip, knee and ankle over a stride at natural speed, as read from the curves of Perry
-//! and Burnfield, *Gait Analysis*, 2nd edition 2010, chapters 3 to 6, at the borders of their phases
-//! (initial contact 0 %, loading 12 %, mid stance 31 %, terminal stance 50 %, pre-swing 62 %, initial
-//! swing 75 %, mid swing 87 %). For comparison: Winter, *The Biomechanics and Motor Control of Human
-//! Gait*, 1991, table 3.3(b). Pelvis and arms: Murray, Drought and Kory 1964 and Murray 1967: the
-//! pelvis turns 5 and drops 4 degrees to each side, the shoulder swings from 24 degrees of extension
-//! to 8 of flexion, the elbow bends between 16 and 40 degrees.
+//! and Burnfield, *Gait Analysis*, 2nd edition 2010, chapters 3 to 6, at the borders of their
+//! phases (initial contact 0 %, loading 12 %, mid stance 31 %, terminal stance 50 %, pre-swing 62
+//! %, initial swing 75 %, mid swing 87 %). For comparison: Winter, *The Biomechanics and Motor
+//! Control of Human Gait*, 1991, table 3.3(b). Pelvis and arms: Murray, Drought and Kory 1964 and
+//! Murray 1967: the pelvis turns 5 and drops 4 degrees to each side, the shoulder swings from 24
+//! degrees of extension to 8 of flexion, the elbow bends between 16 and 40 degrees.
 //!
 //! The numbers were entered without these books at hand and are not checked against them; expect
 //! single angles to be off by 5 degrees or so.

@@ -2,10 +2,10 @@
 //!
 //! [`BodyAngles`] describe a pose as a physiotherapist does, in degrees of flexion, abduction and
 //! rotation from upright standing with hanging arms. A [`Poser`] turns them into a
-//! [`Pose`](garnet_skin::Pose) of any human skeleton, whatever its rest pose: arms at 0 degrees hang
-//! on every body. [`SEQUENCES`] are chains of key poses; a [`PoseSampler`] draws poses along them
-//! and along the gait cycle, with noise inside the ranges of motion. [`SelfContact`] measures how
-//! deep the parts of a posed body run into each other and pushes them apart.
+//! [`Pose`](garnet_skin::Pose) of any human skeleton, whatever its rest pose: arms at 0 degrees
+//! hang on every body. [`SEQUENCES`] are chains of key poses; a [`PoseSampler`] draws poses along
+//! them and along the gait cycle, with noise inside the ranges of motion. [`SelfContact`] measures
+//! how deep the parts of a posed body run into each other and pushes them apart.
 //!
 //! ```no_run
 //! use garnet_body::poses::{PoseSampler, Poser, SelfContact};

@@ -20,9 +20,9 @@ use crate::motion::{Figure, RetargetError, Role, Side, smallest_rotation};
 
 type Rotation = nalgebra::UnitQuaternion<f64>;
 
-/// How the shoulder girdle goes along with the arm. Of the elevation beyond 30 degrees about a third
-/// is the girdle's (Inman, Saunders and Abbott 1944, figure 22: 60 of 180 degrees). Skeletons here
-/// have one joint for it, the collarbone's: it rises by 0.18 degrees for each degree and tilts
+/// How the shoulder girdle goes along with the arm. Of the elevation beyond 30 degrees about a
+/// third is the girdle's (Inman, Saunders and Abbott 1944, figure 22: 60 of 180 degrees). Skeletons
+/// here have one joint for it, the collarbone's: it rises by 0.18 degrees for each degree and tilts
 /// backwards by 0.20 where the arm swings forwards, together 0.27. More draws the chest up so far
 /// that it grows.
 const GIRDLE_ELEVATION: f64 = 0.18;
@@ -43,8 +43,8 @@ const KNEE_CLEARANCE: f64 = 0.065;
 /// Height of the wrist above the ground in leaning on the hand, in lengths of the leg.
 const WRIST_CLEARANCE: f64 = 0.04;
 
-/// Length of the hand beyond the wrist, in lengths of the leg (Winter 2009, figure 4.1: 0.108 of the
-/// stature against 0.491).
+/// Length of the hand beyond the wrist, in lengths of the leg (Winter 2009, figure 4.1: 0.108 of
+/// the stature against 0.491).
 const HAND_LENGTH: f64 = 0.2;
 
 /// Shares of flexion, side bend and turn that a joint of the spine takes, from pelvis to chest: the
@@ -121,9 +121,10 @@ impl Poser {
         &self.skeleton
     }
 
-    /// The pose of these angles. Legs that stand on the ground reach it: the one that is longer bends
-    /// until both do, or a lunge rises. Elbows bend before hands run into the ground. The pelvis is above the origin; the lowest joint is about as high above y = 0
-    /// as the skin asks for.
+    /// The pose of these angles. Legs that stand on the ground reach it: the one that is longer
+    /// bends until both do, or a lunge rises. Elbows bend before hands run into the ground. The
+    /// pelvis is above the origin; the lowest joint is about as high above y = 0 as the skin asks
+    /// for.
     pub fn pose(&self, angles: &BodyAngles) -> Pose {
         let angles = self.planted(angles);
         self.placed(&self.stance(&angles))

@@ -1,14 +1,14 @@
 //! Ranges of motion of the joints.
 //!
 //! The usual ranges are those of the American Academy of Orthopaedic Surgeons, *Joint Motion:
-//! Method of Measuring and Recording*, 1965, as reprinted in Norkin and White, *Measurement of Joint
-//! Motion*, 5th edition 2016, appendix A; those of the collarbone and the hips of trained dancers
-//! are from Kapandji, *The Physiology of the Joints*, 6th edition 2007/2010, volume 1 section
-//! "The sternoclavicular joint" and volume 2 section "Movements of the hip". The range of trained
-//! people is what a pose of the library may use; noise never leaves the usual range.
+//! Method of Measuring and Recording*, 1965, as reprinted in Norkin and White, *Measurement of
+//! Joint Motion*, 5th edition 2016, appendix A; those of the collarbone and the hips of trained
+//! dancers are from Kapandji, *The Physiology of the Joints*, 6th edition 2007/2010, volume 1
+//! section "The sternoclavicular joint" and volume 2 section "Movements of the hip". The range of
+//! trained people is what a pose of the library may use; noise never leaves the usual range.
 //!
-//! The numbers were entered without these books at hand and are not checked against them: each is an
-//! approximation, rounded to 5 degrees.
+//! The numbers were entered without these books at hand and are not checked against them: each is
+//! an approximation, rounded to 5 degrees.
 
 use super::{BodyAngles, angles::NUM_ANGLES};
 

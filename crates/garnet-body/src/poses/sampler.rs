@@ -19,8 +19,8 @@ const MAX_TRIES: u32 = 8;
 const MAX_TURNED_AREA: f64 = 30e-4;
 
 /// Draws poses: by group in the shares of [`Group::percent`], within a group any sequence of its
-/// set, within a sequence any phase, left and right exchanged in half of them, with noise inside the
-/// ranges of motion. Or [mixed](Self::mixed) of several such draws.
+/// set, within a sequence any phase, left and right exchanged in half of them, with noise inside
+/// the ranges of motion. Or [mixed](Self::mixed) of several such draws.
 ///
 /// A pose depends on seed and number alone: poses can be drawn in any order, on any thread.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,8 +111,9 @@ impl PoseSampler {
         Self { noise, ..self }
     }
 
-    /// Poses that are put together: trunk and legs between two draws in half of them, arms of another
-    /// draw or of two in three of four. They go beyond what single sequences have, inside the ranges of motion.
+    /// Poses that are put together: trunk and legs between two draws in half of them, arms of
+    /// another draw or of two in three of four. They go beyond what single sequences have, inside
+    /// the ranges of motion.
     #[must_use]
     pub const fn mixed(self, is_mixed: bool) -> Self {
         Self { is_mixed, ..self }
@@ -141,8 +142,8 @@ impl PoseSampler {
     }
 
     /// The pose of a number on a body: corrected if its parts run into each other, drawn anew from
-    /// the same sequence if that does not help or the shoulders' skin is turned over (30 cm² at most,
-    /// else the least of all draws), and put on the ground.
+    /// the same sequence if that does not help or the shoulders' skin is turned over (30 cm² at
+    /// most, else the least of all draws), and put on the ground.
     ///
     /// # Errors
     ///
@@ -374,7 +375,8 @@ mod tests {
             other_trunks += u32::from((plain.spine, plain.legs) != (mixed.spine, mixed.legs));
             assert!(plain.arms == mixed.arms || !mixed.hands_planted);
         }
-        // Arms stay in an eighth, trunk and legs in a half; three standard deviations of 400 are 20 and 30.
+        // Arms stay in an eighth, trunk and legs in a half; three standard deviations of 400 are 20
+        // and 30.
         assert!((330..=370).contains(&other_arms), "{other_arms}");
         assert!((170..=230).contains(&other_trunks), "{other_trunks}");
     }

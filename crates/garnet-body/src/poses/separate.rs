@@ -3,8 +3,8 @@
 //! Every contact that is too deep asks its vertex to leave the other part by the shortest way. How
 //! far a turn of a shoulder, elbow, hip or knee on the way between the two parts moves them against
 //! each other is known from the skeleton; the smallest turns that fulfil all wishes at once are
-//! taken (damped least squares, as in inverse kinematics), a few degrees at a time, and the contacts
-//! measured anew. Feet that stand keep their direction.
+//! taken (damped least squares, as in inverse kinematics), a few degrees at a time, and the
+//! contacts measured anew. Feet that stand keep their direction.
 
 use garnet_skin::{Pose, Skeleton, SkinError};
 use nalgebra::{DMatrix, DVector, Unit, Vector3};

@@ -7,22 +7,22 @@
 //!
 //! How the numbers of this file were computed:
 //!
-//! - **Means.** Of 18 dimensions over the whole survey (stature; chest, waist, buttock, thigh, calf,
-//!   neck, head, flexed biceps and flexed forearm circumference; biacromial and hip breadth; chest
-//!   depth; radiale-stylion length; acromial, cervicale, waist and mid-patella height). The other 14
-//!   by regression on those 18 within the sample below, which is what the survey's mean would be if
-//!   the sample's regressions hold.
+//! - **Means.** Of 18 dimensions over the whole survey (stature; chest, waist, buttock, thigh,
+//!   calf, neck, head, flexed biceps and flexed forearm circumference; biacromial and hip breadth;
+//!   chest depth; radiale-stylion length; acromial, cervicale, waist and mid-patella height). The
+//!   other 14 by regression on those 18 within the sample below, which is what the survey's mean
+//!   would be if the sample's regressions hold.
 //! - **Spread and correlation** of the logarithms, about the mean of each sex and pooled over both:
 //!   from a sample of 60 records: one run of 28 women and one of 32 men, each with a few records
-//!   skipped (58 degrees of freedom). The correlations are shrunk by 0.92 towards zero, so that no conditional mean leans on noise. The
-//!   standard error of a correlation of 0.5 is 0.1.
+//!   skipped (58 degrees of freedom). The correlations are shrunk by 0.92 towards zero, so that no
+//!   conditional mean leans on noise. The standard error of a correlation of 0.5 is 0.1.
 //!
 //! Checks against the whole survey's 1st and 99th percentiles: buttock circumference has a spread
 //! of 0.071 (women) and 0.075 (men) there and 0.072 here, calf 0.080 and 0.075 against 0.065, ankle
 //! 0.070 and 0.066 against 0.052, wrist 0.050 and 0.051 against 0.045.
 //!
-//! ANSUR II measures flexed arms and has neither a knee nor an under-bust girth. What is assumed for
-//! those stands at [`super::population_model`].
+//! ANSUR II measures flexed arms and has neither a knee nor an under-bust girth. What is assumed
+//! for those stands at [`super::population_model`].
 
 /// A dimension of the survey.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

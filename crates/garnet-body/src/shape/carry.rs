@@ -20,7 +20,8 @@ const NEXT_TO: f64 = 1e-4;
 /// A step goes no farther than this, in metres.
 const MAX_STEP: f64 = 0.02;
 
-/// Rounds of smoothing that take out what the projection has sheared; each group is projected again.
+/// Rounds of smoothing that take out what the projection has sheared; each group is projected
+/// again.
 const SMOOTHING_ROUNDS: [usize; 2] = [12, 10];
 
 /// Rounds that spread folded vertices out, and how often each moves them to the mean of their

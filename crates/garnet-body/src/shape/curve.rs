@@ -6,8 +6,8 @@ const NUM_SAMPLES: usize = 128;
 /// `K` functions of a parameter from 0 to 1 that pass close by given values, without ridges.
 ///
 /// Monotone cubic interpolation keeps the values from overshooting, but bends abruptly at each of
-/// them, which shows as a ridge on a lofted surface. So its samples are smoothed with a Gaussian and
-/// interpolated by uniform cubic splines.
+/// them, which shows as a ridge on a lofted surface. So its samples are smoothed with a Gaussian
+/// and interpolated by uniform cubic splines.
 #[derive(Debug, Clone)]
 pub(crate) struct Curves<const K: usize> {
     /// Spline coefficients, one before the first sample and two after the last.

@@ -32,8 +32,8 @@ const UNFOLDINGS_ON_SURFACE: usize = 2;
 /// Fitting ends when every girth is this close, relative.
 const GIRTH_TOLERANCE: f64 = 2e-3;
 
-/// The inseam, in metres, and for how many rounds it is waited for: thighs that meet below the crotch
-/// leave it no room.
+/// The inseam, in metres, and for how many rounds it is waited for: thighs that meet below the
+/// crotch leave it no room.
 const INSEAM_TOLERANCE: f64 = 2e-3;
 const ROUNDS_FOR_INSEAM: usize = 6;
 
@@ -170,8 +170,8 @@ struct Fit {
     /// What the body shall weigh, if no girth says so.
     mass: Option<f64>,
     unknowns: Unknowns,
-    /// What is added to the height of the crotch, in metres. The mesh may have no room for it between
-    /// the thighs, so that it is no unknown that others could lean on.
+    /// What is added to the height of the crotch, in metres. The mesh may have no room for it
+    /// between the thighs, so that it is no unknown that others could lean on.
     crotch: f64,
     /// Errors over unknowns.
     slopes: SMatrix<f64, NUM_UNKNOWNS, NUM_UNKNOWNS>,

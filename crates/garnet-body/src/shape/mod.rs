@@ -3,8 +3,8 @@
 //! A few measures are enough: [`BodyParameters`] says what is known, the statistics of a population
 //! complete the rest, and [`ParametricBody::build`] makes a mesh on which a tape measures what was
 //! asked for. In between stands a smooth signed-distance function of lofted sections and blended
-//! solids ([`BodySurface`]); one template mesh is carried onto its zero set, so that the vertices of
-//! all bodies correspond. [`Population`] draws random bodies.
+//! solids ([`BodySurface`]); one template mesh is carried onto its zero set, so that the vertices
+//! of all bodies correspond. [`Population`] draws random bodies.
 //!
 //! ```
 //! use garnet_body::shape::{BodyParameters, Measure, ParametricBody};

@@ -15,7 +15,8 @@ pub const SAMPLED_BMI: [f64; 2] = [17.0, 36.0];
 /// Draws are repeated until one fits; this many never all fail.
 const MAX_DRAWS: usize = 2000;
 
-/// A waist that is narrower beside the hip than this cannot always be built: whether it can is tried.
+/// A waist that is narrower beside the hip than this cannot always be built: whether it can is
+/// tried.
 const SAFE_HIP_OVER_WAIST: f64 = 1.32;
 
 /// The measures that a random body is given.
@@ -40,8 +41,9 @@ const DRAWN: [Measure; 15] = [
 /// The population of both sexes, from which bodies are drawn.
 ///
 /// Every other body is a woman. All dimensions are drawn together from their joint distribution, so
-/// that slim and heavy bodies, long legs, broad shoulders, narrow waists and wide hips come as often
-/// as they do; statures outside 1.50-1.95 m and body mass indices outside 17-36 are drawn again.
+/// that slim and heavy bodies, long legs, broad shoulders, narrow waists and wide hips come as
+/// often as they do; statures outside 1.50-1.95 m and body mass indices outside 17-36 are drawn
+/// again.
 ///
 /// Body `i` of a seed does not depend on how many are drawn, nor on the order.
 ///

@@ -1,8 +1,8 @@
 //! The joint distribution of body dimensions, and what to expect of those that are not given.
 //!
-//! The logarithms of all dimensions are jointly normal about the mean of the sex, so a body of which
-//! some measures are known has a most likely completion: the conditional mean. With the observation
-//! matrix `H`, the known logarithms `y`, the mean `μ` and the covariance `Σ`:
+//! The logarithms of all dimensions are jointly normal about the mean of the sex, so a body of
+//! which some measures are known has a most likely completion: the conditional mean. With the
+//! observation matrix `H`, the known logarithms `y`, the mean `μ` and the covariance `Σ`:
 //!
 //! ```text
 //! x = μ + Σ Hᵀ (H Σ Hᵀ)⁻¹ (y - H μ)
@@ -16,8 +16,8 @@
 //! - Under-bust girth: `chest^0.6 waist^0.4`, scaled so that the mean is 0.93 (men) or 0.86 (women)
 //!   of the mean chest girth, spread 0.025 about that. An assumption too.
 //!
-//! The survey's upper arm and forearm girths are of the flexed arm; the hanging arm is taken as 0.93
-//! and 0.96 of them.
+//! The survey's upper arm and forearm girths are of the flexed arm; the hanging arm is taken as
+//! 0.93 and 0.96 of them.
 
 use nalgebra::{DMatrix, DVector};
 

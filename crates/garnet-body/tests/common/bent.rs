@@ -48,8 +48,8 @@ impl Hinge {
 ///
 /// The ring at the joint is every vertex within 12 mm, at rest, of the plane through the joint that
 /// halves the angle of the two bones; its radius is the distance from the joint in that plane. On
-/// the outer side every vertex within 60 mm counts too, with its distance from the nearer of the two
-/// bones. The same vertices are compared.
+/// the outer side every vertex within 60 mm counts too, with its distance from the nearer of the
+/// two bones. The same vertices are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct BentRing {
     /// The largest growth of a radius, relative.

@@ -18,7 +18,8 @@ pub(crate) struct BodyArgs {
     /// Skeleton and weights of BODY [default: `<body>.rig.npz` beside it].
     #[arg(long, value_name = "FILE", requires = "own")]
     pub(crate) rig: Option<PathBuf>,
-    /// Where the OBJ goes, with `<name>.rig.npz` beside it; a folder for several, or if it ends with `/`.
+    /// Where the OBJ goes, with `<name>.rig.npz` beside it; a folder for several, or if it ends
+    /// with `/`.
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
     /// From 0 (male) to 1 (female), or `male` or `female` [default: 0.5].

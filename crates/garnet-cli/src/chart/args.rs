@@ -32,8 +32,8 @@ pub(crate) struct ChartArgs {
     /// variants].
     #[arg(long, value_name = "NAME|FILE", value_delimiter = ',')]
     model: Vec<String>,
-    /// Drape by networks also with the cloth simulated for so many frames of 1/60 s; 0 leaves that out
-    /// [default: as `drape` takes, see docs/reference/options.md].
+    /// Drape by networks also with the cloth simulated for so many frames of 1/60 s; 0 leaves that
+    /// out [default: as `drape` takes, see docs/reference/options.md].
     #[arg(long, hide_short_help = true, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
     /// Drape so many scenes, evenly spread over the split.

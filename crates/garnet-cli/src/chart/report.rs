@@ -51,7 +51,8 @@ pub(super) struct MethodReport {
     pub(super) settle_frames: u32,
     /// Whether this simulation made the targets: it has no distance from them.
     pub(super) is_target: bool,
-    /// Whether no other is better in time and distance; a target has the noise floor as its distance.
+    /// Whether no other is better in time and distance; a target has the noise floor as its
+    /// distance.
     pub(super) is_on_front: bool,
     pub(super) threads: usize,
     /// Multiplications and additions of a forward pass.

@@ -73,8 +73,8 @@ pub(crate) struct DatasetArgs {
     /// Who wears what [default: made-to-measure for jeans and with --vary, one-size for all else].
     #[arg(long, value_name = "SIZING", conflicts_with = "import")]
     pub(crate) sizing: Option<SizingName>,
-    /// Draw a parameter of the pattern for each body, in centimetres or per cent, of garments that are
-    /// made to measure; may be given several times.
+    /// Draw a parameter of the pattern for each body, in centimetres or per cent, of garments that
+    /// are made to measure; may be given several times.
     #[arg(long, hide_short_help = true, value_name = "NAME=MIN:MAX", value_parser = variation, conflicts_with = "import")]
     pub(crate) vary: Vec<(String, [f64; 2])>,
     /// Keep the scenes that the checks would reject, to look at them.
@@ -83,7 +83,8 @@ pub(crate) struct DatasetArgs {
     /// Make the K-th of N parts of the data set, each on a machine of its own.
     #[arg(long, hide_short_help = true, value_name = "K/N", default_value = "1/1", value_parser = part, conflicts_with = "import")]
     pub(crate) shard: (u32, u32),
-    /// Take drapes made elsewhere: a manifest, or a folder laid out as the shirts of Wang et al. 2018.
+    /// Take drapes made elsewhere: a manifest, or a folder laid out as the shirts of Wang et
+    /// al. 2018.
     #[arg(long, value_name = "JSON|DIR")]
     pub(crate) import: Option<PathBuf>,
     /// Name of the body's OBJ in each sample of such a folder.
@@ -119,9 +120,11 @@ pub(crate) enum QualityName {
 pub(crate) enum UntilName {
     /// Until the cloth rests.
     Rest,
-    /// Until the body comes to its last place, a third of the work: more scenes for `train --variant arrival --more`.
+    /// Until the body comes to its last place, a third of the work: more scenes for
+    /// `train --variant arrival --more`.
     Arrival,
-    /// Until the body is halfway to it, a fifth of the work: more scenes for `train --variant midway --more`.
+    /// Until the body is halfway to it, a fifth of the work: more scenes for
+    /// `train --variant midway --more`.
     Midway,
 }
 

@@ -62,7 +62,8 @@ pub(crate) fn run(args: &DatasetArgs, console: &Console) -> anyhow::Result<ExitS
     }
 }
 
-/// Refuses what is for an import alone: the parser does not, since the options that exclude an import have defaults.
+/// Refuses what is for an import alone: the parser does not, since the options that exclude an
+/// import have defaults.
 fn check_import(args: &DatasetArgs) -> anyhow::Result<()> {
     let given = [
         (args.body_file.is_some(), "--body-file"),

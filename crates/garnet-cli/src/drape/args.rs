@@ -33,16 +33,16 @@ pub(crate) struct DrapeArgs {
     /// dqs, warp, sim, or a network of the package by its name (naive, global, local, params …).
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = MethodName::parse)]
     method: MethodName,
-    /// Take the most accurate network of the package that drapes within this time on this machine, in
-    /// milliseconds.
+    /// Take the most accurate network of the package that drapes within this time on this machine,
+    /// in milliseconds.
     #[arg(long, value_name = "MS", value_parser = milliseconds, conflicts_with = "tolerance", allow_negative_numbers = true)]
     budget: Option<f64>,
     /// Take the cheapest network of the package that is within this distance of the teacher in the
     /// mean, in millimetres.
     #[arg(long, value_name = "MM", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Simulate the cloth for so many frames of 1/60 s from where it was put [default: by the method,
-    /// see docs/reference/options.md].
+    /// Simulate the cloth for so many frames of 1/60 s from where it was put
+    /// [default: by the method, see docs/reference/options.md].
     #[arg(long, hide_short_help = true, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
     /// Smallest distance between cloth and skin, in millimetres.
@@ -54,8 +54,8 @@ pub(crate) struct DrapeArgs {
     /// End with 1 if cloth is deeper in the body than this, in millimetres.
     #[arg(long, hide_short_help = true, value_name = "MM", value_parser = millimetres, allow_negative_numbers = true)]
     max_penetration: Option<f32>,
-    /// End with 1 if more faces of the garment than this cross the skin, as in `--max-crossing 0`; those at vertices
-    /// that are trapped where the body runs through itself do not count.
+    /// End with 1 if more faces of the garment than this cross the skin, as in `--max-crossing 0`;
+    /// those at vertices that are trapped where the body runs through itself do not count.
     #[arg(long, value_name = "FACES", allow_negative_numbers = true)]
     max_crossing: Option<usize>,
     /// Write the report as JSON; `-` is stdout.
@@ -308,7 +308,8 @@ impl Job {
         Ok(job)
     }
 
-    /// Where the one output goes that `path` names, of a folder into that; several outputs have a folder of their own.
+    /// Where the one output goes that `path` names, of a folder into that; several outputs have a
+    /// folder of their own.
     fn named(&mut self, path: PathBuf) -> anyhow::Result<PathBuf> {
         if self.folder.is_some() {
             output::check_output_folder(&path)?;

@@ -32,7 +32,8 @@ struct CandidateReport {
     /// Mean distance to the teacher on the test scenes of its training.
     error_m: Option<f64>,
     flop: Option<f64>,
-    /// About how long a drape takes here; none if the package does not say, or if accuracy was asked for.
+    /// About how long a drape takes here; none if the package does not say, or if accuracy was
+    /// asked for.
     seconds: Option<f64>,
 }
 

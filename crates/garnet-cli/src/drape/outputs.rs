@@ -27,7 +27,8 @@ pub(super) fn outputs_on(targets: &[Target], job: &Job) -> Vec<PathBuf> {
     }
 }
 
-/// Refuses outputs that would take the place of the garment, a scene, a body, a rig, a pose or a part of a package that is read.
+/// Refuses outputs that would take the place of the garment, a scene, a body, a rig, a pose or a
+/// part of a package that is read.
 pub(super) fn check_outputs(
     prepared: &Prepared,
     outputs: &[PathBuf],

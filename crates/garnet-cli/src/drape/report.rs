@@ -1,4 +1,5 @@
-//! The report of `drape` and `simulate`: `garnet.drape/1`, `garnet.simulate/1`. Lengths are metres, times seconds.
+//! The report of `drape` and `simulate`: `garnet.drape/1`, `garnet.simulate/1`. Lengths are metres,
+//! times seconds.
 
 use garnet::{
     TriMesh,
@@ -146,8 +147,8 @@ pub(crate) struct SimulationReport {
 pub(crate) struct PenetrationReport {
     pub(crate) inside: usize,
     pub(crate) deepest_m: f32,
-    /// Vertices of simulated cloth that are trapped, inside or not; none of warped cloth, where all that
-    /// is inside counts.
+    /// Vertices of simulated cloth that are trapped, inside or not; none of warped cloth, where all
+    /// that is inside counts.
     pub(crate) trapped: Option<usize>,
     /// Trapped vertices inside the body.
     pub(crate) trapped_inside: Option<usize>,

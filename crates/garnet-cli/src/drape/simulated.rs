@@ -80,7 +80,8 @@ impl Simulated {
         }
     }
 
-    /// Where the frames of a target go, if they are written: in a folder of its own if there are several.
+    /// Where the frames of a target go, if they are written: in a folder of its own if there are
+    /// several.
     fn frames_of(&self, bound: &Bound, target: &Target) -> Option<PathBuf> {
         let folder = self.frames.as_ref()?;
         if bound.targets.len() < 2 {
@@ -96,7 +97,8 @@ impl Simulated {
         output::make_folder(of_target)
     }
 
-    /// Moves the body from rest to its target, with the garment on it. Frames are where the target is.
+    /// Moves the body from rest to its target, with the garment on it. Frames are where the target
+    /// is.
     pub(super) fn drape<'a>(
         &self,
         (bound, draper): (&Bound, &Draper),
@@ -155,7 +157,8 @@ fn frame_name(number: u64) -> String {
     format!("frame_{number:04}.obj")
 }
 
-/// Removes the frames that a longer simulation has left in a folder, and the temporary files of a killed one.
+/// Removes the frames that a longer simulation has left in a folder, and the temporary files of a
+/// killed one.
 fn remove_after(folder: &Path, last: u64) -> anyhow::Result<()> {
     remove_stale_temporaries(folder);
     let cannot = || format!("cannot remove older frames in `{}`", folder.display());

@@ -61,8 +61,8 @@ pub(crate) enum Problem {
     Fallback(String, bool),
     /// The cloth was left where the network put it, and why.
     Unsettled(String),
-    /// The reference solver has not brought the cloth into balance in so many steps, and the largest
-    /// force left over, in mean weights of a vertex.
+    /// The reference solver has not brought the cloth into balance in so many steps, and the
+    /// largest force left over, in mean weights of a vertex.
     OutOfBalance(usize, f64),
 }
 
@@ -401,7 +401,8 @@ fn of_skin_at_rest(garment: &BoundGarment) -> Option<Problem> {
 /// Edges away from trapped places longer than this share of their length at rest are torn.
 const TORN_STRETCH: f32 = 2.0;
 
-/// A garment of which 1 % of the edges are longer than this, over their length at rest, is strained.
+/// A garment of which 1 % of the edges are longer than this, over their length at rest, is
+/// strained.
 const TIGHT_STRETCH: f32 = 1.25;
 
 /// Whether cloth is longer than it can be, or much of it longer than it should be.

@@ -32,8 +32,8 @@ pub(crate) struct EvalArgs {
     /// The scenes to measure on; models are chosen by `valid` and judged by `test`.
     #[arg(long, value_name = "SPLIT", default_value = "test")]
     split: SplitName,
-    /// Measure networks also with the cloth simulated for so many frames of 1/60 s; 0 leaves that out
-    /// [default: as `drape` takes, see docs/reference/options.md].
+    /// Measure networks also with the cloth simulated for so many frames of 1/60 s; 0 leaves that
+    /// out [default: as `drape` takes, see docs/reference/options.md].
     #[arg(long, hide_short_help = true, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
     /// Measure drapes as the networks leave them only.
@@ -96,8 +96,8 @@ impl EvalArgs {
     }
 }
 
-/// Skinning, warp, and models of a package in a folder by name or file, each also settled; all of the
-/// package if none are named.
+/// Skinning, warp, and models of a package in a folder by name or file, each also settled; all of
+/// the package if none are named.
 pub(crate) fn candidates(
     folder: &Path,
     package: &GarmentPackage,

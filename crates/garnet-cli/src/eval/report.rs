@@ -33,7 +33,8 @@ pub(crate) struct EvalReport {
 #[derive(Debug, Serialize)]
 pub(crate) struct MethodReport {
     pub(crate) name: String,
-    /// For how many frames of a sixtieth of a second the cloth settles where the network has put it.
+    /// For how many frames of a sixtieth of a second the cloth settles where the network has put
+    /// it.
     pub(crate) settle_frames: u32,
     /// Whether it is a drape only once it has settled.
     pub(crate) has_to_settle: bool,
@@ -159,7 +160,8 @@ impl fmt::Display for EvalReport {
 struct Line<'a> {
     name: &'a str,
     scores: &'a Scores,
-    /// The time of a scene; none of the teacher, which is not simulated here and differs from itself by nothing.
+    /// The time of a scene; none of the teacher, which is not simulated here and differs from
+    /// itself by nothing.
     seconds: Option<f64>,
     /// What untangling left.
     left: Option<Left>,

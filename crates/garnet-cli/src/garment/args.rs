@@ -53,8 +53,8 @@ pub(crate) struct PatternOptions {
     /// Cut it in a size, XS to 3XL, instead of to the measures of the body.
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) size: Option<Size>,
-    /// Body to cut it for and to put it on: an OBJ of the built-in body at rest with its rig, or the
-    /// rig [default: the mean of both sexes, 172 cm].
+    /// Body to cut it for and to put it on: an OBJ of the built-in body at rest with its rig, or
+    /// the rig [default: the mean of both sexes, 172 cm].
     #[arg(long, value_name = "BODY")]
     pub(crate) body: Option<PathBuf>,
     /// Fabric: silk, jersey, interlock, cotton, knit or denim [default: that of the garment].
@@ -86,8 +86,8 @@ pub(crate) struct OwnArgs {
     /// Name of the garment [default: that of the file].
     #[arg(long, value_name = "NAME", value_parser = name)]
     pub(crate) name: Option<String>,
-    /// Unit of the OBJ files: m, dm, cm, mm or auto; or two, of garment and body: `cm,m`. Packages are in
-    /// metres.
+    /// Unit of the OBJ files: m, dm, cm, mm or auto; or two, of garment and body: `cm,m`. Packages
+    /// are in metres.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = units)]
     pub(crate) units: SceneUnits,
     /// Axis of the OBJ files that points up. In packages it is y.

@@ -82,7 +82,8 @@ fn check_apart(folder: &Path, own: &OwnArgs) -> anyhow::Result<()> {
     output::check_apart(&package, &inputs.collect::<Vec<_>>())
 }
 
-/// Refuses a folder with trained networks, which would be left with another garment than they have learned.
+/// Refuses a folder with trained networks, which would be left with another garment than they have
+/// learned.
 fn check_free(folder: &Path) -> anyhow::Result<()> {
     const ADVICE: &str = "name another folder with `-o`, or remove this one first";
     if !GarmentPackage::is_at(folder) {

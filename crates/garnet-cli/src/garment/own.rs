@@ -19,7 +19,8 @@ use crate::{
     failure::{Hint, refused},
 };
 
-/// Makes a package of a garment in metres with y up, once it is known that `drape` and `simulate` take it.
+/// Makes a package of a garment in metres with y up, once it is known that `drape` and `simulate`
+/// take it.
 pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
     if own.rest_body.is_none() && own.rig.is_none() {
         return Err(refused(

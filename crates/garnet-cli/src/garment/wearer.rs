@@ -39,7 +39,8 @@ fn is_coarse(mesh: &TriMesh) -> bool {
     mesh.faces() == ParametricBody::coarse_faces()
 }
 
-/// The error of a body whose measures are not known, with the file that it came from if there is one.
+/// The error of a body whose measures are not known, with the file that it came from if there is
+/// one.
 pub(super) fn unknown(path: Option<&Path>, mesh: &TriMesh) -> anyhow::Error {
     let body = path.map_or_else(
         || "this body".to_owned(),

@@ -215,8 +215,8 @@ pub(super) fn is_shard(path: &Path) -> bool {
         .is_some_and(|folder| folder.ends_with("shards"))
 }
 
-/// By the name of the file: a shard, a manifest of a data set or of an import, a folder of shirts, or
-/// else a mesh.
+/// By the name of the file: a shard, a manifest of a data set or of an import, a folder of shirts,
+/// or else a mesh.
 pub(super) fn for_foreign(path: &Path) -> &'static str {
     let extension = path.extension().unwrap_or_default();
     if path.ends_with("dataset.json") {

@@ -7,7 +7,8 @@ pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
     (least <= 1 + name.chars().count() / 4).then_some(near)
 }
 
-/// How many letters are to be added, left out or changed to come from one word to another (*Levenshtein 1966*).
+/// How many letters are to be added, left out or changed to come from one word to another
+/// (*Levenshtein 1966*).
 fn changes(from: &str, to: &str) -> usize {
     let mut row: Vec<usize> = (0..=to.chars().count()).collect();
     for (index, letter) in from.chars().enumerate() {

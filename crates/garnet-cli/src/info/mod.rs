@@ -32,8 +32,8 @@ use table::Table;
 /// Arguments of `info`.
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// Meshes (OBJ), rigs (npz, GLB, glTF, JSON), scenes and poses (JSON), motions (BVH, npz), folders of garment
-    /// packages.
+    /// Meshes (OBJ), rigs (npz, GLB, glTF, JSON), scenes and poses (JSON), motions (BVH, npz),
+    /// folders of garment packages.
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 }

@@ -21,16 +21,19 @@ pub(crate) struct TrainArgs {
     /// Data set of the garment.
     #[arg(value_name = "DATASET")]
     pub(crate) dataset: PathBuf,
-    /// Name of the variant [default: that of its kind]. A kind is a name, too; a name of your own needs `--kind`, unless
-    /// the package has it, the configuration says the `kind`, or `--from` does.
+    /// Name of the variant [default: that of its kind]. A kind is a name, too; a name of your own
+    /// needs `--kind`, unless the package has it, the configuration says the `kind`, or `--from`
+    /// does.
     #[arg(long, value_name = "NAME")]
     variant: Option<String>,
-    /// What is trained: naive, global, local, global-params, local-params; with -rq, -mc, -mcrq or -umc after it, that
-    /// variant is fine-tuned; pose-space, falling, arrival, midway: a deformation told by pose and shape alone, of where
-    /// cloth rests or where it is on its way there [default: what the name says, else local].
+    /// What is trained: naive, global, local, global-params, local-params; with -rq, -mc, -mcrq
+    /// or -umc after it, that variant is fine-tuned; pose-space, falling, arrival, midway: a
+    /// deformation told by pose and shape alone, of where cloth rests or where it is on its way
+    /// there [default: what the name says, else local].
     #[arg(long, value_name = "KIND", conflicts_with = "resume")]
     pub(super) kind: Option<String>,
-    /// Make the variant the one that `garnet drape` takes, whichever is the best on the validation split.
+    /// Make the variant the one that `garnet drape` takes, whichever is the best on the validation
+    /// split.
     #[arg(long)]
     default: bool,
     /// Read the configuration from a TOML file.
@@ -61,8 +64,9 @@ pub(crate) struct TrainArgs {
     /// Start from these weights, in their size.
     #[arg(long, value_name = "WEIGHTS", conflicts_with_all = ["resume", "preset"])]
     pub(super) from: Option<PathBuf>,
-    /// Learn from the training bodies of this data set, too: for `--variant falling`, and for `arrival` or `midway`, from
-    /// `garnet dataset --until` that, with another seed. May be given several times.
+    /// Learn from the training bodies of this data set, too: for `--variant falling`, and for
+    /// `arrival` or `midway`, from `garnet dataset --until` that, with another seed. May be given
+    /// several times.
     #[arg(long, value_name = "DATASET")]
     more: Vec<PathBuf>,
     /// Go on with a training that was interrupted.

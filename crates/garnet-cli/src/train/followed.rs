@@ -11,7 +11,8 @@ use crate::{
     hints::{advised, nearest},
 };
 
-/// Refuses what would be left out of account. A variant that the package has is trained anew as what it is.
+/// Refuses what would be left out of account. A variant that the package has is trained anew as
+/// what it is.
 pub(super) fn check(args: &TrainArgs, recipe: &mut Recipe) -> anyhow::Result<()> {
     if args.resume {
         // What was begun goes on as it was.
@@ -81,8 +82,8 @@ fn check_size(args: &TrainArgs, recipe: &Recipe) -> anyhow::Result<()> {
     ))
 }
 
-/// Refuses a name that says nothing where nothing else says what is to be trained: it may be a mistyped one, and a
-/// training takes hours.
+/// Refuses a name that says nothing where nothing else says what is to be trained: it may be a
+/// mistyped one, and a training takes hours.
 fn check_name(args: &TrainArgs, recipe: &Recipe) -> anyhow::Result<()> {
     if recipe.says_what() || args.from.is_some() {
         return Ok(());

@@ -35,7 +35,8 @@ struct DefaultReport {
     variant: String,
     /// Mean distance to the teacher on the validation split, if it is known.
     valid_error_m: Option<f64>,
-    /// `asked`, `best` on validation, or `unknown`: how good it is there is not known, and so it stays.
+    /// `asked`, `best` on validation, or `unknown`: how good it is there is not known, and so it
+    /// stays.
     why: &'static str,
 }
 

@@ -42,7 +42,8 @@ pub struct DatasetOptions {
     pub until: Moment,
     /// Who wears what.
     pub sizing: Sizing,
-    /// Sewing parameters that are drawn for each body; garments that are cut to measure alone have any.
+    /// Sewing parameters that are drawn for each body; garments that are cut to measure alone have
+    /// any.
     pub vary: Variations,
     /// Above these a scene is rejected.
     pub limits: Limits,
@@ -124,11 +125,11 @@ struct Pending {
 ///
 /// # Errors
 ///
-/// [`DataError::OtherDataset`] if the folder holds another data set, [`DataError::InUse`] while another run
-/// writes shards of this part, [`DataError::FewFit`], [`DataError::ForeignBody`],
-/// [`DataError::Pattern`] for variations that the pattern does not allow, [`DataError::VariedTemplate`],
-/// [`DataError::Stopped`] after `stop` was set, or that a file cannot be read or written. A scene
-/// that cannot be simulated is a rejection, not an error.
+/// [`DataError::OtherDataset`] if the folder holds another data set, [`DataError::InUse`] while
+/// another run writes shards of this part, [`DataError::FewFit`], [`DataError::ForeignBody`],
+/// [`DataError::Pattern`] for variations that the pattern does not allow,
+/// [`DataError::VariedTemplate`], [`DataError::Stopped`] after `stop` was set, or that a file
+/// cannot be read or written. A scene that cannot be simulated is a rejection, not an error.
 pub fn generate(
     package: &GarmentPackage,
     folder: &Path,

@@ -13,8 +13,8 @@ const TRIES: u32 = 100;
 
 /// A part of a data set that this run alone writes, until the value is dropped.
 ///
-/// Each part has a file that its run keeps locked; the system unlocks it when the process ends, in whatever way.
-/// Parts of other numbers that share shards exclude each other, too.
+/// Each part has a file that its run keeps locked; the system unlocks it when the process ends, in
+/// whatever way. Parts of other numbers that share shards exclude each other, too.
 #[derive(Debug)]
 pub(super) struct Lock {
     /// None once it is given back.
@@ -51,7 +51,8 @@ impl Lock {
         Err(in_use(layout, None))
     }
 
-    /// Refuses a part that shares shards with one that is being made, and removes what killed runs have left.
+    /// Refuses a part that shares shards with one that is being made, and removes what killed runs
+    /// have left.
     fn check_others(&self, layout: &Layout, part: (u32, u32)) -> Result<(), DataError> {
         let failed = |source| DataError::read(&self.folder, source);
         let own = self.file.as_ref().map(FileLock::path);
@@ -94,7 +95,8 @@ fn part_of(name: &str) -> Option<(u32, u32)> {
     Some((part.checked_sub(1)?, num_parts.parse().ok()?))
 }
 
-/// Whether a shard may be in both parts: those of a part are its number and the number of parts apart.
+/// Whether a shard may be in both parts: those of a part are its number and the number of parts
+/// apart.
 fn share_shards((a, num_a): (u32, u32), (b, num_b): (u32, u32)) -> bool {
     let (mut divisor, mut rest) = (num_a, num_b);
     while rest != 0 {

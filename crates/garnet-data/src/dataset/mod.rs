@@ -41,7 +41,8 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// [`DataError::NoDataset`] for a folder of other files, or another [`DataError`] that names the file.
+    /// [`DataError::NoDataset`] for a folder of other files, or another [`DataError`] that names
+    /// the file.
     pub fn open(folder: &Path) -> Result<Self, DataError> {
         let layout = Layout {
             folder: folder.to_path_buf(),

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::SceneReport;
 
-/// A part of the data: models learn from one, are chosen on the second, and are judged on the third.
+/// A part of the data: models learn from one, are chosen on the second, and are judged on the
+/// third.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Split {
@@ -59,13 +60,15 @@ pub struct SceneRecord {
     pub sequence: String,
     /// The posed body.
     pub posed: Posed,
-    /// Positions of the draped garment `[vertex]`, in metres; in a data set [until](crate::DatasetManifest::until)
-    /// arrival those when the body came to its last place, until midway those when it was there.
+    /// Positions of the draped garment `[vertex]`, in metres; in a data set
+    /// [until](crate::DatasetManifest::until) arrival those when the body came to its last place,
+    /// until midway those when it was there.
     pub garment: Vec<Point3>,
-    /// Positions of the garment when the body came to its last place, before it settled `[vertex]`, in metres;
-    /// none for drapes made elsewhere or by earlier versions.
+    /// Positions of the garment when the body came to its last place, before it settled `[vertex]`,
+    /// in metres; none for drapes made elsewhere or by earlier versions.
     pub arrived: Option<Vec<Point3>>,
-    /// Positions of the garment when the body was [midway](garnet_sim::Moment::Midway) `[vertex]`, in metres; none as there.
+    /// Positions of the garment when the body was [midway](garnet_sim::Moment::Midway) `[vertex]`,
+    /// in metres; none as there.
     pub midway: Option<Vec<Point3>>,
     /// What the simulation measured; none for drapes made elsewhere.
     pub report: Option<SceneReport>,

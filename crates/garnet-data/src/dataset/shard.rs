@@ -45,9 +45,9 @@ type PlacesOf = fn(&SceneRecord) -> Option<&[Point3]>;
 /// | `worn` | `[b, V, 3]` | the garment cut for each body, on the body at rest, metres |
 /// | `body` | `[n, B, 3]` | posed bodies made elsewhere, metres |
 ///
-/// The text of the file is JSON: schema, checksum, fingerprint of the data set, split, bodies, scenes and
-/// rejected scenes. The checksum is that of the text without it and of the tensors; shards of earlier versions have
-/// none.
+/// The text of the file is JSON: schema, checksum, fingerprint of the data set, split, bodies,
+/// scenes and rejected scenes. The checksum is that of the text without it and of the tensors;
+/// shards of earlier versions have none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shard {
     /// The split.
@@ -204,8 +204,8 @@ impl Shard {
     ///
     /// # Errors
     ///
-    /// [`DataError`] that names the file: it cannot be read, is cut off, altered or damaged, is of another
-    /// version or of another data set.
+    /// [`DataError`] that names the file: it cannot be read, is cut off, altered or damaged, is of
+    /// another version or of another data set.
     pub fn read(path: &Path, dataset: Fingerprint) -> Result<Self, DataError> {
         let bytes = std::fs::read(path).map_err(|source| DataError::read(path, source))?;
         let contents = Contents::of(&bytes).map_err(|source| DataError::tensors(path, source))?;
@@ -232,7 +232,8 @@ impl Shard {
         Reading { path, contents }.shard(text)
     }
 
-    /// Reads the file of a data set, and refuses a copy under another name, whose scenes would count twice.
+    /// Reads the file of a data set, and refuses a copy under another name, whose scenes would
+    /// count twice.
     pub(super) fn read_named(
         path: &Path,
         dataset: Fingerprint,

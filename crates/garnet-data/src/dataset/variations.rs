@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 
 /// Ranges that sewing parameters are drawn from, by name; in metres, or shares of a measure.
 ///
-/// Draws are uniform, and depend on the seed, the body and the name alone: another range for one parameter
-/// leaves the others as they are.
+/// Draws are uniform, and depend on the seed, the body and the name alone: another range for one
+/// parameter leaves the others as they are.
 ///
 /// ```
 /// use garnet_data::Variations;

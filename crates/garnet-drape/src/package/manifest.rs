@@ -56,8 +56,8 @@ impl Manifest {
 
     /// Makes the variant the default that is the best on validation, and returns its name.
     ///
-    /// The default stays what it is, and nothing is returned, if it is not known how good that one is: variants of earlier
-    /// versions do not say it.
+    /// The default stays what it is, and nothing is returned, if it is not known how good that one
+    /// is: variants of earlier versions do not say it.
     pub fn choose_default(&mut self) -> Option<String> {
         self.default_variant()?.valid_error?;
         let known = self.variants.iter();
@@ -83,8 +83,8 @@ impl Manifest {
         }
     }
 
-    /// The garment alone, as data sets keep it: without variants, which are trained later, and without the checksum of a
-    /// file, which may be packed anew.
+    /// The garment alone, as data sets keep it: without variants, which are trained later, and
+    /// without the checksum of a file, which may be packed anew.
     #[must_use]
     pub fn of_garment(&self) -> Self {
         let mut garment = self.clone();
@@ -94,8 +94,8 @@ impl Manifest {
         garment
     }
 
-    /// Whether a mesh is the template that this was written for, to the last bit of each position: variants have
-    /// learned that one, in its place on its body.
+    /// Whether a mesh is the template that this was written for, to the last bit of each position:
+    /// variants have learned that one, in its place on its body.
     ///
     /// # Errors
     ///
@@ -192,7 +192,8 @@ pub struct StoredFabric {
     pub density: f32,
     /// Young's modulus times thickness, N/m.
     pub membrane: f32,
-    /// The share of it that acts against being shortened; in files without it, of earlier versions, 1.
+    /// The share of it that acts against being shortened; in files without it, of earlier
+    /// versions, 1.
     #[serde(default = "whole", skip_serializing_if = "is_whole")]
     pub compression: f32,
     /// Bending rigidity, N m.
@@ -301,11 +302,13 @@ pub struct Variant {
     /// The same after the cloth has settled where the variant has put it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settled_error: Option<f64>,
-    /// For how many frames of a sixtieth of a second that was; by default [`Moment::settle_frames`].
+    /// For how many frames of a sixtieth of a second that was; by default
+    /// [`Moment::settle_frames`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settle_frames: Option<u32>,
-    /// Mean distance to the teacher on the validation split, in metres, of what a drape with this variant gives, settled if
-    /// that settles: what the default is chosen by. None without such a split, and for variants of earlier versions.
+    /// Mean distance to the teacher on the validation split, in metres, of what a drape with this
+    /// variant gives, settled if that settles: what the default is chosen by. None without such a
+    /// split, and for variants of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub valid_error: Option<f64>,
     /// Time of a drape without relaxation, in seconds, where [`Manifest::cost`] was measured.

@@ -41,7 +41,8 @@ const TRAINING_LOCK: &str = ".training.lock";
 /// What a run has for the moment in which it changes the manifest.
 const MANIFEST_LOCK: &str = "garment.toml.lock";
 
-/// A garment that lies on a body at rest, and all that a simulation or a network needs to know of it.
+/// A garment that lies on a body at rest, and all that a simulation or a network needs to know of
+/// it.
 ///
 /// In a folder it is `garment.toml`, `template.obj`, `body.rig.npz`, and for garments with a sewing
 /// pattern `template.rest.safetensors`: the flat pattern and where it is shrunk.
@@ -110,9 +111,11 @@ impl GarmentPackage {
         })
     }
 
-    /// The edges of the template and their lengths in its pattern, in metres, without those of ribs and waistbands; none without a pattern.
+    /// The edges of the template and their lengths in its pattern, in metres, without those of ribs
+    /// and waistbands; none without a pattern.
     ///
-    /// On the body at rest edges are shorter where the cloth is pushed together, and longer where it hangs.
+    /// On the body at rest edges are shorter where the cloth is pushed together, and longer where
+    /// it hangs.
     ///
     /// # Errors
     ///
@@ -144,8 +147,8 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`PackageError`] that names the file: one is missing, damaged, of another version, or does not
-    /// belong to the template.
+    /// [`PackageError`] that names the file: one is missing, damaged, of another version, or does
+    /// not belong to the template.
     pub fn read(folder: &Path) -> Result<Self, PackageError> {
         let manifest = Self::read_manifest(folder)?;
         let template = ObjFile::read(folder.join(TEMPLATE_FILE))?;
@@ -166,8 +169,8 @@ impl GarmentPackage {
         })
     }
 
-    /// Reads what the simulation of a package asks for besides its template, which has been read already: the fabric
-    /// and the rest shape of a mesh of the template's topology.
+    /// Reads what the simulation of a package asks for besides its template, which has been read
+    /// already: the fabric and the rest shape of a mesh of the template's topology.
     ///
     /// # Errors
     ///
@@ -190,8 +193,8 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`PackageError::Read`], [`PackageError::Text`] with the line, [`PackageError::Foreign`] for another version, or
-    /// [`PackageError::Fabric`].
+    /// [`PackageError::Read`], [`PackageError::Text`] with the line, [`PackageError::Foreign`] for
+    /// another version, or [`PackageError::Fabric`].
     pub fn read_manifest(folder: &Path) -> Result<Manifest, PackageError> {
         let path = folder.join(MANIFEST_FILE);
         let text =
@@ -219,7 +222,8 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`PackageError::InUse`] with the process, [`PackageError::Read`] or [`PackageError::Folder`].
+    /// [`PackageError::InUse`] with the process, [`PackageError::Read`] or
+    /// [`PackageError::Folder`].
     pub fn check_unused(folder: &Path) -> Result<(), PackageError> {
         Self::locked(folder).map(drop)
     }
@@ -244,19 +248,21 @@ impl GarmentPackage {
     ///
     /// # Errors
     ///
-    /// [`PackageError::InUse`] with `what`, the folder of the training, while another run trains that variant, or with
-    /// `folder` while one writes the package; [`PackageError::Folder`].
+    /// [`PackageError::InUse`] with `what`, the folder of the training, while another run trains
+    /// that variant, or with `folder` while one writes the package; [`PackageError::Folder`].
     pub fn lock_variant(folder: &Path, name: &str, what: &Path) -> Result<FileLock, PackageError> {
         let lock = FileLock::take(&folder.join(format!("{name}{TRAINING_LOCK}")), what)?;
         FileLock::check(&folder.join(PACKAGE_LOCK), folder)?;
         Ok(lock)
     }
 
-    /// Changes the manifest of a package, and returns it; other runs that do so at the same time wait for each other.
+    /// Changes the manifest of a package, and returns it; other runs that do so at the same time
+    /// wait for each other.
     ///
     /// # Errors
     ///
-    /// As [`GarmentPackage::read_manifest`] and [`GarmentPackage::write_manifest`], or [`PackageError::InUse`].
+    /// As [`GarmentPackage::read_manifest`] and [`GarmentPackage::write_manifest`], or
+    /// [`PackageError::InUse`].
     pub fn change_manifest(
         folder: &Path,
         change: impl FnOnce(&mut Manifest),
@@ -270,16 +276,19 @@ impl GarmentPackage {
 
     /// Writes the package into a folder that is there.
     ///
-    /// All files are written under temporary names first. Then an older manifest is removed, the files come to their places one
-    /// after the other, and the new manifest last. A process that is killed meanwhile leaves the package that was there, or the
-    /// new one, or, for as long as a few renames take, a folder without manifest, which nothing takes for a package, with
-    /// files of both; and beside them temporary files, which [`remove_stale_temporaries`](garnet_mesh::remove_stale_temporaries)
-    /// knows. After an error the folder holds the files that it held before.
+    /// All files are written under temporary names first. Then an older manifest is removed, the
+    /// files come to their places one after the other, and the new manifest last. A process that is
+    /// killed meanwhile leaves the package that was there, or the new one, or, for as long as a few
+    /// renames take, a folder without manifest, which nothing takes for a package, with files of
+    /// both; and beside them temporary files, which
+    /// [`remove_stale_temporaries`](garnet_mesh::remove_stale_temporaries) knows. After an error
+    /// the folder holds the files that it held before.
     ///
     /// # Errors
     ///
-    /// [`PackageError::Write`] or [`PackageError::WriteRig`]; [`PackageError::Read`] for a file that is there and cannot be read;
-    /// [`PackageError::InUse`] while another run writes or trains there.
+    /// [`PackageError::Write`] or [`PackageError::WriteRig`]; [`PackageError::Read`] for a file
+    /// that is there and cannot be read; [`PackageError::InUse`] while another run writes or trains
+    /// there.
     pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, PackageError> {
         let _lock = Self::locked(folder)?;
         let before = Before::of(Self::file_names().map(|name| folder.join(name)))?;

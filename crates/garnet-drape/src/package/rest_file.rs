@@ -10,8 +10,9 @@ use crate::tensors::{Array, Contents, to_bytes};
 
 const SCHEMA: &str = "garnet.rest/1";
 
-/// Writes tensors `corners` `[face, 3, 2]`, metres, `shrink` `[face]` and, if it is not that of waistbands,
-/// `grip` `[1]`, beside their place; the text is the schema and the checksum. A garment without pattern needs no file: none.
+/// Writes tensors `corners` `[face, 3, 2]`, metres, `shrink` `[face]` and, if it is not that of
+/// waistbands, `grip` `[1]`, beside their place; the text is the schema and the checksum. A garment
+/// without pattern needs no file: none.
 pub(crate) fn stage(path: &Path, rest: &RestShape) -> Result<Option<StagedFile>, PackageError> {
     let RestShape::Flat {
         corners,

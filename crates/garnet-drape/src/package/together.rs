@@ -21,11 +21,13 @@ pub(super) struct Together {
 }
 
 impl Together {
-    /// Removes the old manifest, puts the files into their places, the new manifest last, and returns their places.
+    /// Removes the old manifest, puts the files into their places, the new manifest last, and
+    /// returns their places.
     ///
     /// # Errors
     ///
-    /// [`PackageError::Folder`] or [`PackageError::Write`]: some files are then in their places, and the manifest is not.
+    /// [`PackageError::Folder`] or [`PackageError::Write`]: some files are then in their places,
+    /// and the manifest is not.
     pub(super) fn put(self) -> Result<Vec<PathBuf>, PackageError> {
         let (place, manifest) = self.manifest;
         // A link stays, and with it the place that the new manifest comes to.

@@ -18,7 +18,8 @@ use crate::{ObjFile, SceneJson, read_rig};
 /// The rig of the bodies is the first that there is: [`SceneFiles::rig`]; [`SceneFiles::own_rig`],
 /// unless a rest body is named or the rig beside the first body is of another topology;
 /// `<rest body>.rig.npz` beside the rest body; the first body itself, if it is a rig, or
-/// `<body>.rig.npz` beside it; that of the built-in body, if the rest body or else the one body is one at rest.
+/// `<body>.rig.npz` beside it; that of the built-in body, if the rest body or else the one body is
+/// one at rest.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct SceneFiles {

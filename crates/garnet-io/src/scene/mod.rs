@@ -1,7 +1,7 @@
 //! A scene read from files: a garment on a body at rest, and the bodies that it goes to.
 //!
-//! [`Scene::load`] reads the files that are named, finds the rig, detects units and axes, and brings
-//! all to metres with y up. What was detected is part of the scene.
+//! [`Scene::load`] reads the files that are named, finds the rig, detects units and axes, and
+//! brings all to metres with y up. What was detected is part of the scene.
 
 mod error;
 mod files;

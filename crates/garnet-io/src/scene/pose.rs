@@ -207,8 +207,8 @@ impl PoseError {
 }
 
 impl From<&str> for PoseSource {
-    /// Splits `FILE:FRAMES` at the first colon after a file that there is, or after which nothing but
-    /// frames follows; a file whose own name ends like this comes first.
+    /// Splits `FILE:FRAMES` at the first colon after a file that there is, or after which nothing
+    /// but frames follows; a file whose own name ends like this comes first.
     fn from(text: &str) -> Self {
         let whole = Self {
             path: text.into(),

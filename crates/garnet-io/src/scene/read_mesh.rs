@@ -5,7 +5,8 @@ use std::path::Path;
 use super::{SceneError, SceneProblem};
 use crate::{ObjFile, read_rig};
 
-/// Reads a mesh: an OBJ, or the rest mesh of a rig (npz, GLB, glTF, VRM) as if it were written as OBJ.
+/// Reads a mesh: an OBJ, or the rest mesh of a rig (npz, GLB, glTF, VRM) as if it were written as
+/// OBJ.
 ///
 /// Meshes of rigs are in metres with y up.
 ///

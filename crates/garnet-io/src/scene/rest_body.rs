@@ -102,8 +102,8 @@ pub(super) fn unfit(rig: &Path, rest: &Path, problem: SceneProblem) -> SceneErro
 /// at the tips of hands and feet.
 const JOINT_MARGIN: f32 = 0.1;
 
-/// Refuses a skeleton most of which lies outside the body: rig and mesh are in two places, or of two
-/// sizes.
+/// Refuses a skeleton most of which lies outside the body: rig and mesh are in two places, or of
+/// two sizes.
 fn check_joints(skeleton: &Skeleton, mesh: &TriMesh) -> Result<(), SceneProblem> {
     let Some(Bounds { min, max }) = Bounds::of_faces(mesh.positions(), mesh.faces()) else {
         return Ok(());

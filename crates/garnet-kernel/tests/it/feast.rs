@@ -10,7 +10,8 @@ use crate::values::{ROUNDING, Values, assert_close, wide};
 /// Analytic gradients in `f32` against central differences in `f64`.
 const GRADIENT: f64 = 1e-4;
 
-/// A convolution with all its tensors; the features are split into two parts where there are two channels.
+/// A convolution with all its tensors; the features are split into two parts where there are two
+/// channels.
 pub(crate) struct Case {
     pub(crate) adjacency: Adjacency,
     pub(crate) num_heads: usize,

@@ -1,4 +1,5 @@
-//! The kernels against plain `f64` arithmetic, central differences, other implementations and themselves.
+//! The kernels against plain `f64` arithmetic, central differences, other implementations and
+//! themselves.
 
 #![allow(
     clippy::doc_markdown,

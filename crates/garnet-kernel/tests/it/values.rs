@@ -36,7 +36,8 @@ impl Values {
         (0..at_most).map(|_| self.0.random_range(0..end)).collect()
     }
 
-    /// A directed graph in which a third of the vertices see no one and the others up to nine at random.
+    /// A directed graph in which a third of the vertices see no one and the others up to nine at
+    /// random.
     pub(crate) fn graph(&mut self, num_vertices: usize) -> Adjacency {
         let lists: Vec<Vec<u32>> = (0..num_vertices)
             .map(|vertex| {

@@ -30,8 +30,8 @@ const FLEXION_STEP: usize = 20;
 /// What to measure.
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Volumes and contacts of sampled poses, elbows and knees bent to 140 degrees, or where skin is
-    /// turned over or crosses itself.
+    /// Volumes and contacts of sampled poses, elbows and knees bent to 140 degrees, or where skin
+    /// is turned over or crosses itself.
     #[arg(value_enum, default_value = "volumes")]
     what: What,
     /// Number of poses (of bodies for `bends`) [default: 500, 20 and 200].

@@ -12,8 +12,8 @@ use super::remesh::Mesh;
 /// Weights die out over this length, in metres.
 const DIFFUSION: f64 = 0.014;
 
-/// And over these around shoulders and hips: a ball joint turns by more than 100 degrees, and skin at
-/// distance `r` from it turns over where weights change faster than `1 / (r · angle)`.
+/// And over these around shoulders and hips: a ball joint turns by more than 100 degrees, and skin
+/// at distance `r` from it turns over where weights change faster than `1 / (r · angle)`.
 const SHOULDER_DIFFUSION: f64 = 0.055;
 const HIP_DIFFUSION: f64 = 0.040;
 

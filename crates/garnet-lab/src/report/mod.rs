@@ -1,4 +1,5 @@
-//! Tables of the docs as Markdown, from what benches, `garnet eval` and `garnet chart` have written.
+//! Tables of the docs as Markdown, from what benches, `garnet eval` and `garnet chart` have
+//! written.
 
 mod benches;
 mod markdown;

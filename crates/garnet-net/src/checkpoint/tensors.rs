@@ -1,7 +1,7 @@
 //! The weights of a network on their way into a file and out of it, by Burn's store.
 //!
-//! The store would write files too, but the checksum stands in the metadata, before the numbers: they
-//! are collected first and written by safetensors itself.
+//! The store would write files too, but the checksum stands in the metadata, before the numbers:
+//! they are collected first and written by safetensors itself.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -142,10 +142,10 @@ impl LossConfig {
 
     /// Fine-tuning with mean curvature, Eq. 15 (Local-MC).
     ///
-    /// The paper's weight of 10 belongs to a unit of length that it does not tell. In 0.1 m it would
-    /// leave nothing of the other terms; with this one the term starts at the size of that of the
-    /// vertices, as the paper wants it. More gives flatter cloth farther off. Tried: 5e-5 and 1e-3
-    /// (docs/experiments/006-learning-rates.md).
+    /// The paper's weight of 10 belongs to a unit of length that it does not tell. In 0.1 m it
+    /// would leave nothing of the other terms; with this one the term starts at the size of that of
+    /// the vertices, as the paper wants it. More gives flatter cloth farther off. Tried: 5e-5 and
+    /// 1e-3 (docs/experiments/006-learning-rates.md).
     pub const fn fine_tune_mc() -> Self {
         Self {
             mean_curvature: 5e-5,

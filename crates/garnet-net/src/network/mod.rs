@@ -75,7 +75,8 @@ impl GarNetConfig {
         })
     }
 
-    /// Checks that memory has room for a network: widths that are in their ranges may together ask for too many weights.
+    /// Checks that memory has room for a network: widths that are in their ranges may together ask
+    /// for too many weights.
     ///
     /// # Errors
     ///

@@ -52,13 +52,14 @@ pub struct Feature {
 
 /// Features of a body, by the numbers of its pose and shape.
 ///
-/// An arm is told against its collarbone in those numbers, but a sleeve lies on the trunk as the arm lies on the
-/// trunk: rotations against one joint of the trunk tell drapes with fewer scenes.
+/// An arm is told against its collarbone in those numbers, but a sleeve lies on the trunk as the
+/// arm lies on the trunk: rotations against one joint of the trunk tell drapes with fewer scenes.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Features {
     /// The parent of each joint `[joint]`.
     pub parents: Vec<Option<usize>>,
-    /// The joint that others are told against: the one from which those limbs go that move most of the garment.
+    /// The joint that others are told against: the one from which those limbs go that move most of
+    /// the garment.
     pub hub: usize,
     /// What is told.
     pub all: Vec<Feature>,
@@ -86,7 +87,8 @@ impl Features {
         Ok(())
     }
 
-    /// A joint and those above it, up to the root; one more than there are joints if there is no root.
+    /// A joint and those above it, up to the root; one more than there are joints if there is no
+    /// root.
     fn above(&self, joint: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(Some(joint), |&joint| self.parents[joint])
             .take(self.parents.len() + 1)

@@ -19,7 +19,8 @@ pub struct Regions {
     pub center: Vec<f32>,
     /// Mean offset `[vertex][3]`, in metres, in the skinning frames.
     pub mean: Vec<f32>,
-    /// The regions; with a mirror those of the left side and the left half of what is in the middle.
+    /// The regions; with a mirror those of the left side and the left half of what is in the
+    /// middle.
     pub regions: Vec<Region>,
     /// How left and right are exchanged, if they are alike.
     pub mirror: Option<RegionMirror>,
@@ -237,8 +238,8 @@ pub(super) mod tests {
     use super::super::features::{Aspect, Feature};
     use super::*;
 
-    /// Two vertices, left and right of the middle; a region of the left one, which moves along x and y by what the
-    /// left of two joints tells.
+    /// Two vertices, left and right of the middle; a region of the left one, which moves along x
+    /// and y by what the left of two joints tells.
     pub(crate) fn small() -> Regions {
         let numbers = |joint: usize| (0..10).map(move |number| (10 * joint + number, 1.0));
         let mirrored = [0, 2, 1].into_iter().flat_map(numbers).collect();

@@ -12,9 +12,9 @@ use crate::{Point3, Vector3};
 /// Follows the skin under all vertices.
 ///
 /// In a narrow gap between two skins cloth keeps a third of it to its own skin: a second layer has
-/// room on the other side. Where limbs run through each other cloth lies near the middle of what they
-/// share, as if both gave way. Where the skin is so crumpled that a vertex is pushed to and fro, it is
-/// held instead.
+/// room on the other side. Where limbs run through each other cloth lies near the middle of what
+/// they share, as if both gave way. Where the skin is so crumpled that a vertex is pushed to and
+/// fro, it is held instead.
 #[derive(Debug, Clone)]
 pub(crate) struct Contacts {
     tracks: Vec<Track>,
@@ -75,7 +75,8 @@ pub(crate) struct Interval {
     pub(crate) num_substeps: u32,
     /// Cloth behind the skin comes out at no more than this, m/s.
     pub(crate) max_push_speed: f32,
-    /// Coefficient of friction of the fabric on skin, and the share of it that acts; ribs that grip keep all.
+    /// Coefficient of friction of the fabric on skin, and the share of it that acts; ribs that grip
+    /// keep all.
     pub(crate) friction: f32,
     pub(crate) friction_share: f32,
     /// Whether vertices near the skin may change to other skin than that which they can walk to.
@@ -110,9 +111,9 @@ pub(super) struct Hold {
 }
 
 impl Contacts {
-    /// `masks` says which parts each vertex may touch; 0 for vertices that touch none. `grips`
-    /// is what friction is multiplied by at ribs and waistbands, 0 elsewhere; `likely_faces` are those that vertices lie on, if
-    /// that is known.
+    /// `masks` says which parts each vertex may touch; 0 for vertices that touch none. `grips` is
+    /// what friction is multiplied by at ribs and waistbands, 0 elsewhere; `likely_faces` are those
+    /// that vertices lie on, if that is known.
     pub(crate) fn new(
         masks: Vec<u32>,
         grips: Vec<f32>,
@@ -177,7 +178,8 @@ impl Contacts {
         self.wear.turn = (self.wear.turn + 1) % TURNS;
     }
 
-    /// The places that hold a vertex at `point`, which stays on the skin that it is on; that of the own skin last.
+    /// The places that hold a vertex at `point`, which stays on the skin that it is on; that of the
+    /// own skin last.
     pub(super) fn follow(
         &mut self,
         vertex: usize,
@@ -248,7 +250,8 @@ impl Share<'_> {
 }
 
 impl Wear {
-    /// The places that hold a vertex at `point`; that of the own skin last, because the last plane wins.
+    /// The places that hold a vertex at `point`; that of the own skin last, because the last plane
+    /// wins.
     fn holds(
         &self,
         vertex: usize,

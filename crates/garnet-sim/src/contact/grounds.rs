@@ -5,8 +5,8 @@ use crate::contact::skin::Skin;
 use crate::xpbd::particles::Particles;
 use crate::{Cloth, Point3};
 
-/// What the production solver holds the vertices of a garment with, followed to where another solver
-/// takes them.
+/// What the production solver holds the vertices of a garment with, followed to where another
+/// solver takes them.
 #[derive(Debug)]
 pub(crate) struct Grounds<'a> {
     cloth: &'a Cloth,
@@ -15,7 +15,8 @@ pub(crate) struct Grounds<'a> {
     holds: Vec<[Option<Hold>; 2]>,
 }
 
-/// Vertices so far from the skin are told of it, in metres: another solver may take them there at once.
+/// Vertices so far from the skin are told of it, in metres: another solver may take them there at
+/// once.
 const BAND: f32 = 0.05;
 
 /// Skin is around a place if the cosine of the angle between the normals is above this.

@@ -39,8 +39,8 @@ pub(crate) struct PlaneOptions {
 pub(crate) enum Brake {
     /// Coulomb's, with this coefficient.
     Friction(f32),
-    /// The vertex loses this share of its travel a substep: two planes that press a vertex from both
-    /// sides say nothing about the force.
+    /// The vertex loses this share of its travel a substep: two planes that press a vertex from
+    /// both sides say nothing about the force.
     Drag(f32),
 }
 

@@ -131,7 +131,8 @@ impl Seeker<'_> {
         Some(self.skin.foot_on(closest.face, self.point))
     }
 
-    /// Takes the face that may be near for that which the vertex was taken to lie on, if it is nearer: the way from there is shorter.
+    /// Takes the face that may be near for that which the vertex was taken to lie on, if it is
+    /// nearer: the way from there is shorter.
     pub(crate) fn guess(&self, track: &mut Track) {
         let to = |face: u32| {
             let corner = self.skin.surface().faces()[face as usize][0];

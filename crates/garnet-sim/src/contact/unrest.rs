@@ -4,9 +4,9 @@ use crate::Vector3;
 
 /// For how long the skin under a vertex is not to be trusted.
 ///
-/// Skinning crumples the skin of armpits and groins: spikes and turned faces push a vertex out on one
-/// side, where the next face pushes it back. Such a vertex never rests and shakes the whole garment.
-/// Skin that turns under a vertex is the sign of it.
+/// Skinning crumples the skin of armpits and groins: spikes and turned faces push a vertex out on
+/// one side, where the next face pushes it back. Such a vertex never rests and shakes the whole
+/// garment. Skin that turns under a vertex is the sign of it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Unrest {
     /// The normal of the skin at the last refresh; zero if there was none.

@@ -19,8 +19,8 @@ const TOLERANCE: f64 = 0.01;
 /// Newton iterations of a step.
 const MAX_ITERATIONS: usize = 20;
 
-/// Stiffness of contact, N/m a vertex: cloth that is pulled tight over a shoulder sinks by a tenth of a
-/// millimetre.
+/// Stiffness of contact, N/m a vertex: cloth that is pulled tight over a shoulder sinks by a tenth
+/// of a millimetre.
 const CONTACT_STIFFNESS: f64 = 5000.0;
 
 /// One of so many vertices may be held in creases of the skin.
@@ -31,14 +31,15 @@ const VERTICES_A_CREASE: usize = 100;
 pub struct Balance {
     /// How it ended.
     pub settled: Settled,
-    /// Vertices that were held where they lay: caught between two parts of the body, or in a crease.
+    /// Vertices that were held where they lay: caught between two parts of the body, or in a
+    /// crease.
     pub held: usize,
     /// How far the vertices moved in the mean, in metres.
     pub moved: f64,
 }
 
-/// The skin under a garment: of all of it each vertex sees that alone on which the production solver holds
-/// it, and what is around.
+/// The skin under a garment: of all of it each vertex sees that alone on which the production
+/// solver holds it, and what is around.
 struct Under<'a>(Mutex<Grounds<'a>>);
 
 impl<'a> Under<'a> {
@@ -69,10 +70,12 @@ fn rounded(places: &[Vector3<f64>]) -> Vec<Point3> {
         .collect()
 }
 
-/// Brings a garment into balance from where the production solver has left it, on skin that stands still.
+/// Brings a garment into balance from where the production solver has left it, on skin that stands
+/// still.
 ///
-/// Vertices that are caught between two parts of the body stay where they are: what holds them there is
-/// no force. `observer` is told the steps that are done and the residual, and may break off.
+/// Vertices that are caught between two parts of the body stay where they are: what holds them
+/// there is no force. `observer` is told the steps that are done and the residual, and may break
+/// off.
 pub(crate) fn balance(
     scene: &Scene<'_>,
     schedule: &Schedule,

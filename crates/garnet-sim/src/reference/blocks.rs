@@ -33,7 +33,8 @@ pub(super) struct Blocks<'a> {
 }
 
 impl Blocks<'_> {
-    /// Adds the second derivative by the places of `row` and `column`; what couples two vertices is added once, either way round.
+    /// Adds the second derivative by the places of `row` and `column`; what couples two vertices is
+    /// added once, either way round.
     pub(super) fn add(&mut self, row: u32, column: u32, block: &Matrix3<f64>) {
         match row.cmp(&column) {
             Ordering::Less => self.values[self.pattern.block(row, column)] += block.transpose(),

@@ -1,11 +1,11 @@
 //! Contact with an obstacle and Coulomb friction on it.
 //!
 //! Contact is a stiff spring along the true distance, zero beyond the thickness of the cloth.
-//! Friction ties each vertex that touches to an anchor by a spring in the tangent plane. The pull of
-//! that spring is bounded by μ times the normal force of the step's start; what would stretch it
+//! Friction ties each vertex that touches to an anchor by a spring in the tangent plane. The pull
+//! of that spring is bounded by μ times the normal force of the step's start; what would stretch it
 //! farther moves the anchor along (Cundall & Strack 1979, "A discrete numerical model for granular
-//! assemblies"; return mapping of plasticity). So cloth truly sticks: at rest the anchors do not move
-//! and no speed is left over. Within a step the anchors rest and friction has a potential.
+//! assemblies"; return mapping of plasticity). So cloth truly sticks: at rest the anchors do not
+//! move and no speed is left over. Within a step the anchors rest and friction has a potential.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -19,8 +19,8 @@ const MAX_START_DEPTH: f64 = 0.03;
 /// How far from the obstacle distances are known, in metres.
 const REACH: f64 = 0.03;
 
-/// Sticking gives by this at the most, in metres: with the stiffness of contact throughout, Newton's
-/// method would jump between sticking and slipping.
+/// Sticking gives by this at the most, in metres: with the stiffness of contact throughout,
+/// Newton's method would jump between sticking and slipping.
 const ELASTIC_SLIP: f64 = 1e-5;
 
 /// Contact of all vertices with one obstacle.
@@ -184,7 +184,8 @@ impl<'a> Contact<'a> {
         if touch.clearance - (x - touch.place).norm() > self.thickness {
             return None;
         }
-        // Looked for as far as a vertex may be inside: deeper ones must not be lost to a step that is too long.
+        // Looked for as far as a vertex may be inside: deeper ones must not be lost to a step that
+        // is too long.
         let nearest = self.obstacle.nearest(vertex, x, REACH)?;
         let depth = self.thickness - nearest.distance;
         (depth > 0.0).then_some((depth, nearest.normal))

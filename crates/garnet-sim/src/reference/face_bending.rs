@@ -7,12 +7,12 @@ use super::blocks::Blocks;
 use crate::rest_shape::RestFace;
 use crate::{BendingHinge, Cloth};
 
-/// Hinges and their couplings: in each face energy ½ Σᵢⱼ gᵢⱼ bᵢ · bⱼ with the bends b = Σₘ wₘ xₘ of the
-/// hinges at the sides of a face.
+/// Hinges and their couplings: in each face energy ½ Σᵢⱼ gᵢⱼ bᵢ · bⱼ with the bends b = Σₘ wₘ xₘ of
+/// the hinges at the sides of a face.
 ///
-/// A surface of curvature S bends the hinges of a face by b = Q S. The energy of the face is the least
-/// that a plate with these bends has: g = A (Q D⁻¹ Qᵀ)⁻¹ with the plate's D and the area A. Sides at
-/// a boundary have no hinge, and no moment.
+/// A surface of curvature S bends the hinges of a face by b = Q S. The energy of the face is the
+/// least that a plate with these bends has: g = A (Q D⁻¹ Qᵀ)⁻¹ with the plate's D and the area A.
+/// Sides at a boundary have no hinge, and no moment.
 #[derive(Debug, Clone)]
 pub(super) struct FaceBending {
     hinges: Vec<HingeShape>,

@@ -4,9 +4,10 @@
 //! precision: energy, gradient, second derivatives and a sparse Cholesky factor a step. It is slow,
 //! makes no compromise, and says how far from balance it ended. Two uses:
 //!
-//! - The reference quality of [`drape`](crate::drape()) ends with it: the accurate end of the chart of
-//!   speed against accuracy.
-//! - [`Reference`] runs the physics tests: pinned vertices, dead loads, exact obstacles, steps in time.
+//! - The reference quality of [`drape`](crate::drape()) ends with it: the accurate end of the chart
+//!   of speed against accuracy.
+//! - [`Reference`] runs the physics tests: pinned vertices, dead loads, exact obstacles, steps in
+//!   time.
 //!
 //! A step of length h ends at the minimum of
 //!

@@ -116,8 +116,8 @@ impl Obstacle for Surface {
 
 /// The closest point of a surface to a place, as contact sees it.
 ///
-/// The query rounds to `f32`, which at a stiffness of 500 N/m is the weight of a vertex: the feature is
-/// found there, the distance to it here.
+/// The query rounds to `f32`, which at a stiffness of 500 N/m is the weight of a vertex: the
+/// feature is found there, the distance to it here.
 pub(super) fn exactly(
     surface: &Surface,
     closest: &ClosestPoint,

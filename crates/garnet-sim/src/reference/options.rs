@@ -18,8 +18,9 @@ pub struct ReferenceOptions {
     pub max_iterations: usize,
     /// Steps of a settling.
     pub max_steps: usize,
-    /// Vertices that a settling may hold where they are because they lie in creases of the obstacle: two
-    /// contacts bear them there, and the nearest one alone cannot, so that no step goes down.
+    /// Vertices that a settling may hold where they are because they lie in creases of the
+    /// obstacle: two contacts bear them there, and the nearest one alone cannot, so that no step
+    /// goes down.
     pub max_creased: usize,
     /// Length of the first step of a settling, in seconds; the later ones are longer.
     pub first_step: f64,

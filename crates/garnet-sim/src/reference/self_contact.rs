@@ -51,7 +51,8 @@ impl SelfContact {
         Self::kept_by(Keeping::Distance { neighbors }, radius, stiffness)
     }
 
-    /// What the production solver keeps apart: all vertices but the ends of edges, so that folds do not close.
+    /// What the production solver keeps apart: all vertices but the ends of edges, so that folds do
+    /// not close.
     pub(super) fn of_layers(layers: Layers, stiffness: f64) -> Self {
         let radius = layers.widest().into();
         Self::kept_by(Keeping::Layers(layers), radius, stiffness)

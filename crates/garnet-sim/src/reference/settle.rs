@@ -32,7 +32,8 @@ pub struct Settled {
 impl Reference<'_> {
     /// Lets the cloth come to rest: steps without speed that get longer while they are easy.
     ///
-    /// Cloth that is not in balance after [`ReferenceOptions::max_steps`](super::ReferenceOptions::max_steps) is no error: the answer
+    /// Cloth that is not in balance after
+    /// [`ReferenceOptions::max_steps`](super::ReferenceOptions::max_steps) is no error: the answer
     /// says so.
     ///
     /// # Errors

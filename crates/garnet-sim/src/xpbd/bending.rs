@@ -63,7 +63,8 @@ impl Bending {
         }
     }
 
-    /// Sets how hinges are projected. The impulse of one projection is that of all the substeps up to the next.
+    /// Sets how hinges are projected. The impulse of one projection is that of all the substeps up
+    /// to the next.
     pub(crate) fn set_projection(
         &mut self,
         cloth: &Cloth,

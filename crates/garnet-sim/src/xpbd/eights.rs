@@ -1,5 +1,5 @@
-//! Free motion, springs and hinges with vectors of eight numbers: two vertices side by side. The bits are those of the plain
-//! loops.
+//! Free motion, springs and hinges with vectors of eight numbers: two vertices side by side. The
+//! bits are those of the plain loops.
 
 #![expect(
     clippy::inline_always,
@@ -16,8 +16,8 @@ use crate::xpbd::particles::Push;
 use crate::xpbd::quad::Quad;
 use crate::xpbd::springs::{Block, TINY_SQUARED, WIDTH};
 
-/// Springs that are projected together: each vector has numbers of one spring in its lower half, and of the one four
-/// slots later in its upper half.
+/// Springs that are projected together: each vector has numbers of one spring in its lower half,
+/// and of the one four slots later in its upper half.
 const SPRINGS: usize = 8;
 const _: () = assert!(WIDTH.is_multiple_of(SPRINGS));
 
@@ -84,8 +84,8 @@ fn project_eight(simd: V3, block: &Block, slot: usize, offsets: &mut [Quad]) {
     }
 }
 
-/// Projects every hinge once, if the processor can; tells whether it did. Of an even number of rows each two share no
-/// vertex.
+/// Projects every hinge once, if the processor can; tells whether it did. Of an even number of rows
+/// each two share no vertex.
 pub(super) fn bend(rows: &[Row], offsets: &mut [Quad]) -> bool {
     let Some(simd) = V3::try_new() else {
         return false;
@@ -123,7 +123,8 @@ pub(super) fn bend(rows: &[Row], offsets: &mut [Quad]) -> bool {
     true
 }
 
-/// Lets an even number of vertices fly on, if the processor can, and tells whether it did; `wind` has as many, or none.
+/// Lets an even number of vertices fly on, if the processor can, and tells whether it did; `wind`
+/// has as many, or none.
 pub(super) fn fly(push: Push, offsets: &mut [Quad], last: &mut [Quad], wind: &[Quad]) -> bool {
     let Some(simd) = V3::try_new() else {
         return false;
@@ -196,7 +197,8 @@ fn eight(numbers: &[f32; WIDTH], slot: usize) -> __m256 {
     cast(eights[slot / SPRINGS])
 }
 
-/// The sum of the squares of each half, in all its lanes: of the first two, plus the third, plus the fourth, which is 0.
+/// The sum of the squares of each half, in all its lanes: of the first two, plus the third, plus
+/// the fourth, which is 0.
 #[inline(always)]
 fn squared(simd: V3, vectors: __m256) -> __m256 {
     let avx = simd.avx;

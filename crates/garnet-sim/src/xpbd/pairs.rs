@@ -50,7 +50,8 @@ impl Pairs {
         self.grid.fill(points, self.layers.radii(), self.search);
     }
 
-    /// Finds the pairs of [sorted](Pairs::sort) vertices, but for those of two vertices `is_out` `[vertex]`.
+    /// Finds the pairs of [sorted](Pairs::sort) vertices, but for those of two vertices `is_out`
+    /// `[vertex]`.
     ///
     /// Pairs that are too near begin at their distance and come apart by no more than `max_rise`
     /// metres a substep, in `num_substeps` if they can: none is thrown.
@@ -80,7 +81,8 @@ impl Pairs {
         });
         let found: Vec<Vec<(u32, Pair)>> = found.collect();
         let mut found = found.concat();
-        // In the order of the vertices that met the others, not of the cubes, whose numbers are those of a hash.
+        // In the order of the vertices that met the others, not of the cubes, whose numbers are
+        // those of a hash.
         found.sort_by_key(|&(vertex, _)| vertex);
         self.near.clear();
         self.near.extend(found.into_iter().map(|(_, pair)| pair));
@@ -109,7 +111,8 @@ impl Pair {
         Self { vertices, ..self }
     }
 
-    /// The offsets of its two vertices, pushed apart and their sliding braked by Coulomb's coefficient, if they are too near.
+    /// The offsets of its two vertices, pushed apart and their sliding braked by Coulomb's
+    /// coefficient, if they are too near.
     ///
     /// `substep` counts from the refresh that found the pair.
     #[expect(
@@ -226,9 +229,9 @@ impl Grid {
         self.starts[slot as usize] as usize..self.starts[slot as usize + 1] as usize
     }
 
-    /// Calls `found` with each pair no farther apart than [`MARGIN`] times the sum of its radii, and its squared distance: once, with
-    /// the one first whose cube is in one of the slots and meets that of the other; these by the number of the step there, then by
-    /// their own.
+    /// Calls `found` with each pair no farther apart than [`MARGIN`] times the sum of its radii,
+    /// and its squared distance: once, with the one first whose cube is in one of the slots and
+    /// meets that of the other; these by the number of the step there, then by their own.
     fn for_near_pairs(&self, slots: Range<usize>, mut found: impl FnMut(usize, usize, f32)) {
         let mut around = Around::default();
         for slot in slots {

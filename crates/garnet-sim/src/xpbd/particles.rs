@@ -9,8 +9,8 @@ use crate::{Cloth, Point3, Vector3};
 /// of 0.12 µm: summed up in positions, gravity would be wrong by a tenth. Offsets stay below a few
 /// millimetres and have steps below 1 nm. Velocities are differences of offsets.
 ///
-/// Two more vertices without mass follow those of the cloth: blocks of springs that are not full end
-/// there.
+/// Two more vertices without mass follow those of the cloth: blocks of springs that are not full
+/// end there.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Particles {
     /// Where offsets count from, in metres; the fourth number is 0.

@@ -16,8 +16,8 @@ use crate::xpbd::seam::{Seam, Source};
 
 /// Patches, and what is between them.
 ///
-/// A substep takes all patches side by side, then what is between them. How they are cut depends on the mesh alone, so
-/// that the number of threads does not show.
+/// A substep takes all patches side by side, then what is between them. How they are cut depends on
+/// the mesh alone, so that the number of threads does not show.
 #[derive(Debug, Default)]
 pub(crate) struct Patchwork {
     /// How many patches were asked for.
@@ -28,7 +28,8 @@ pub(crate) struct Patchwork {
     sources: Vec<Source>,
 }
 
-/// The patchwork that a run of a cloth has left for the next one: cutting takes as long as many substeps.
+/// The patchwork that a run of a cloth has left for the next one: cutting takes as long as many
+/// substeps.
 #[derive(Debug, Default)]
 pub(crate) struct Spare(Mutex<Patchwork>);
 
@@ -137,7 +138,8 @@ impl Patchwork {
         }
     }
 
-    /// Takes so many substeps after it was loaded; `first` counts the substeps of the stage before them.
+    /// Takes so many substeps after it was loaded; `first` counts the substeps of the stage before
+    /// them.
     ///
     /// Another thread, if there is one, does what is to be done `meanwhile`, and then helps.
     pub(crate) fn step(
@@ -202,8 +204,8 @@ fn shared(sources: &[Source], vertices: &[u32]) -> Option<usize> {
     others.all(|other| other == first).then_some(first)
 }
 
-/// The vertices in the order in which they are met from one end of the garment to the other, piece by piece: little is
-/// between what comes before and after any of them.
+/// The vertices in the order in which they are met from one end of the garment to the other, piece
+/// by piece: little is between what comes before and after any of them.
 fn from_end_to_end(cloth: &Cloth) -> Vec<u32> {
     let mut order = Vec::with_capacity(cloth.num_vertices());
     let [mut is_seen, mut is_in_order] = [0; 2].map(|_| vec![false; cloth.num_vertices()]);

@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Rounds in each of which some things are worked on once, by whichever thread is free. One thread leads; others help
-/// while they look on, and may come late or never.
+/// Rounds in each of which some things are worked on once, by whichever thread is free. One thread
+/// leads; others help while they look on, and may come late or never.
 #[derive(Debug)]
 pub(super) struct Rounds<'a, T> {
     things: &'a [Mutex<T>],
@@ -43,7 +43,8 @@ impl<'a, T> Rounds<'a, T> {
         wait(|| self.num_done.load(Ordering::Acquire) == num_things);
     }
 
-    /// What tells those who help that there are no more rounds, when it is dropped: even if the leader panics.
+    /// What tells those who help that there are no more rounds, when it is dropped: even if the
+    /// leader panics.
     pub(super) fn end(&self) -> impl Drop + '_ {
         End(&self.ticket)
     }

@@ -30,8 +30,8 @@ const CELLS: [usize; 2] = [21, 12];
 const LENGTH: f64 = 0.1;
 
 /// The coefficient of hinges on equilateral faces: 1 bends a cylinder with its true energy, 9/8 a
-/// narrow strip that is free to curl across (the hinges have a Poisson's ratio of −1/3). This strip is
-/// in between.
+/// narrow strip that is free to curl across (the hinges have a Poisson's ratio of −1/3). This strip
+/// is in between.
 const EQUILATERAL_FACTOR: f32 = 1.05;
 
 /// How far vertices of a jittered mesh lie from their places, over the side of a square.
@@ -161,8 +161,9 @@ pub(crate) fn jittered_material() -> Vec<Row> {
     meshes().into_iter().flat_map(of).collect()
 }
 
-/// The tip of a heavy elastica (planar rod under its own weight; master curve of Romero et al. 2021,
-/// "Physical validation of simulators in computer graphics", recomputed from the equation above).
+/// The tip of a heavy elastica (planar rod under its own weight; master curve of Romero et al.
+/// 2021, "Physical validation of simulators in computer graphics", recomputed from the equation
+/// above).
 #[test]
 fn a_heavy_strip_hangs_as_the_elastica_does() {
     assert_all(&material());

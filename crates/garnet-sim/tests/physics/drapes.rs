@@ -184,7 +184,8 @@ fn shadow(x: &[Vector3<f64>], faces: &[[u32; 3]]) -> f64 {
     covered.iter().filter(|is_covered| **is_covered).count() as f64 * cell * cell
 }
 
-/// Waves of a rim: how often its distance from the axis rises through the mean, small ripples apart.
+/// Waves of a rim: how often its distance from the axis rises through the mean, small ripples
+/// apart.
 fn folds(rim: &[Vector3<f64>]) -> usize {
     let radii: Vec<f64> = rim.iter().map(|place| place.x.hypot(place.z)).collect();
     let mean = radii.iter().sum::<f64>() / radii.len() as f64;

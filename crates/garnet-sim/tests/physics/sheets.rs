@@ -64,8 +64,8 @@ pub(crate) fn jittered(mesh: &TriMesh, cells: [usize; 2], side: f64, share: f64)
 }
 
 /// A sheet of equilateral triangles in straight columns across: `cells` columns and triangles a
-/// column, the columns `spacing` (m) apart. Vertex `[along * (cells[1] + 1) + across]`; odd columns lie
-/// half a side aside.
+/// column, the columns `spacing` (m) apart. Vertex `[along * (cells[1] + 1) + across]`; odd columns
+/// lie half a side aside.
 pub(crate) fn equilateral(cells: [usize; 2], spacing: f64) -> TriMesh {
     let [nx, nz] = cells;
     let side = spacing / 0.75_f64.sqrt();

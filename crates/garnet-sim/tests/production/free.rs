@@ -12,7 +12,8 @@ const ROUNDING: f32 = 1e-6;
 /// What 2400 substeps may move the center by, in metres.
 const DRIFT: f64 = 5e-6;
 
-/// What rounding may move vertices aside by while they fall, in metres: edges that are shortened by it hardly push back.
+/// What rounding may move vertices aside by while they fall, in metres: edges that are shortened by
+/// it hardly push back.
 const ASIDE: f32 = 3e-6;
 
 /// Sums of some hundred displacements in `f32`.

@@ -261,8 +261,8 @@ fn sum_of_squares(residuals: &[Vector3<f64>]) -> f64 {
     residuals.iter().map(Vector3::norm_squared).sum()
 }
 
-/// How a point at `lever` from a centre moves with a turn `ω` about it and a shift `v`: `ω × lever +
-/// v`, as a matrix of `(ω, v)`.
+/// How a point at `lever` from a centre moves with a turn `ω` about it and a shift `v`:
+/// `ω × lever + v`, as a matrix of `(ω, v)`.
 fn motion(lever: &Vector3<f64>) -> Matrix3x6<f64> {
     let mut matrix = Matrix3x6::zeros();
     matrix

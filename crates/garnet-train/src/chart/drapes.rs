@@ -43,9 +43,10 @@ pub struct Timing {
 /// Drapes scenes of a split one by one and gives each sample to `take`, with the number of its
 /// task. Returns what the networks take, one a task.
 ///
-/// All candidates drape a scene before the next one comes, so that a machine with other work treats them alike. Each
-/// drapes it once more before, unmeasured: what it needs is then where the processor finds it, as in drapes one after
-/// another, and not where the candidate before has driven it.
+/// All candidates drape a scene before the next one comes, so that a machine with other work treats
+/// them alike. Each drapes it once more before, unmeasured: what it needs is then where the
+/// processor finds it, as in drapes one after another, and not where the candidate before has
+/// driven it.
 ///
 /// # Errors
 ///

@@ -2,8 +2,8 @@
 
 /// The numbers of the points that no other point beats in both values, by the first value.
 ///
-/// A point is beaten by one that is nowhere greater and somewhere less; of equal ones the first stays.
-/// Points that are not finite are left out.
+/// A point is beaten by one that is nowhere greater and somewhere less; of equal ones the first
+/// stays. Points that are not finite are left out.
 ///
 /// ```
 /// let front = garnet_train::chart::pareto_front(&[[1.0, 9.0], [2.0, 9.5], [3.0, 1.0]]);

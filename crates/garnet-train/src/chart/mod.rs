@@ -1,7 +1,7 @@
 //! Time against accuracy of all ways to drape a garment.
 //!
-//! [`time_drapes`] and [`ask_teacher`] give samples of single scenes, which can be kept and added to;
-//! [`Figures`] are what they come to.
+//! [`time_drapes`] and [`ask_teacher`] give samples of single scenes, which can be kept and added
+//! to; [`Figures`] are what they come to.
 
 mod drapes;
 mod front;

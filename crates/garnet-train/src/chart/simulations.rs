@@ -31,8 +31,8 @@ pub enum Answer {
     Failed(String),
 }
 
-/// Answers the questions about each scene of a split, one by one; each answer is given to `take` with
-/// its scene and question. Simulations look for contacts on all threads; the teacher's
+/// Answers the questions about each scene of a split, one by one; each answer is given to `take`
+/// with its scene and question. Simulations look for contacts on all threads; the teacher's
 /// substeps run on one.
 ///
 /// # Errors

@@ -1,4 +1,5 @@
-//! What drapes of a data set need that are made outside of it: bodies as targets, and what weights say.
+//! What drapes of a data set need that are made outside of it: bodies as targets, and what weights
+//! say.
 
 use std::path::Path;
 

@@ -10,7 +10,8 @@ use crate::Stage;
 /// As many of the vertices as this, mirrored, must lie on the garment.
 const SHARE_ON: f64 = 0.95;
 
-/// No farther than this from it, in metres: folds that a garment has at rest are not the same on both sides.
+/// No farther than this from it, in metres: folds that a garment has at rest are not the same on
+/// both sides.
 const ON: f32 = 0.01;
 
 /// How the left of a garment lies on its right.

@@ -9,7 +9,8 @@ use crate::subject::Example;
 pub(super) struct Offsets {
     /// Of all scenes and their mirror images `[vertex][3]`.
     pub(super) mean: Vec<f32>,
-    /// What is the same in the mirror, from the mean `[3 vertex, scene]`; without a mirror, all of it.
+    /// What is the same in the mirror, from the mean `[3 vertex, scene]`; without a mirror, all of
+    /// it.
     pub(super) even: Mat<f32>,
     /// What changes its sign in the mirror `[3 vertex, scene]`.
     pub(super) odd: Option<Mat<f32>>,
@@ -46,8 +47,8 @@ impl Offsets {
     }
 }
 
-/// What of the offsets of a scene is the same in the mirror, and what changes its sign; all of them and
-/// nothing without a mirror `[3 vertex]`.
+/// What of the offsets of a scene is the same in the mirror, and what changes its sign; all of them
+/// and nothing without a mirror `[3 vertex]`.
 pub(super) fn halves(example: &Example, mirror: Option<&GarmentMirror>) -> (Vec<f32>, Vec<f32>) {
     let offsets = offsets_of(example);
     let Some(mirror) = mirror else {

@@ -12,7 +12,8 @@ const MORE: usize = 16;
 /// Times that the directions are led through the offsets and back.
 const PASSES: usize = 2;
 
-/// Shapes of which the scenes have less than this share of what they have of the first are left out.
+/// Shapes of which the scenes have less than this share of what they have of the first are left
+/// out.
 const LEAST: f64 = 1e-6;
 
 /// Principal shapes, and the share that each scene has of them.

@@ -13,22 +13,22 @@ pub(super) struct Places {
 
 /// A Gaussian process of some scenes and of their mirror images.
 ///
-/// Shares of shapes that are the same in the mirror, and of those that change their sign, are told by the
-/// sum and by the difference of the covariances with scenes and with mirror images: a scene and its image
-/// have one weight.
+/// Shares of shapes that are the same in the mirror, and of those that change their sign, are told
+/// by the sum and by the difference of the covariances with scenes and with mirror images: a scene
+/// and its image have one weight.
 ///
 /// Source: *Rasmussen and Williams 2006, equations 2.25 and 5.10 to 5.12*.
 pub(super) struct Regression {
     /// `[scene, share]`.
     weights: Mat<f64>,
-    /// For each parity the shares that have it, and the inverse of the covariances with the ridge on the
-    /// diagonal `[scene, scene]`.
+    /// For each parity the shares that have it, and the inverse of the covariances with the ridge
+    /// on the diagonal `[scene, scene]`.
     inverses: Vec<(Vec<usize>, Mat<f64>)>,
 }
 
 impl Regression {
-    /// Of places and what is known there `[scene, share]`, with the parity of each share; none if the
-    /// ridge is too small for the precision of numbers.
+    /// Of places and what is known there `[scene, share]`, with the parity of each share; none if
+    /// the ridge is too small for the precision of numbers.
     pub(super) fn new(
         places: &Places,
         shares: &Mat<f64>,
@@ -110,8 +110,8 @@ impl Regression {
         &self.weights
     }
 
-    /// By how much each scene is missed by a regression of all scenes but those that it is left out with
-    /// `[scene, share]`; `with` `[scene][scenes]` has the scene itself among them.
+    /// By how much each scene is missed by a regression of all scenes but those that it is left out
+    /// with `[scene, share]`; `with` `[scene][scenes]` has the scene itself among them.
     ///
     /// A block of the inverse, inverted, is the covariance of what the others do not tell of it.
     pub(super) fn left_out(&self, with: &[Vec<usize>]) -> Mat<f64> {

@@ -69,7 +69,8 @@ impl Relevance {
         self.factors[self.factors.len() - 1].exp()
     }
 
-    /// What each number is multiplied by; zero where it never changes, on both sides if there is a mirror.
+    /// What each number is multiplied by; zero where it never changes, on both sides if there is a
+    /// mirror.
     pub(super) fn scales(&self, examples: &[&Example], mirror: Option<&GarmentMirror>) -> Vec<f32> {
         let all = self.factors[self.factors.len() - 2];
         let scale = |number: usize, group: usize| {
@@ -96,11 +97,12 @@ impl Relevance {
         scales
     }
 
-    /// Finds the factors by which bodies and sequences that are left out are missed least, one factor after
-    /// the other, and leaves out what makes no difference.
+    /// Finds the factors by which bodies and sequences that are left out are missed least, one
+    /// factor after the other, and leaves out what makes no difference.
     ///
-    /// `searched` are some of the scenes `all` of which the principal shapes are. `go_on` is told the rounds
-    /// that are done and the error, the root of the mean square over the vertices, in metres.
+    /// `searched` are some of the scenes `all` of which the principal shapes are. `go_on` is told
+    /// the rounds that are done and the error, the root of the mean square over the vertices, in
+    /// metres.
     pub(super) fn search(
         &mut self,
         searched: &[&Example],

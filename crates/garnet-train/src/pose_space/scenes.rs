@@ -18,8 +18,8 @@ fn bodies(examples: &[&Example]) -> Vec<Range<usize>> {
     ranges.collect()
 }
 
-/// The scenes that each scene is left out with `[scene][scenes]`, itself among them: those of its body,
-/// and those whose poses are from its sequence. A drape of the test has neither.
+/// The scenes that each scene is left out with `[scene][scenes]`, itself among them: those of its
+/// body, and those whose poses are from its sequence. A drape of the test has neither.
 ///
 /// What all scenes have in common does not count.
 pub(super) fn left_out_with(examples: &[&Example]) -> Vec<Vec<usize>> {

@@ -284,7 +284,8 @@ fn where_cloth_is_midway_is_learned_on_the_body_midway() {
     let manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
     assert_eq!(manifest.variant(MIDWAY).unwrap().distance_error, None);
 
-    // The rest of the motion is simulated, however briefly the cloth settles. (The sleeve slides off.)
+    // The rest of the motion is simulated, however briefly the cloth settles. (The sleeve slides
+    // off.)
     for asked in [None, Some(0)] {
         let candidates = Candidate::of_weights("it", &fitted.weights, asked).unwrap();
         let frames = asked.unwrap_or(Moment::Midway.settle_frames());

@@ -46,7 +46,8 @@ fn identical_runs_have_identical_states() {
     assert!(straight.bytes(STATE) == one.1, "an interruption shows");
 }
 
-/// The state of a run without its checksum, as earlier versions wrote it, with what `change` makes of a part.
+/// The state of a run without its checksum, as earlier versions wrote it, with what `change` makes
+/// of a part.
 fn before(bytes: &[u8], part: &str, change: impl Fn(&mut Vec<u8>)) -> Vec<u8> {
     let (_, metadata) = SafeTensors::read_metadata(bytes).unwrap();
     let text = &metadata.metadata().as_ref().unwrap()["garnet"];

@@ -12,8 +12,8 @@ const LIFT_SEARCHES: usize = 2;
 /// steeper bumps, more moves cloth that lay well.
 const LIFT_RADIUS: f32 = 0.03;
 
-/// Lifting must not add more than this to the stretch of torn edges beyond what counts as torn, summed
-/// over them. Higher trades torn cloth for fewer crossings.
+/// Lifting must not add more than this to the stretch of torn edges beyond what counts as torn,
+/// summed over them. Higher trades torn cloth for fewer crossings.
 const MAX_ADDED_EXCESS: f32 = 0.5;
 
 /// Corners of triangles that cross the skin keep at most this more than the clearance, in metres: a

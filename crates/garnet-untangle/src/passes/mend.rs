@@ -6,8 +6,8 @@
 use crate::cloth::{Cloth, HOME_PREFERENCES, Refresh, SWEEPS};
 use crate::region::{Region, rings_of};
 
-/// Cloth this far from a torn edge is mended, in metres: the thickness of an arm, which the cloth has
-/// gone round on both sides.
+/// Cloth this far from a torn edge is mended, in metres: the thickness of an arm, which the cloth
+/// has gone round on both sides.
 const MEND_RADIUS: f32 = 0.04;
 
 /// Sweeps that bring torn cloth together. Too few leave it on both sides of the arm.

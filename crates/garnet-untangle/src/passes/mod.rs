@@ -1,4 +1,5 @@
-//! The passes of untangling, one a file, in the order in which [`untangle`](crate::untangle) runs them.
+//! The passes of untangling, one a file, in the order in which [`untangle`](crate::untangle) runs
+//! them.
 
 mod ease;
 mod give_in;

@@ -14,12 +14,12 @@ use crate::crossing::Crossing;
 use crate::directions::all_round;
 use crate::passes::verify::inside;
 
-/// A node inside the body moves by at most this, in metres. Farther ones find more places, among them
-/// such on the wrong side of a limb.
+/// A node inside the body moves by at most this, in metres. Farther ones find more places, among
+/// them such on the wrong side of a limb.
 const INSIDE_RADIUS: f32 = 0.06;
 
-/// A node outside, but too near to the skin, moves by at most this, in metres: it is better too near
-/// than far from its neighbours.
+/// A node outside, but too near to the skin, moves by at most this, in metres: it is better too
+/// near than far from its neighbours.
 const NEAR_RADIUS: f32 = 0.012;
 
 /// Steps along each direction are no shorter than this, in metres. Longer ones are faster and step
@@ -82,8 +82,8 @@ pub(crate) fn rescue(cloth: &mut Cloth<'_>, crossing: &Crossing) -> Vec<u32> {
     moved
 }
 
-/// The nearest place around each of `nodes` that is outside the body and keeps `clearance`, if there
-/// is one in reach.
+/// The nearest place around each of `nodes` that is outside the body and keeps `clearance`, if
+/// there is one in reach.
 fn free_places(
     finder: &ContactFinder<'_>,
     graph: &ClothGraph,
@@ -143,7 +143,8 @@ fn free_length(
     Some(length)
 }
 
-/// `None` if a place is outside and keeps the clearance; else a distance within which no place does.
+/// `None` if a place is outside and keeps the clearance; else a distance within which no place
+/// does.
 fn step_to_free(
     finder: &ContactFinder<'_>,
     place: Point3,

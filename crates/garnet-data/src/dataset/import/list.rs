@@ -74,7 +74,8 @@ impl<'a> List<'a> {
         self.failed(place, self.reader.changed(scene))
     }
 
-    /// What tells an import from others: all that shards take from the list, and the fingerprints of `meshes`, by place.
+    /// What tells an import from others: all that shards take from the list, and the fingerprints
+    /// of `meshes`, by place.
     pub(super) fn fingerprint(&self, meshes: &[[Fingerprint; 2]]) -> Fingerprint {
         let pairs = self.places.iter().zip(meshes);
         let entries = pairs.map(|(place, meshes)| {

@@ -9,11 +9,12 @@ use garnet_mesh::{Bounds, KnownMesh, MeshDifference, Point3, Unit, check_range};
 use super::{ImportScene, Posed, SceneRecord};
 use crate::DataError;
 
-/// How many times larger or smaller than at rest a posed body or a draped garment may be: a body that is curled up
-/// is less than that, another unit is more.
+/// How many times larger or smaller than at rest a posed body or a draped garment may be: a body
+/// that is curled up is less than that, another unit is more.
 const MAX_EXTENT_RATIO: f32 = 5.0;
 
-/// How far the box of a garment may be from that of its body, in metres: cloth that hangs on a body overlaps it.
+/// How far the box of a garment may be from that of its body, in metres: cloth that hangs on a body
+/// overlaps it.
 const MAX_GAP: f32 = 0.5;
 
 pub(super) struct Reader<'a> {

@@ -45,8 +45,8 @@ pub struct ImportManifest {
     pub scenes: Vec<ImportScene>,
 }
 
-/// A scene made elsewhere. Meshes are OBJ, or npz with an array `vertices` `[vertex, 3]` of floats, or of integers
-/// if the unit is mm; paths are relative to the manifest.
+/// A scene made elsewhere. Meshes are OBJ, or npz with an array `vertices` `[vertex, 3]` of floats,
+/// or of integers if the unit is mm; paths are relative to the manifest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImportScene {
@@ -91,8 +91,8 @@ impl ImportManifest {
     ///
     /// # Errors
     ///
-    /// [`DataError::Read`] if the folder or a file of a sample cannot be read, [`DataError::Foreign`]
-    /// if there is no sample.
+    /// [`DataError::Read`] if the folder or a file of a sample cannot be read,
+    /// [`DataError::Foreign`] if there is no sample.
     pub fn wang_2018(folder: &Path, body_file: &str, unit: Unit) -> Result<Self, DataError> {
         let failed = |source| DataError::read(folder, source);
         let mut samples = Vec::new();
@@ -120,7 +120,8 @@ impl ImportManifest {
                     _ => Split::Train,
                 },
                 body: name.clone(),
-                // All stand with their arms held out: that is no sequence which could be kept for the test.
+                // All stand with their arms held out: that is no sequence which could be kept for
+                // the test.
                 sequence: String::new(),
                 body_mesh: Path::new(&name).join(body_file),
                 garment_mesh: Path::new(&name).join("shirt_mesh_r_tmp.obj"),
@@ -153,18 +154,20 @@ fn shirt_parameters(path: &Path) -> Result<BTreeMap<String, f64>, DataError> {
         .collect()
 }
 
-/// Makes a data set of drapes made elsewhere: reads every mesh, checks it against the package, and writes shards.
-/// `path` is the manifest, or the folder that was listed. Every mesh is read twice, since shards carry the fingerprint
-/// of all meshes; `observer` is told after each scene how many were read, of two times as many as are listed.
+/// Makes a data set of drapes made elsewhere: reads every mesh, checks it against the package, and
+/// writes shards. `path` is the manifest, or the folder that was listed. Every mesh is read twice,
+/// since shards carry the fingerprint of all meshes; `observer` is told after each scene how many
+/// were read, of two times as many as are listed.
 ///
-/// The shards come to their places when all are written: a data set is whole or not there. An import of the same
-/// scenes may be done again.
+/// The shards come to their places when all are written: a data set is whole or not there. An
+/// import of the same scenes may be done again.
 ///
 /// # Errors
 ///
-/// [`DataError::Import`] and [`DataError::ImportScene`] for what is wrong with the list and with a scene,
-/// [`DataError::OtherDataset`] and [`DataError::Foreign`] if the folder holds another data set, of other scenes, say,
-/// [`DataError::InUse`], or that a file cannot be written. The folder is then as it was.
+/// [`DataError::Import`] and [`DataError::ImportScene`] for what is wrong with the list and with a
+/// scene, [`DataError::OtherDataset`] and [`DataError::Foreign`] if the folder holds another data
+/// set, of other scenes, say, [`DataError::InUse`], or that a file cannot be written. The folder is
+/// then as it was.
 pub fn import(
     package: &GarmentPackage,
     manifest: &ImportManifest,

@@ -11,13 +11,14 @@ use super::{DatasetManifest, Layout, Shard};
 use crate::DataError;
 use crate::dataset::{lock::Lock, shard::shard_name};
 
-/// Shards beside a data set. If the value is dropped before all are published they are removed, and those whose places
-/// they took come back.
+/// Shards beside a data set. If the value is dropped before all are published they are removed, and
+/// those whose places they took come back.
 pub(super) struct Staged {
     layout: Layout,
     /// Where each shard is, and where it belongs.
     moves: Vec<(PathBuf, PathBuf)>,
-    /// Places that are taken while the manifest is not yet written, and where what was there is now.
+    /// Places that are taken while the manifest is not yet written, and where what was there is
+    /// now.
     taken: Vec<(PathBuf, Option<PathBuf>)>,
     /// Folders that were not there, inner ones first.
     new_folders: Vec<PathBuf>,
@@ -58,8 +59,9 @@ impl Staged {
     ///
     /// # Errors
     ///
-    /// [`DataError::Folder`] or [`DataError::Write`]: all shards and the manifest are then as they were, or, where
-    /// the system refuses that, too, what was in the place of a shard is in `unfinished`.
+    /// [`DataError::Folder`] or [`DataError::Write`]: all shards and the manifest are then as they
+    /// were, or, where the system refuses that, too, what was in the place of a shard is in
+    /// `unfinished`.
     pub(super) fn publish(mut self, dataset: &DatasetManifest) -> Result<(), DataError> {
         let shards = self.layout.shards();
         fs::create_dir_all(&shards).map_err(|source| DataError::folder(&shards, source))?;
@@ -94,7 +96,8 @@ impl Drop for Staged {
                 None => fs::remove_file(target),
             };
         }
-        // Those that are in their places are no longer here; the next import writes over one that stays.
+        // Those that are in their places are no longer here; the next import writes over one that
+        // stays.
         for (place, _) in &self.moves {
             let _ = fs::remove_file(place);
         }
@@ -110,7 +113,8 @@ fn aside(place: &Path) -> PathBuf {
     place.with_extension("before")
 }
 
-/// Refuses a folder whose manifest is that of another data set, of whatever scenes `dataset` is made.
+/// Refuses a folder whose manifest is that of another data set, of whatever scenes `dataset` is
+/// made.
 pub(super) fn check_manifest(layout: &Layout, dataset: &DatasetManifest) -> Result<(), DataError> {
     let path = layout.manifest();
     if !path.exists() {

@@ -18,8 +18,8 @@ const SEAM: f32 = 0.05;
 /// What is fitted, and by what.
 pub(super) struct Layout {
     pub(super) features: Features,
-    /// How much each vertex counts in each region `[region][vertex]`: all of them, with those of their mirror
-    /// images, sum up to one.
+    /// How much each vertex counts in each region `[region][vertex]`: all of them, with those of
+    /// their mirror images, sum up to one.
     pub(super) shares: Vec<Vec<f32>>,
 }
 
@@ -120,7 +120,8 @@ impl Joints<'_> {
         region.iter().all(|&joint| self.partner(joint) != joint)
     }
 
-    /// The joint from which those limbs go that move most of the garment; the root if there are none.
+    /// The joint from which those limbs go that move most of the garment; the root if there are
+    /// none.
     fn hub(&self) -> usize {
         let root = self.skeleton.parents_first()[0];
         let mut below = self.moves.clone();
@@ -163,8 +164,8 @@ impl Joints<'_> {
     }
 }
 
-/// How much each vertex counts in a region: in its left half, if there are sides. Without sides, regions of
-/// partners are two.
+/// How much each vertex counts in a region: in its left half, if there are sides. Without sides,
+/// regions of partners are two.
 fn region_shares(
     region: &[usize],
     joints: &Joints<'_>,

@@ -1,9 +1,9 @@
 //! Pose-space deformations in regions: a small network tells each.
 //!
-//! A sleeve lies as its own arm and the trunk lie, whatever the other arm does: what counts is found for each region
-//! apart, by Gaussian processes that leave bodies and sequences out, and the network of the region is told as much of
-//! each feature. Where left and right are alike there are regions of the left alone, and each scene counts as its
-//! mirror image, too.
+//! A sleeve lies as its own arm and the trunk lie, whatever the other arm does: what counts is
+//! found for each region apart, by Gaussian processes that leave bodies and sequences out, and the
+//! network of the region is told as much of each feature. Where left and right are alike there are
+//! regions of the left alone, and each scene counts as its mirror image, too.
 
 mod layout;
 mod network;
@@ -31,8 +31,8 @@ const LEAST_SHARE: f32 = 0.04;
 /// Principal shapes that the search looks at.
 const SEARCHED_SHAPES: usize = 48;
 
-/// Numbers that networks are told are as many times those by which Gaussian processes tell scenes apart: first
-/// layers begin with random weights, and few of them are steep.
+/// Numbers that networks are told are as many times those by which Gaussian processes tell scenes
+/// apart: first layers begin with random weights, and few of them are steep.
 const GAIN: f64 = 20.0;
 
 /// All that is the same for all regions.
@@ -180,7 +180,8 @@ impl<'a> Ground<'a> {
         let vertices: Vec<u32> = (0..share.len() as u32)
             .filter(|&vertex| share[vertex as usize] > LEAST_SHARE)
             .collect();
-        // Squares of the sum over a garment are the sum over its regions, if each vertex counts by its share.
+        // Squares of the sum over a garment are the sum over its regions, if each vertex counts by
+        // its share.
         let roots: Vec<f32> = vertices.iter().map(|&v| share[v as usize].sqrt()).collect();
         let weighted = Mat::<f32>::from_fn(3 * vertices.len(), self.offsets.len(), |row, scene| {
             roots[row / 3] * self.offsets[scene][3 * vertices[row / 3] as usize + row % 3]

@@ -19,8 +19,8 @@ const RATE: f64 = 1e-3;
 /// Steps in which it rises from zero; a tenth of all, if those are few.
 const WARM_UP: usize = 500;
 
-/// Weights shrink by the learning rate times this in each step (*Loshchilov and Hutter 2019*): sequences of poses that no
-/// scene has are missed by less.
+/// Weights shrink by the learning rate times this in each step (*Loshchilov and Hutter 2019*):
+/// sequences of poses that no scene has are missed by less.
 const DECAY: f32 = 0.1;
 
 /// Layers with as many numbers as asked for.
@@ -73,9 +73,10 @@ impl Network {
 }
 
 impl Lesson<'_> {
-    /// Learns; the layers tell shares in metres. The loss is the distance of a scene from what is told of it, not its
-    /// square: most scenes, and those of sequences that were held out, came nearer by it. `go_on` is told the passes
-    /// that are done and the mean of that distance over the root mean square of the shares.
+    /// Learns; the layers tell shares in metres. The loss is the distance of a scene from what is
+    /// told of it, not its square: most scenes, and those of sequences that were held out, came
+    /// nearer by it. `go_on` is told the passes that are done and the mean of that distance over
+    /// the root mean square of the shares.
     pub(super) fn learned(&self, go_on: &mut dyn FnMut(u32, f64) -> bool) -> Vec<Layer> {
         let (num_scenes, num_shapes) = (self.inputs.len(), self.shares.ncols());
         let num_inputs = self.inputs.first().map_or(0, Vec::len);

@@ -25,10 +25,11 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// What to multiply the numbers of each feature by `[feature]`, so that a Gaussian process misses bodies and
-    /// sequences that are left out least; zero for those that make no difference.
+    /// What to multiply the numbers of each feature by `[feature]`, so that a Gaussian process
+    /// misses bodies and sequences that are left out least; zero for those that make no difference.
     ///
-    /// `shares` `[sample, shape]`; `go_on` is told the rounds that are done and the error, in units of the shares.
+    /// `shares` `[sample, shape]`; `go_on` is told the rounds that are done and the error, in units
+    /// of the shares.
     pub(super) fn found(
         &self,
         shares: &Mat<f64>,
@@ -82,7 +83,8 @@ impl Search<'_> {
         (0..count).map(|feature| state.scale(feature)).collect()
     }
 
-    /// The squared distances of samples in each feature `[feature]` `[sample, sample]`; none where it never changes.
+    /// The squared distances of samples in each feature `[feature]` `[sample, sample]`; none where
+    /// it never changes.
     fn apart(&self) -> Vec<Option<Mat<f64>>> {
         let features = 0..self.features.all.len();
         let of_feature = |feature: usize| {
@@ -206,7 +208,8 @@ mod tests {
             hub: 0,
             all: aspects.map(|aspect| Feature { joint: 0, aspect }).to_vec(),
         };
-        // Numbers of the first feature tell the share, those of the second are noise, those of the third never change.
+        // Numbers of the first feature tell the share, those of the second are noise, those of the
+        // third never change.
         let number = |scene: usize, of: usize| ((scene * (7 * of + 3)) as f32 * 0.37).sin();
         let row = |scene: usize| -> Vec<f32> {
             let told = (0..7).map(|of| number(scene, of) * if of < 3 { 10.0 } else { 0.5 });
