@@ -140,6 +140,18 @@ pub enum Fallback {
     OnTheWay,
 }
 
+impl Fallback {
+    /// Whether it is because of the body, which is unlike those of the training: the network was
+    /// not asked. Otherwise what it predicted was of no use.
+    pub const fn is_of_body(&self) -> bool {
+        match self {
+            #[cfg(feature = "package")]
+            Self::Unfamiliar(reason) => !matches!(reason, crate::Unfamiliar::Torn { .. }),
+            Self::OnTheWay => false,
+        }
+    }
+}
+
 impl fmt::Display for Fallback {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

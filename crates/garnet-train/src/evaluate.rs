@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::contender::Contender;
 use crate::curves::Counts;
 use crate::measure::Measure;
-use crate::scores::Tally;
+use crate::scores::{Sums, Tally};
 use crate::{Curves, Finish, Left, Percentiles, Scores, Stage, StagedScene, TrainError};
 
 /// A way to drape that is measured.
@@ -112,6 +112,11 @@ pub struct Row {
     /// Scenes whose bodies are unlike those that the network was trained on, or whose cloth it
     /// would have torn, and was not moved by it.
     pub fallbacks: usize,
+    /// Those of them whose bodies are unlike those of the training.
+    pub unfamiliar: usize,
+    /// Mean distance to the teacher of all other scenes, before untangling, in metres; none if
+    /// there are none.
+    pub familiar_distance: Option<f64>,
     /// Weights of the network.
     pub parameters: u64,
     /// Multiplications and additions of a forward pass.
@@ -211,6 +216,8 @@ struct Entrant<'a> {
     left: Left,
     unsettled: usize,
     fallbacks: usize,
+    unfamiliar: usize,
+    familiar: Sums,
     times: [Vec<f64>; 4],
 }
 
@@ -225,6 +232,8 @@ impl<'a> Entrant<'a> {
             left: Left::NOTHING,
             unsettled: 0,
             fallbacks: 0,
+            unfamiliar: 0,
+            familiar: Sums::default(),
             times: Default::default(),
         }
     }
@@ -239,6 +248,8 @@ impl<'a> Entrant<'a> {
             settle: self.contender.settle_frames(),
             unsettled: self.unsettled,
             fallbacks: self.fallbacks,
+            unfamiliar: self.unfamiliar,
+            familiar_distance: self.familiar.mean(),
             parameters: cost.map_or(0, |cost| cost.parameters),
             flops: cost.map_or(0, |cost| cost.flops),
             scores: self.tally.scores(),
@@ -277,6 +288,8 @@ fn scene(
             left,
             unsettled,
             fallbacks,
+            unfamiliar,
+            familiar,
             times,
         } = entrant;
         let has_network = contender.config().is_some() || contender.cost().is_some();
@@ -289,6 +302,11 @@ fn scene(
             *fallbacks += usize::from(provenance.fallback.is_some());
             let positions = placed.positions(draper.garment());
             let errors = measure.add(tally, staged, &positions)?;
+            match &provenance.fallback {
+                // The drape of a network that was not asked says nothing of it.
+                Some(fallback) if fallback.is_of_body() => *unfamiliar += 1,
+                _ => familiar.add(&errors.distances),
+            }
             distances.add(&errors.distances);
             angles.add(&errors.angles);
             let Some(drape) = drape else {

@@ -76,7 +76,7 @@ pub use garnet_net::losses::{LossConfig, LossValue, Term};
 pub use garnet_net::{GarNetConfig, Moment, PRESET_NAMES, Precision, Variant};
 pub use percentiles::Percentiles;
 pub use pose_space::{PoseSpaceConfig, ToldBy};
-pub use publish::{DefaultVariant, Trained, WhyDefault};
+pub use publish::{DefaultVariant, DrapeScores, Trained, WhyDefault};
 pub use recipe::{Recipe, kind_name, kind_names};
 pub use schedule::Schedule;
 pub use scores::{Scores, Tally};

@@ -8,6 +8,7 @@ use burn::tensor::Device;
 use garnet_data::Split;
 use garnet_drape::{GarmentPackage, Manifest, MeasuredCost, Package, Variant};
 use garnet_net::{Checkpoint, ModelHeader, Moment, PoseSpace, Precision, TrainedRange};
+use serde::Serialize;
 
 use crate::evaluate::evaluate_until;
 use crate::examples::examples;
@@ -33,9 +34,11 @@ pub struct Trained {
     pub epochs_asked: u32,
     /// The scores on the test split, without untangling; none if the split is empty.
     pub test: Option<Scores>,
-    /// Mean distance to the teacher on the test split once the cloth has settled, in metres, if
-    /// that is known.
-    pub settled_error: Option<f64>,
+    /// Whole drapes of the validation split, settled if drapes with the variant settle, if they
+    /// were measured.
+    pub valid_drapes: Option<DrapeScores>,
+    /// Settled drapes of the test split, if they were measured.
+    pub settled: Option<DrapeScores>,
     /// What the package drapes with if no variant is asked for, now.
     pub default: DefaultVariant,
 }
@@ -54,6 +57,7 @@ pub struct DefaultVariant {
 
 /// Why a variant is the default of its package.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum WhyDefault {
     /// It was asked for.
     Asked,
@@ -61,6 +65,24 @@ pub enum WhyDefault {
     Best,
     /// It was the default, and how good it is on validation is not known.
     Unknown,
+    /// It was the default, and no variant has a score on validation: all scenes fell back.
+    NoScore,
+}
+
+/// How far whole drapes of a split are from the teacher's, before untangling.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct DrapeScores {
+    /// Scenes.
+    pub scenes: usize,
+    /// Mean distance, in metres; of scenes that fell back, that of the fallback's drape.
+    pub distance: f64,
+    /// The same without scenes whose bodies are unlike the training; none if all are.
+    pub familiar_distance: Option<f64>,
+    /// Scenes that fell back.
+    pub fallbacks: usize,
+    /// Those of them whose bodies are unlike the training.
+    pub unfamiliar: usize,
 }
 
 /// The file in a package that the weights of a variant are written to.
@@ -157,13 +179,13 @@ pub(crate) fn publish(
         stage.package.mesh.num_vertices(),
         subject.sampling.used().len(),
     )?;
-    let errors = [Some(best.valid.distance), test.map(|test| test.distance)];
-    let variant = scored_variant(&progress.name, subject.moment, errors, cost.flops);
+    let error = test.map(|test| test.distance);
+    let variant = scored_variant(&progress.name, subject.moment, error, cost.flops);
     let splits = HasSplits {
         valid: true,
         test: test.is_some(),
     };
-    let settled_error = add_variant(folder, stage, variant, splits, observer, stop)?;
+    let drapes = add_variant(folder, stage, variant, splits, observer, stop)?;
     let default = choose_default(folder, makes_default.then_some(&progress.name))?;
     Ok(Trained {
         name: progress.name.clone(),
@@ -173,21 +195,20 @@ pub(crate) fn publish(
         valid: Some(best.valid),
         best,
         test,
-        settled_error,
+        valid_drapes: drapes.valid,
+        settled: drapes.settled,
         default,
     })
 }
 
-/// A variant with its distances from the teacher on the validation and the test split, in metres,
-/// and the operations of a forward pass.
+/// A variant with its distance from the teacher on the test split, in metres, and the operations of
+/// a forward pass.
 pub(crate) fn scored_variant(
     name: &str,
     moment: Moment,
-    errors: [Option<f64>; 2],
+    test_error: Option<f64>,
     flops: u64,
 ) -> Variant {
-    // Where cloth is on its way is no drape.
-    let [valid_error, distance_error] = errors.map(|error| error.filter(|_| moment.is_rest()));
     Variant {
         aliases: Vec::new(),
         seconds: None,
@@ -195,10 +216,14 @@ pub(crate) fn scored_variant(
         name: name.to_owned(),
         weights: weights_file(name),
         default: false,
-        distance_error,
+        // Where cloth is on its way is no drape.
+        distance_error: test_error.filter(|_| moment.is_rest()),
         settled_error: None,
         settle_frames: None,
-        valid_error,
+        valid_error: None,
+        valid_scenes: None,
+        // Nothing says yet that it gains by that.
+        settles: moment.is_rest().then_some(false),
         flop: Some(flops as f64),
     }
 }
@@ -212,6 +237,12 @@ pub(crate) fn choose_default(
     let manifest = GarmentPackage::change_manifest(folder, |manifest| match asked {
         Some(name) => manifest.make_default(name),
         None if manifest.choose_default().is_some() => why = WhyDefault::Best,
+        None if manifest
+            .default_variant()
+            .is_some_and(Variant::has_no_score) =>
+        {
+            why = WhyDefault::NoScore;
+        }
         None => why = WhyDefault::Unknown,
     })?;
     let default = manifest.default_variant();
@@ -229,13 +260,22 @@ pub(crate) struct HasSplits {
     pub(crate) test: bool,
 }
 
-/// Adds a variant to the manifest of a package, and measures on the test split, if there is one,
-/// how far from the teacher its cloth is once it has settled, in metres; the same on the validation
-/// split, if its drapes settle.
+/// What whole drapes with a variant have come to.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Drapes {
+    /// On the validation split, as the package drapes with it.
+    pub(crate) valid: Option<DrapeScores>,
+    /// On the test split, settled.
+    pub(crate) settled: Option<DrapeScores>,
+}
+
+/// Adds a variant to the manifest of a package, and measures whole drapes with it: on the validation
+/// split to choose whether they settle, and what the default is; on the test split, settled, to
+/// report them.
 ///
 /// That takes longer than all else but the training: the variant is in the manifest before it
-/// begins. It is there without that number, too, if the garment cannot be simulated, or `stop` ends
-/// that; the observer is told why.
+/// begins. It is there without those numbers, too, if the garment cannot be simulated, or `stop`
+/// ends that; the observer is told why.
 pub(crate) fn add_variant(
     folder: &Path,
     stage: &Stage,
@@ -243,7 +283,7 @@ pub(crate) fn add_variant(
     splits: HasSplits,
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
-) -> Result<Option<f64>, TrainError> {
+) -> Result<Drapes, TrainError> {
     let add = |variant: &Variant, cost: Option<&MeasuredCost>| {
         let variant = variant.clone();
         // Another training may have added a variant meanwhile.
@@ -261,42 +301,61 @@ pub(crate) fn add_variant(
     let cost = Package::open(folder).and_then(|package| package.measure(&variant.name));
     let cost = cost.ok();
     add(&variant, cost.as_ref())?;
-    if !splits.test {
-        return Ok(None);
-    }
+
     let weights = folder.join(&variant.weights);
-    let mut settle = |split| match settled(stage, split, &weights, observer, stop) {
-        Ok(found) => Some(found),
-        Err(error) => {
-            observer(TrainEvent::NotSettled {
-                why: error.to_string(),
-            });
-            None
-        }
-    };
-    let Some((error, frames)) = settle(Split::Test) else {
-        return Ok(None);
-    };
-    variant.settled_error = Some(error);
-    variant.settle_frames = Some(frames);
     let moment = ModelHeader::read(&weights)?.moment;
-    if splits.valid && variant.settling(moment).frames > 0 {
-        variant.valid_error = settle(Split::Valid).map(|(error, _)| error);
-    }
+    let frames = moment.settle_frames();
+    let left = if moment.is_rest() && splits.valid {
+        // What ends this ends settling, too, which tells why.
+        drapes_of(stage, Split::Valid, &weights, 0, observer, stop).ok()
+    } else {
+        None
+    };
+    let mut has_failed = false;
+    let mut settled = |split, is_there: bool| {
+        if has_failed || !is_there {
+            return None;
+        }
+        let found = drapes_of(stage, split, &weights, frames, observer, stop);
+        found
+            .inspect_err(|error| {
+                has_failed = true;
+                observer(TrainEvent::NotSettled {
+                    why: error.to_string(),
+                });
+            })
+            .ok()
+    };
+    let settled_valid = settled(Split::Valid, splits.valid);
+    let settled_test = settled(Split::Test, splits.test);
+    let error = |found: Option<DrapeScores>| found.and_then(|found| found.familiar_distance);
+    let settles = match (error(settled_valid), error(left)) {
+        (Some(settled), Some(left)) => settled < left,
+        _ => !moment.is_rest(),
+    };
+    let valid = if settles { settled_valid } else { left };
+    variant.settles = moment.is_rest().then_some(settles);
+    variant.valid_error = error(valid);
+    variant.valid_scenes = valid.map(|valid| valid.scenes - valid.unfamiliar);
+    variant.settled_error = settled_test.map(|test| test.distance);
+    variant.settle_frames = settled_test.or(settled_valid).map(|_| frames);
     add(&variant, cost.as_ref())?;
-    Ok(Some(error))
+    Ok(Drapes {
+        valid,
+        settled: settled_test,
+    })
 }
 
-/// The mean distance to the teacher on a split, in metres, of cloth that has settled where weights
-/// put it, and for how many frames it settles.
-fn settled(
+/// How far cloth is from the teacher's on a split once it has settled for so many frames where
+/// weights put it.
+fn drapes_of(
     stage: &Stage,
     split: Split,
     weights: &Path,
+    frames: u32,
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
-) -> Result<(f64, u32), TrainError> {
-    let frames = ModelHeader::read(weights)?.moment.settle_frames();
+) -> Result<DrapeScores, TrainError> {
     let candidate = Candidate::Model {
         name: String::new(),
         weights: weights.to_path_buf(),
@@ -307,13 +366,16 @@ fn settled(
         observer(TrainEvent::Settled { done, total });
     };
     let found = evaluate_until(stage, split, &[candidate], Finish::None, &mut tell, stop)?;
-    let row = found.rows.first();
-    match row.filter(|row| row.unsettled < found.scenes) {
-        Some(row) => Ok((row.scores.distance, frames)),
-        None => Err(TrainError::FliesApart {
-            scenes: found.scenes,
-        }),
-    }
+    let scenes = found.scenes;
+    let row = found.rows.first().filter(|row| row.unsettled < scenes);
+    let row = row.ok_or(TrainError::FliesApart { scenes })?;
+    Ok(DrapeScores {
+        scenes,
+        distance: row.scores.distance,
+        familiar_distance: row.familiar_distance,
+        fallbacks: row.fallbacks,
+        unfamiliar: row.unfamiliar,
+    })
 }
 
 /// Scores under the names that weight files keep them by.

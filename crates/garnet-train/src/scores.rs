@@ -78,19 +78,24 @@ pub struct Tally {
 
 /// Sums of values and of their squares.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-struct Sums {
+pub(crate) struct Sums {
     count: usize,
     sum: f64,
     squares: f64,
 }
 
 impl Sums {
-    fn add(&mut self, values: &[f32]) {
+    pub(crate) fn add(&mut self, values: &[f32]) {
         self.count += values.len();
         for &value in values {
             self.sum += f64::from(value);
             self.squares += f64::from(value).powi(2);
         }
+    }
+
+    /// The mean, if there are values.
+    pub(crate) fn mean(self) -> Option<f64> {
+        (self.count > 0).then(|| self.sum / self.count as f64)
     }
 
     fn merge(&mut self, other: Self) {

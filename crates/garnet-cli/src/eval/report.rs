@@ -40,6 +40,11 @@ pub(crate) struct MethodReport {
     pub(crate) has_to_settle: bool,
     /// Scenes that were left where the network had put them because their cloth flew apart.
     unsettled: usize,
+    /// Scenes that the network was not trusted with, because of the body or because it would have
+    /// torn the garment; their drapes are those of the fallback.
+    fallbacks: usize,
+    /// Those of them whose bodies are unlike those of the training.
+    unfamiliar: usize,
     /// Weights of the network; none of skinning and warp.
     pub(crate) weights: Option<u64>,
     /// Multiplications and additions of a forward pass; none of skinning and warp.
@@ -80,6 +85,8 @@ impl From<&Row> for MethodReport {
             settle_frames: row.settle,
             has_to_settle: !row.moment.is_rest(),
             unsettled: row.unsettled,
+            fallbacks: row.fallbacks,
+            unfamiliar: row.unfamiliar,
             weights: is_network.then_some(row.parameters),
             flop: is_network.then_some(row.flops),
             network: row.config.clone(),
@@ -95,7 +102,7 @@ impl From<&Row> for MethodReport {
 const LEAST: usize = 7;
 
 /// The heads of the columns.
-const COLUMNS: [&str; 11] = [
+const COLUMNS: [&str; 12] = [
     "E_dist mm",
     "± mm",
     "E_norm °",
@@ -106,6 +113,7 @@ const COLUMNS: [&str; 11] = [
     "faces",
     "strain p99 %",
     "crossings",
+    "fell back",
     "ms",
 ];
 
@@ -128,13 +136,16 @@ impl fmt::Display for EvalReport {
         for method in &self.methods {
             let seconds = &method.seconds;
             let first = seconds.warp.median + seconds.network.median + seconds.settle.median;
+            let fallbacks = method.weights.map(|_| method.fallbacks);
             let before = Line::of(&method.name, &method.scores).took(first);
+            let before = before.fell_back(fallbacks);
             before.write(formatter, width)?;
             if let Some(untangled) = &method.untangled {
                 let name = format!("{} untangled", method.name);
                 let after = Line::of(&name, &untangled.scores);
                 let after = after.took(first + seconds.untangle.median);
-                after.left(untangled.left).write(formatter, width)?;
+                let after = after.fell_back(fallbacks).left(untangled.left);
+                after.write(formatter, width)?;
             }
         }
         // Without a time: it is not simulated here.
@@ -143,6 +154,12 @@ impl fmt::Display for EvalReport {
             write!(
                 formatter,
                 "\nfree: vertices inside the body in all scenes, faces: faces that cross it; both without those that it traps"
+            )?;
+        }
+        if self.methods.iter().any(|method| method.fallbacks > 0) {
+            write!(
+                formatter,
+                "\nfell back: scenes that the network was not trusted with; their drapes are the fallback's"
             )?;
         }
         for method in self.methods.iter().filter(|method| method.unsettled > 0) {
@@ -165,6 +182,8 @@ struct Line<'a> {
     seconds: Option<f64>,
     /// What untangling left.
     left: Option<Left>,
+    /// Scenes that fell back; none without a network.
+    fallbacks: Option<usize>,
 }
 
 impl<'a> Line<'a> {
@@ -174,6 +193,7 @@ impl<'a> Line<'a> {
             scores,
             seconds: None,
             left: None,
+            fallbacks: None,
         }
     }
 
@@ -182,6 +202,10 @@ impl<'a> Line<'a> {
             seconds: Some(seconds),
             ..self
         }
+    }
+
+    fn fell_back(self, fallbacks: Option<usize>) -> Self {
+        Self { fallbacks, ..self }
     }
 
     fn left(self, left: Left) -> Self {
@@ -207,6 +231,7 @@ impl<'a> Line<'a> {
             count(self.left.and_then(|left| left.crossing_faces)),
             format!("{:.1}", 1e2 * (scores.stretch_p99 - 1.0)),
             format!("{:.1}", scores.self_intersections),
+            count(self.fallbacks),
             self.seconds
                 .map_or_else(nothing, |seconds| format!("{:.1}", 1e3 * seconds)),
         ];

@@ -2,7 +2,7 @@
 
 use std::{fmt, path::Path, time::Duration};
 
-use garnet::train::{DefaultVariant, EpochRecord, Scores, Trained, WhyDefault};
+use garnet::train::{DefaultVariant, DrapeScores, EpochRecord, Scores, Trained, WhyDefault};
 use serde::Serialize;
 
 /// What a training has come to. SI units.
@@ -24,6 +24,10 @@ pub(crate) struct TrainReport {
     test: Option<Scores>,
     /// Mean distance to the teacher on the test split once the cloth has settled.
     settled_error_m: Option<f64>,
+    /// Whole drapes of the validation split, which the default is chosen by.
+    valid_drapes: Option<DrapeScores>,
+    /// Settled drapes of the test split.
+    settled: Option<DrapeScores>,
     /// What the package drapes with if no variant is asked for.
     default: DefaultReport,
     seconds: f64,
@@ -35,8 +39,8 @@ struct DefaultReport {
     variant: String,
     /// Mean distance to the teacher on the validation split, if it is known.
     valid_error_m: Option<f64>,
-    /// `asked`, `best` on validation, or `unknown`: how good it is there is not known, and so it
-    /// stays.
+    /// `asked`, `best` on validation, `unknown`: how good it is there is not known, and so it
+    /// stays, or `no-score`: no variant has one, because all scenes fell back.
     why: &'static str,
 }
 
@@ -48,7 +52,8 @@ impl From<&DefaultVariant> for DefaultReport {
             why: match default.why {
                 WhyDefault::Asked => "asked",
                 WhyDefault::Best => "best",
-                WhyDefault::Unknown => "unknown",
+                WhyDefault::NoScore => "no-score",
+                _ => "unknown",
             },
         }
     }
@@ -63,6 +68,11 @@ impl fmt::Display for DefaultReport {
                 formatter,
                 "the default is `{name}`, the best on validation: {:.2} mm",
                 1e3 * error
+            ),
+            ("no-score", _) => write!(
+                formatter,
+                "the default is `{name}`, which has no score: it fell back in all scenes of `valid`; \
+                 `--default` chooses another"
             ),
             (_, None) => write!(
                 formatter,
@@ -91,7 +101,9 @@ impl TrainReport {
             valid_at_start: start.map(|start| start.valid),
             valid: trained.valid,
             test: trained.test,
-            settled_error_m: trained.settled_error,
+            settled_error_m: trained.settled.map(|settled| settled.distance),
+            valid_drapes: trained.valid_drapes,
+            settled: trained.settled,
             default: DefaultReport::from(&trained.default),
             seconds: time.as_secs_f64(),
         }
@@ -124,16 +136,32 @@ impl fmt::Display for TrainReport {
         if let Some(start) = &self.valid_at_start {
             write!(formatter, " (at the start {})", figures(start))?;
         }
+        if let Some(drapes) = &self.valid_drapes {
+            match drapes.familiar_distance {
+                Some(error) => write!(formatter, "; whole drapes {:.2} mm", 1e3 * error)?,
+                None => write!(formatter, "; whole drapes have no score")?,
+            }
+            fell_back(formatter, drapes)?;
+        }
         if let Some(test) = &self.test {
             write!(formatter, "\n  test {}", figures(test))?;
         }
-        if let Some(error) = self.settled_error_m {
-            write!(formatter, "; settled {:.2} mm", 1e3 * error)?;
+        if let Some(drapes) = &self.settled {
+            write!(formatter, "; settled {:.2} mm", 1e3 * drapes.distance)?;
+            fell_back(formatter, drapes)?;
         }
         write!(formatter, "\nwrote {}", self.weights)?;
         if self.epochs > 0 {
             write!(formatter, "; curves and log are in {}", self.training)?;
         }
         write!(formatter, "\n{}", self.default)
+    }
+}
+
+/// In how many scenes the variant was not taken, if there are any.
+fn fell_back(formatter: &mut fmt::Formatter<'_>, drapes: &DrapeScores) -> fmt::Result {
+    match (drapes.fallbacks, drapes.scenes) {
+        (0, _) => Ok(()),
+        (count, scenes) => write!(formatter, ", {count} of {scenes} scenes fell back"),
     }
 }

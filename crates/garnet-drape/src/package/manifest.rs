@@ -56,10 +56,13 @@ impl Manifest {
 
     /// Makes the variant the default that is the best on validation, and returns its name.
     ///
-    /// The default stays what it is, and nothing is returned, if it is not known how good that one
-    /// is: variants of earlier versions do not say it.
+    /// The default stays what it is, and nothing is returned, if no variant has a score there, or
+    /// it is not known how good the default is: variants of earlier versions do not say it.
     pub fn choose_default(&mut self) -> Option<String> {
-        self.default_variant()?.valid_error?;
+        let default = self.default_variant()?;
+        if default.valid_error.is_none() && !default.has_no_score() {
+            return None;
+        }
         let known = self.variants.iter();
         let known = known.filter_map(|variant| Some((variant.valid_error?, variant)));
         let (_, best) = known.min_by(|a, b| {
@@ -307,10 +310,20 @@ pub struct Variant {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settle_frames: Option<u32>,
     /// Mean distance to the teacher on the validation split, in metres, of what a drape with this
-    /// variant gives, settled if that settles: what the default is chosen by. None without such a
+    /// variant gives, settled if that settles: what the default is chosen by. Scenes whose bodies
+    /// are unlike the training are left out, for they fall back. None if all are, without such a
     /// split, and for variants of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub valid_error: Option<f64>,
+    /// Scenes that [`valid_error`](Self::valid_error) is the mean of; 0 if all fell back.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub valid_scenes: Option<usize>,
+    /// Whether its drapes settle where it predicts cloth at rest: if that brings them nearer to
+    /// the teacher on the validation split. None for variants of earlier versions, which settle if
+    /// [`settled_error`](Self::settled_error) is less than
+    /// [`distance_error`](Self::distance_error).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settles: Option<bool>,
     /// Time of a drape without relaxation, in seconds, where [`Manifest::cost`] was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -326,7 +339,13 @@ impl Variant {
     /// Whether its drapes are known to come nearer to the teacher when they settle.
     pub fn gains_by_settling(&self) -> bool {
         let left = self.distance_error.unwrap_or(f64::INFINITY);
-        self.settled_error.is_some_and(|settled| settled < left)
+        let earlier = || self.settled_error.is_some_and(|settled| settled < left);
+        self.settles.unwrap_or_else(earlier)
+    }
+
+    /// Whether it was measured on the validation split, and fell back in all scenes of it.
+    pub fn has_no_score(&self) -> bool {
+        self.valid_scenes == Some(0)
     }
 
     /// How cloth settles that this variant predicts at a moment: not at all where that is known to
@@ -364,6 +383,8 @@ mod tests {
                 settled_error: None,
                 settle_frames: None,
                 valid_error,
+                valid_scenes: None,
+                settles: None,
                 flop: None,
             });
         }
@@ -389,6 +410,31 @@ mod tests {
         assert_eq!(default_of(&found), "c");
         found.make_default("d");
         assert_eq!(default_of(&found), "c");
+    }
+
+    #[test]
+    fn what_has_no_score_is_the_default_only_where_nothing_has_one() {
+        let mut found = manifest(&[("a", None)]);
+        found.variants[0].valid_scenes = Some(0);
+        assert_eq!(found.choose_default(), None);
+        assert_eq!(default_of(&found), "a");
+        let scored = manifest(&[("b", Some(0.5))]).variants.remove(0);
+        found.add(scored);
+        assert_eq!(found.choose_default().as_deref(), Some("b"));
+        assert_eq!(default_of(&found), "b");
+    }
+
+    #[test]
+    fn settling_is_chosen_on_validation() {
+        let mut variant = manifest(&[("a", Some(3e-3))]).variants.remove(0);
+        let frames = |variant: &Variant| variant.settling(Moment::Rest).frames;
+        assert_eq!(frames(&variant), 0);
+        // As of earlier versions.
+        (variant.distance_error, variant.settled_error) = (Some(3e-3), Some(2e-3));
+        assert_eq!(frames(&variant), Moment::Rest.settle_frames());
+        variant.settles = Some(false);
+        assert_eq!(frames(&variant), 0);
+        assert!(variant.settling(Moment::Midway).frames > 0);
     }
 
     #[test]

@@ -169,14 +169,14 @@ pub(crate) fn fit(
     }
     space.save(&path, job.config.precision)?;
 
-    let errors = [scores(&valid), scores(&test)].map(|found| found.map(|found| found.distance));
-    let variant = scored_variant(name, moment, errors, space.cost().flops);
     let test = scores(&test);
+    let error = test.map(|test| test.distance);
+    let variant = scored_variant(name, moment, error, space.cost().flops);
     let splits = HasSplits {
         valid: valid.is_some(),
         test: test.is_some(),
     };
-    let settled_error = add_variant(&job.package, stage, variant, splits, observer, stop)?;
+    let drapes = add_variant(&job.package, stage, variant, splits, observer, stop)?;
     let default = choose_default(&job.package, job.makes_default.then_some(name))?;
     Ok(Trained {
         name: name.clone(),
@@ -186,7 +186,8 @@ pub(crate) fn fit(
         epochs: 0,
         epochs_asked: 0,
         test,
-        settled_error,
+        valid_drapes: drapes.valid,
+        settled: drapes.settled,
         default,
     })
 }

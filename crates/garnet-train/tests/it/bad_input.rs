@@ -171,6 +171,8 @@ fn weights_do_not_take_the_place_of_other_files() {
         settled_error: None,
         settle_frames: None,
         valid_error: None,
+        valid_scenes: None,
+        settles: None,
         flop: None,
     });
     GarmentPackage::write_manifest(&invented.package(), &manifest).unwrap();
