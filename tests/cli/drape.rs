@@ -378,6 +378,97 @@ fn a_garment_beside_the_body_is_refused() {
     }
 }
 
+#[test]
+fn a_garment_too_high_or_too_low_is_refused() {
+    let fixture = Fixture::new();
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models");
+    let mut accepted = Vec::new();
+    for (garment, rig) in [
+        ("tshirt/template.obj", "tshirt/body.rig.npz"),
+        ("demo/tunic.obj", "demo/body.rig.npz"),
+    ] {
+        let file = ObjFile::read(models.join(garment)).unwrap();
+        for height in [-0.7, -0.5, 0.7] {
+            let way = Vector3::y() * height;
+            let moved: Vec<Point3> = file.positions().iter().map(|p| p + way).collect();
+            let path = fixture.path("moved.obj");
+            file.write_with_positions(&path, &moved).unwrap();
+            let rig = models.join(rig);
+            let arguments = format!(
+                "drape moved.obj --rig {} --pose wave -o out.obj",
+                rig.display()
+            );
+            let output = fixture.garnet(&arguments);
+            let text = stderr(&output);
+            if output.status.code() != Some(2) || !text.contains("does not lie on") {
+                accepted.push(format!("{garment} {height}: {text}"));
+            }
+        }
+    }
+    assert!(accepted.is_empty(), "{}", accepted.join("\n"));
+}
+
+#[test]
+fn a_body_in_the_place_of_the_garment_is_told() {
+    let fixture = Fixture::new();
+    let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/demo");
+    let [tunic, reach, rig] =
+        ["tunic.obj", "reach.obj", "body.rig.npz"].map(|name| demo.join(name));
+    let [tunic, reach, rig] = [&tunic, &reach, &rig].map(|path| path.display());
+    for arguments in [
+        // Swapped, the body twice, and a package as the body.
+        format!("drape {reach} {tunic} --rig {rig} -o out.obj"),
+        format!("drape {reach} {reach} --rig {rig} -o out.obj"),
+        format!("drape {reach} {}/../tshirt -o out.obj", demo.display()),
+    ] {
+        let output = fixture.garnet(&arguments);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(
+            text.contains("is given as") && text.contains("comes first"),
+            "{text}"
+        );
+        assert!(!fixture.path("out.obj").exists());
+    }
+}
+
+#[test]
+fn what_is_mistyped_is_told_before_work() {
+    let fixture = Fixture::new();
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models");
+    let (shirt, walk) = (models.join("tshirt"), models.join("demo/walk.bvh"));
+    let (shirt, walk) = (shirt.display(), walk.display());
+    for (arguments, told) in [
+        (
+            format!("{shirt} --pose waev -o out.obj"),
+            "`wave` may be meant",
+        ),
+        (
+            format!("{shirt} --pose wave --method fats -o out.obj"),
+            "`fast` may be meant",
+        ),
+        (
+            "sleeve.obj bent.obj --rig body.rig.npz --method wrap -o out.obj".to_owned(),
+            "`warp` may be meant",
+        ),
+        (format!("{shirt} -o out.obj"), "as `--pose wave`"),
+        (
+            format!("{shirt} --pose {walk}:5:3 -o out.obj"),
+            "`5:3` names none",
+        ),
+        (
+            format!("{shirt} . -o out.obj"),
+            "it is a folder, not a file",
+        ),
+    ] {
+        let output = fixture.garnet(&format!("drape {arguments}"));
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(told), "{text}");
+        assert!(!fixture.path("out.obj").exists());
+    }
+}
+
 /// Writes the body of the fixture as `own.glb`.
 fn glb_of_body(fixture: &Fixture) {
     let body = read_rig(fixture.path("body.rig.npz")).unwrap();

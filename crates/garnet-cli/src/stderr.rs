@@ -1,10 +1,12 @@
 //! What goes to stderr: lines, and what is told about errors.
 
 use std::{
+    error::Error,
     fmt::Display,
     io::{self, Write},
 };
 
+use garnet::io::{FileProblem, MotionProblem};
 use serde::Serialize;
 
 use crate::{
@@ -32,7 +34,7 @@ pub(crate) struct Failure {
 impl Failure {
     pub(crate) fn new(error: &anyhow::Error) -> Self {
         let mut texts: Vec<String> = Vec::new();
-        for text in error.chain().map(|link| one_line(&link.to_string())) {
+        for text in error.chain().map(text_of) {
             // A wrapper that says nothing of its own repeats its source.
             if texts.last() != Some(&text) {
                 texts.push(text);
@@ -59,6 +61,24 @@ impl Failure {
             hint: None,
         }
     }
+}
+
+/// The text of a link of a chain of errors; in plain words where the system's are not.
+fn text_of(link: &(dyn Error + 'static)) -> String {
+    let of_system = link.downcast_ref::<io::Error>();
+    let of_system = of_system.or_else(|| match link.downcast_ref()? {
+        FileProblem::Io(error) => Some(error),
+        _ => None,
+    });
+    let of_system = of_system.or_else(|| match link.downcast_ref()? {
+        MotionProblem::Io(error) => Some(error),
+        _ => None,
+    });
+    let is_folder = |error: &io::Error| error.kind() == io::ErrorKind::IsADirectory;
+    if of_system.is_some_and(is_folder) {
+        return "it is a folder, not a file".to_owned();
+    }
+    one_line(&link.to_string())
 }
 
 /// Texts of systems and parsers may have several lines.

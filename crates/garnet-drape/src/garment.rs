@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use garnet_io::{Frame, check_offsets, check_sizes};
+use garnet_knn::ClosestPoint;
 use garnet_mesh::{Bounds, MeshError, Point3, TriMesh};
 use garnet_skin::{Body, PosedBody, TransferOptions, Warp};
 use garnet_untangle::Binding;
@@ -50,8 +51,14 @@ impl Garment {
         check_sizes(&garment_bounds, &body_bounds, Frame::OURS)?;
         let cloth = self.cloth.bind(body)?;
         let pairs = cloth.rest_nodes().iter().zip(cloth.skin());
-        let offsets: Vec<_> = pairs.map(|(node, skin)| node - skin.point).collect();
-        check_offsets(&offsets, &body_bounds)?;
+        let rest = body.rest();
+        let corner = |corner: u32| rest.positions()[corner as usize];
+        let offset = |(node, skin): (&Point3, &ClosestPoint)| {
+            let [a, b, c] = rest.faces()[skin.face as usize].map(corner);
+            (node - skin.point, (b - a).cross(&(c - a)))
+        };
+        let (offsets, normals): (Vec<_>, Vec<_>) = pairs.map(offset).unzip();
+        check_offsets(&offsets, &normals, &body_bounds)?;
         BoundGarment::of_cloth(cloth, Arc::new(body.clone()))
     }
 }

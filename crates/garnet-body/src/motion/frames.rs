@@ -124,8 +124,12 @@ impl FromStr for FrameRange {
         if step == 0 {
             return Err(wrong());
         }
+        let first = or(first, 0)?;
+        if end.is_some_and(|end| end <= first) {
+            return Err(wrong());
+        }
         Ok(Self {
-            first: or(first, 0)?,
+            first,
             end,
             step,
             is_single: false,
@@ -152,7 +156,7 @@ mod tests {
 
     #[test]
     fn what_is_no_range_or_holds_nothing_is_refused() {
-        for text in ["", "a", "1:2:0", "1:2:3:4", "-1", "1.5"] {
+        for text in ["", "a", "1:2:0", "1:2:3:4", "-1", "1.5", "5:3", "5:5"] {
             let error = text.parse::<FrameRange>().unwrap_err();
             assert_eq!(error.text, text);
         }
@@ -168,6 +172,6 @@ mod tests {
             of("3:12"),
             Err(RetargetError::FrameOutOfRange { frame: 11, .. })
         ));
-        assert!(matches!(of("5:5"), Err(RetargetError::NoFrames { .. })));
+        assert!(matches!(of("9:"), Err(RetargetError::NoFrames { .. })));
     }
 }

@@ -28,8 +28,6 @@ pub(crate) struct BodyArgs {
     /// Body mass index, in kg/m².
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub(crate) bmi: Option<f64>,
-    #[command(flatten)]
-    pub(crate) measures: MeasureArgs,
     /// Draw this many bodies from the population instead.
     #[arg(long, value_name = "N", conflicts_with_all = ["sex", "bmi", "Measures"],
           value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true)]
@@ -45,15 +43,16 @@ pub(crate) struct BodyArgs {
     )]
     pub(crate) seed: u64,
     /// A pose of the library, or a file: pose JSON, BVH, or npz as in AMASS.
-    #[arg(long, value_name = "NAME|FILE[:FRAMES]")]
+    #[arg(long, help_heading = POSES, value_name = "NAME|FILE[:FRAMES]")]
     pub(crate) pose: Option<PoseSource>,
     /// A motion, whose lowest frame stands on the ground: BVH, npz as in AMASS, or pose JSON with
     /// frames.
-    #[arg(long, value_name = "FILE", conflicts_with = "pose")]
+    #[arg(long, help_heading = POSES, value_name = "FILE", conflicts_with = "pose")]
     pub(crate) motion: Option<PathBuf>,
     /// Frames of the motion, from 0, without END [default: all].
     #[arg(
         long,
+        help_heading = POSES,
         hide_short_help = true,
         value_name = "FIRST:END:STEP",
         requires = "motion",
@@ -63,7 +62,12 @@ pub(crate) struct BodyArgs {
     /// Write the coarse level of the built-in body, of a quarter of its vertices.
     #[arg(long, hide_short_help = true, conflicts_with = "own")]
     pub(crate) coarse: bool,
+    #[command(flatten)]
+    pub(crate) measures: MeasureArgs,
 }
+
+/// The heading of poses and motions in the help.
+const POSES: &str = "Poses and motions";
 
 const LONG_HELP: &str = "\
 What is not given follows from what is, by the statistics of ANSUR II (Gordon et al. 2014).

@@ -39,6 +39,10 @@ const BATCH: usize = 64;
 pub(crate) fn run(args: &BodyArgs, console: &Console) -> anyhow::Result<ExitStatus> {
     let start = Instant::now();
     let source = pose_source(args);
+    if let Some(source) = &source {
+        // Before any body is made.
+        source.check()?;
+    }
     let is_several = args.sample.is_some() || source.as_ref().is_some_and(PoseSource::is_several);
     let is_folder = is_several || output::names_folder(&args.output);
     if is_folder {

@@ -29,21 +29,21 @@ pub(crate) struct DrapeArgs {
     /// With `--pose`: write the posed body, as OBJ; a folder for several.
     #[arg(long, value_name = "OBJ", requires = "pose")]
     body_out: Option<PathBuf>,
-    /// How the garment is brought to the body: auto (the network of the package, else warp), lbs,
-    /// dqs, warp, sim, or a network of the package by its name (naive, global, local, params …).
+    /// A variant of the package: fast, balanced, accurate, or one of the paper's networks (naive,
+    /// global, local …); or auto (its default, else warp), warp, dqs, lbs, sim.
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = MethodName::parse)]
     method: MethodName,
-    /// Take the most accurate network of the package that drapes within this time on this machine,
+    /// Take the most accurate variant of the package that drapes within this time on this machine,
     /// in milliseconds.
     #[arg(long, value_name = "MS", value_parser = milliseconds, conflicts_with = "tolerance", allow_negative_numbers = true)]
     budget: Option<f64>,
-    /// Take the cheapest network of the package that is within this distance of the teacher in the
-    /// mean, in millimetres.
+    /// Take the cheapest variant of the package that is within this distance of the simulation in
+    /// the mean, in millimetres.
     #[arg(long, value_name = "MM", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Simulate the cloth for so many frames of 1/60 s from where it was put
     /// [default: by the method, see docs/reference/options.md].
-    #[arg(long, hide_short_help = true, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
+    #[arg(long, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
     /// Smallest distance between cloth and skin, in millimetres.
     #[arg(long, hide_short_help = true, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
@@ -54,9 +54,14 @@ pub(crate) struct DrapeArgs {
     /// End with 1 if cloth is deeper in the body than this, in millimetres.
     #[arg(long, hide_short_help = true, value_name = "MM", value_parser = millimetres, allow_negative_numbers = true)]
     max_penetration: Option<f32>,
-    /// End with 1 if more faces of the garment than this cross the skin, as in `--max-crossing 0`;
-    /// those at vertices that are trapped where the body runs through itself do not count.
-    #[arg(long, value_name = "FACES", allow_negative_numbers = true)]
+    /// End with 1 if more faces of the garment than this cross the skin, without those that the
+    /// body traps.
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "FACES",
+        allow_negative_numbers = true
+    )]
     max_crossing: Option<usize>,
     /// Write the report as JSON; `-` is stdout.
     #[arg(long, value_name = "FILE")]
@@ -128,8 +133,13 @@ pub(crate) enum MethodName {
     Warp,
     /// The physics-based simulation that networks learn from; see `garnet simulate`.
     Sim,
-    /// A network of the package.
+    /// A variant of the package.
     Network(String),
+}
+
+impl MethodName {
+    /// The names that are not those of variants.
+    pub(crate) const OF_ALL: [&str; 5] = ["auto", "warp", "dqs", "lbs", "sim"];
 }
 
 /// Which network drapes.
@@ -358,6 +368,18 @@ impl InputArgs {
             (None, Some(garment)) => garment,
             (None, None) => anyhow::bail!("neither a garment nor a scene is given"),
         };
+        if let Some(pose) = &self.pose {
+            // Before anything is read.
+            pose.check()?;
+        }
+        if let Some(package) = (self.bodies.iter()).find(|body| GarmentPackage::is_at(body)) {
+            let (package, garment) = (package.display(), garment.display());
+            return Err(refused(
+                format!("`{package}` is given as a body"),
+                "it is a garment package",
+                format!("the garment comes first, then the body: `{package} {garment}`"),
+            ));
+        }
         let package = GarmentPackage::is_at(&garment).then(|| garment.clone());
         if package.is_none() && garment.is_dir() {
             return Err(refused(
@@ -395,7 +417,7 @@ impl SourceFiles {
         if scene.bodies.is_empty() {
             let rest = [&scene.rig, &scene.own_rig, &scene.rest_body];
             let can_pose = rest.into_iter().any(Option::is_some);
-            ensure_posed(scene.pose.is_some() && can_pose)?;
+            ensure_posed(scene.pose.is_some() && can_pose, self.package.is_some())?;
         }
         if scene.pose.is_some() && scene.bodies.len() > 1 {
             return Err(refused(
@@ -408,14 +430,18 @@ impl SourceFiles {
     }
 }
 
-fn ensure_posed(is_posed: bool) -> anyhow::Result<()> {
+fn ensure_posed(is_posed: bool, is_package: bool) -> anyhow::Result<()> {
     let check = || -> anyhow::Result<()> {
         ensure!(is_posed, "no body is given");
         Ok(())
     };
     check().hint(|| {
-        "give the OBJ of the body after the garment, or `--pose` with `--rig` or `--rest-body`"
-            .to_owned()
+        let hint = if is_package {
+            "give the OBJ of the body after the package, or a pose for its own body, as `--pose wave`"
+        } else {
+            "give the OBJ of the body after the garment, or `--pose` with `--rig` or `--rest-body`"
+        };
+        hint.to_owned()
     })
 }
 

@@ -1,9 +1,9 @@
-//! The choice of a network by what it costs and how far from the teacher it is, in reports.
+//! The choice of a variant by what it costs and how far from the simulation it is, in reports.
 
 use garnet::package::{Candidate, Choice, Limit};
 use serde::Serialize;
 
-/// How a network was chosen. SI units.
+/// How a variant was chosen. SI units.
 #[derive(Debug, Serialize)]
 pub(crate) struct ChoiceReport {
     /// `budget_s` or `tolerance_m`.
@@ -14,7 +14,7 @@ pub(crate) struct ChoiceReport {
     settles: bool,
     /// Whether what was chosen is within the limit.
     pub(crate) is_met: bool,
-    /// The network; none if the garment is warped.
+    /// The variant; none if the garment is warped.
     chosen: Option<String>,
     /// What was looked at, in this order.
     candidates: Vec<CandidateReport>,
@@ -23,11 +23,11 @@ pub(crate) struct ChoiceReport {
     pub(crate) text: String,
 }
 
-/// What is known of a network.
+/// What is known of a variant.
 #[derive(Debug, Clone, Serialize)]
 struct CandidateReport {
     variant: String,
-    /// Whether the cloth settles by simulation where the network has put it.
+    /// Whether the cloth settles by simulation where the variant has put it.
     settles: bool,
     /// Mean distance to the teacher on the test scenes of its training.
     error_m: Option<f64>,
@@ -72,26 +72,26 @@ impl ChoiceReport {
     }
 }
 
-/// What people are told of a network within a tolerance.
+/// What people are told of a variant within a tolerance.
 fn text_near(choice: &Choice, tolerance: f64) -> String {
     let limit = shown(tolerance);
     let Some(found) = choice.candidate() else {
         return format!(
-            "no network of the package is known to be within {limit} mm: the garment is warped and \
+            "no variant of the package is known to be within {limit} mm: the garment is warped and \
              untangled"
         );
     };
     let (named, described) = (named(found), described(found));
     if choice.is_met {
-        format!("{named} is chosen, the cheapest network within {limit} mm: {described}")
+        format!("{named} is chosen, the cheapest variant within {limit} mm: {described}")
     } else {
         format!(
-            "no network of the package is within {limit} mm; {named} comes nearest: {described}"
+            "no variant of the package is within {limit} mm; {named} comes nearest: {described}"
         )
     }
 }
 
-/// What people are told of a network within a budget.
+/// What people are told of a variant within a budget.
 fn text_within(choice: &Choice, budget: f64) -> String {
     let limit = shown(budget);
     let Some(chosen) = choice.candidate() else {
@@ -102,21 +102,21 @@ fn text_within(choice: &Choice, budget: f64) -> String {
         let about = match choice.warp_seconds {
             Some(seconds) => format!(", about {:.1} ms", 1e3 * seconds),
             None if known => String::new(),
-            None => "; the package does not say what its networks cost".to_owned(),
+            None => "; the package does not say what its variants cost".to_owned(),
         };
         return format!(
-            "no network of the package is within {limit} ms: the garment is warped and untangled{about}"
+            "no variant of the package is within {limit} ms: the garment is warped and untangled{about}"
         );
     };
     let (named, described) = (named(chosen), described(chosen));
     if chosen.distance_error.is_some() {
         return format!(
-            "{named} is chosen, the most accurate network within {limit} ms: {described}"
+            "{named} is chosen, the most accurate variant within {limit} ms: {described}"
         );
     }
     // Those of which it is known come before.
     format!(
-        "{named} is chosen, the first network within {limit} ms, of which no accuracy is known: {described}"
+        "{named} is chosen, the first variant within {limit} ms, of which no accuracy is known: {described}"
     )
 }
 
@@ -133,7 +133,7 @@ fn named(candidate: &Candidate) -> String {
 fn described(candidate: &Candidate) -> String {
     let mut parts = Vec::new();
     if let Some(error) = candidate.distance_error {
-        parts.push(format!("{:.2} mm from the teacher", 1e3 * error));
+        parts.push(format!("{:.2} mm from the simulation", 1e3 * error));
     }
     if let Some(seconds) = candidate.seconds {
         parts.push(format!("about {:.1} ms here", 1e3 * seconds));

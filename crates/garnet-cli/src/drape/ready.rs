@@ -11,7 +11,7 @@ use garnet::{
 
 use super::{
     Bound,
-    args::{Job, NetworkChoice, Source},
+    args::{Job, MethodName, NetworkChoice, Source},
     choice::ChoiceReport,
     method_name,
     report::{NetworkReport, SimulationReport},
@@ -21,6 +21,7 @@ use super::{
 use crate::{
     console::Console,
     failure::{Hint, refused},
+    hints::nearest,
 };
 
 /// A garment and all that drapes it.
@@ -78,8 +79,8 @@ impl Found {
         };
         let Some(folder) = package_of(&job.source) else {
             return Err(refused(
-                "there are no networks to choose from",
-                "the garment is no garment package, which trained networks are in",
+                "there are no variants to choose from",
+                "the garment is no garment package, which trained variants are in",
                 "drape a package, or leave out `--budget` and `--tolerance`",
             ));
         };
@@ -102,10 +103,13 @@ impl Found {
             (NetworkChoice::Default, Some(folder)) => (folder, None),
             (NetworkChoice::Named(name), Some(folder)) => (folder, Some(name.as_str())),
             (NetworkChoice::Named(name), None) => {
+                let meant = meant(name, MethodName::OF_ALL.into_iter());
                 return Err(refused(
-                    format!("there is no network `{name}`"),
-                    "the garment is no garment package, which trained networks are in",
-                    "drape a package, or choose --method auto, lbs, dqs, warp or sim",
+                    format!("there is no variant `{name}`"),
+                    "the garment is no garment package, which trained variants are in",
+                    format!(
+                        "{meant}drape a package, or choose --method auto, warp, dqs, lbs or sim"
+                    ),
                 ));
             }
         };
@@ -129,9 +133,13 @@ impl Unbound {
         is_relaxed: Option<bool>,
     ) -> anyhow::Result<Self> {
         let weights = manifest.weights_of(folder, name).hint(|| {
-            "`--method` takes auto, lbs, dqs, warp, sim or a variant of the package; `garnet train` \
-             adds variants"
-                .to_owned()
+            let variants = manifest.variants.iter();
+            let names = variants.flat_map(|variant| variant.aliases.iter().chain([&variant.name]));
+            let meant = meant(name, names.map(String::as_str).chain(MethodName::OF_ALL));
+            format!(
+                "{meant}`--method` takes a variant of the package, auto, warp, dqs, lbs or sim; \
+                 `garnet train` adds variants"
+            )
         })?;
         let file = ModelFile::read(&weights).with_context(|| cannot_use(name))?;
         let named = manifest.variant(name).map(|variant| variant.name.clone());
@@ -164,6 +172,12 @@ impl Unbound {
     }
 }
 
+/// Says which name may be meant, if one is near.
+fn meant<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let near = nearest(name, known);
+    near.map_or_else(String::new, |near| format!("`{near}` may be meant; "))
+}
+
 fn cannot_use(name: &str) -> String {
     format!("cannot use the network `{name}`")
 }
@@ -191,7 +205,7 @@ impl Ready {
             }
             Found::NotAsked => {}
             Found::NoneInPackage => console.summary(
-                &"note: the package has no trained network: the garment is warped and untangled",
+                &"note: the package has no trained variant: the garment is warped and untangled",
             ),
         }
         if let Some(simulation) = &job.simulation {

@@ -80,7 +80,7 @@ fn judge(report: &EvalReport, args: &EvalArgs, console: &Console) -> ExitStatus 
         return ExitStatus::Done;
     };
     console.exceeded(&format_args!(
-        "`{}` is {:.2} mm from the teacher in the mean, more than {} mm",
+        "`{}` is {:.2} mm from the simulation in the mean, more than {} mm",
         worst.name,
         1e3 * worst.scores.distance,
         1e3 * limit

@@ -7,7 +7,7 @@ use garnet::{
     io::{Misplaced, PoseError, PoseProblem, SceneError, SceneProblem},
 };
 
-use super::{for_file, for_mesh, for_motion, for_obj, for_retarget, for_skin};
+use super::{for_file, for_mesh, for_motion, for_obj, for_retarget, for_skin, nearest};
 
 /// The advice for a link of a chain of errors, if it is one of a scene or a pose.
 pub(super) fn for_link(link: &(dyn StdError + 'static)) -> Option<String> {
@@ -43,6 +43,9 @@ fn for_scene(error: &SceneError) -> Option<String> {
         SceneError::OtherTopology { .. } => {
             "export the posed body from the same mesh, with the order of its vertices kept; or give \
              its own `--rig` and `--rest-body`, or the rest body itself with `--pose`"
+        }
+        SceneError::BodyAsGarment { .. } => {
+            "the garment comes first, then the body: `garnet drape GARMENT BODY -o OUT`"
         }
         SceneError::OtherSize { .. } => "export both in the same unit, or name it with `--units`",
         SceneError::NotAtRest { .. } => {
@@ -86,7 +89,7 @@ pub(super) fn for_misplaced(problem: &Misplaced) -> &'static str {
         Misplaced::Axis { .. } => {
             "export both with the same axis up; `--up` overrides what was detected for both"
         }
-        Misplaced::Aside { .. } => {
+        Misplaced::Aside { .. } | Misplaced::Through { .. } => {
             "let the garment lie on the body in its rest pose; `garnet info` shows the boxes of both"
         }
         _ => {
@@ -103,12 +106,17 @@ fn for_pose(error: &PoseError) -> Option<String> {
         PoseError::Skin(error) => for_skin(error)?,
         PoseError::BadFrames { problem, .. } => match problem {
             PoseProblem::OfLibrary => "leave out what follows the colon",
-            _ => "frames are one, as 12, or FIRST:END:STEP, as 0:100:5, with a step of 1 at least",
+            _ => {
+                "frames are one, as 12, or FIRST:END:STEP, as 0:100:5, with END after FIRST and a \
+                 step of 1 at least"
+            }
         },
-        PoseError::Unknown { .. } => {
+        PoseError::Unknown { name, .. } => {
             let names: Vec<&str> = key_poses().map(|pose| pose.name).collect();
+            let near = nearest(name, names.iter().copied());
+            let meant = near.map_or_else(String::new, |near| format!("`{near}` may be meant; "));
             return Some(format!(
-                "the poses of the library are: {}",
+                "{meant}the poses of the library are: {}",
                 names.join(", ")
             ));
         }

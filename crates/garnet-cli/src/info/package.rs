@@ -92,7 +92,7 @@ impl VariantInfo {
             error.map(|error| format!("{:.2} mm {what}", 1e3 * error))
         };
         let parts = [
-            of(self.error_m, "from the teacher"),
+            of(self.error_m, "from the simulation"),
             of(self.settled_error_m, "settled"),
             self.flop.map(|flop| format!("{:.2} GFLOP", flop / 1e9)),
             self.is_default.then(|| "the default".to_owned()),

@@ -21,19 +21,20 @@ pub(crate) struct TrainArgs {
     /// Data set of the garment.
     #[arg(value_name = "DATASET")]
     pub(crate) dataset: PathBuf,
-    /// Name of the variant [default: that of its kind]. A kind is a name, too; a name of your own
-    /// needs `--kind`, unless the package has it, the configuration says the `kind`, or `--from`
-    /// does.
+    /// Name of the variant [default: that of its kind].
+    ///
+    /// A kind is a name, too; a name of your own needs `--kind`, unless the package has it, the
+    /// configuration says the `kind`, or `--from` does.
     #[arg(long, value_name = "NAME")]
     variant: Option<String>,
-    /// What is trained: naive, global, local, global-params, local-params; with -rq, -mc, -mcrq
-    /// or -umc after it, that variant is fine-tuned; pose-space, falling, arrival, midway: a
-    /// deformation told by pose and shape alone, of where cloth rests or where it is on its way
-    /// there [default: what the name says, else local].
+    /// What is trained, as `midway`, `falling` or `local` [default: what the name says, else local].
+    ///
+    /// By pose and shape alone, midway, arrival and falling predict where cloth is on its way,
+    /// pose-space where it rests. The paper's networks are naive, global, local, global-params and
+    /// local-params; with -rq, -mc, -mcrq or -umc after it, such a variant is fine-tuned.
     #[arg(long, value_name = "KIND", conflicts_with = "resume")]
     pub(super) kind: Option<String>,
-    /// Make the variant the one that `garnet drape` takes, whichever is the best on the validation
-    /// split.
+    /// Make the variant the default of the package, whichever is the best on validation.
     #[arg(long)]
     default: bool,
     /// Read the configuration from a TOML file.
@@ -64,9 +65,10 @@ pub(crate) struct TrainArgs {
     /// Start from these weights, in their size.
     #[arg(long, value_name = "WEIGHTS", conflicts_with_all = ["resume", "preset"])]
     pub(super) from: Option<PathBuf>,
-    /// Learn from the training bodies of this data set, too: for `--variant falling`, and for
-    /// `arrival` or `midway`, from `garnet dataset --until` that, with another seed. May be given
-    /// several times.
+    /// Learn from the training bodies of this data set, too.
+    ///
+    /// For kinds that predict cloth on its way; with another seed, and of `garnet dataset --until`
+    /// that moment or later. May be given several times.
     #[arg(long, value_name = "DATASET")]
     more: Vec<PathBuf>,
     /// Go on with a training that was interrupted.
@@ -78,8 +80,8 @@ const LONG_HELP: &str = "\
 In the package, the folder `training/NAME` has the loss curves (`losses.csv`, `losses.svg`), the log \
 (`log.json`), the configuration (`config.toml`, to train again with) and the state from which \
 `--resume` goes on. The weights are added to the package when the training is done: those of the \
-epoch that is best on the validation split. The variant that is best there becomes the default of the \
-package, which `garnet drape` takes.
+epoch that is best on the validation split. The variant whose drapes are best there becomes the \
+default of the package, which `garnet drape` takes; scenes that fall back do not count.
 
 A configuration names what differs from the defaults:
 

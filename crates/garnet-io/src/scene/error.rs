@@ -116,6 +116,15 @@ pub enum SceneError {
         #[source]
         problem: Misplaced,
     },
+    /// A body is given where the garment is to be.
+    #[error("`{}` is given as the garment", garment.display())]
+    BodyAsGarment {
+        /// The file.
+        garment: PathBuf,
+        /// What tells so.
+        #[source]
+        problem: SceneProblem,
+    },
     /// A pose cannot be read.
     #[error(transparent)]
     Pose(#[from] PoseError),
@@ -206,6 +215,20 @@ pub enum SceneProblem {
     Decades {
         /// The power of ten.
         decades: i32,
+    },
+    /// The rest body has the same vertices and faces.
+    #[error("it has the faces of the body `{}`", body.display())]
+    FacesOfBody {
+        /// The body.
+        body: PathBuf,
+    },
+    /// A rig lies beside the garment, and none beside the body.
+    #[error("the rig `{}` lies beside it, and there is none for `{}`", rig.display(), body.display())]
+    RigOfGarment {
+        /// The rig.
+        rig: PathBuf,
+        /// What is given as the body.
+        body: PathBuf,
     },
     /// A vertex is not at its place at rest.
     #[error("a vertex is {:.1} mm away from its place at rest", 1e3 * distance)]

@@ -188,6 +188,16 @@ fn rig_path(files: &SceneFiles) -> Option<PathBuf> {
 }
 
 fn no_rig(files: &SceneFiles) -> SceneError {
+    let of_garment = rig_beside(&files.garment);
+    if let (Some(body), true) = (files.bodies.first(), of_garment.is_file()) {
+        return SceneError::BodyAsGarment {
+            garment: files.garment.clone(),
+            problem: SceneProblem::RigOfGarment {
+                rig: of_garment,
+                body: body.clone(),
+            },
+        };
+    }
     let bodies = files.rest_body.iter().chain(files.bodies.first());
     SceneError::NoRig {
         body: files.bodies.first().or(files.rest_body.as_ref()).cloned(),

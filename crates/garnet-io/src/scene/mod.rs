@@ -127,6 +127,9 @@ impl Target {
 /// metres.
 const SAME: f32 = 2e-3;
 
+/// Cloth that was made of the mesh of a body is no farther from it than this, in metres.
+const MAX_SUIT: f32 = 0.05;
+
 /// Relative rounding of the length of a unit.
 const UNIT_ROUNDING: f32 = 1e-3;
 
@@ -229,9 +232,20 @@ impl Scene {
             first.filter(|_| is_posed).and_then(|body| body.file.take())
         });
         let taken = RestMesh::taken(rest_obj.as_ref(), &rig, &rig_path, files)?;
+        let mesh = mesh_of(&garment)?;
+        let has_faces_of_body = files.own_rig.is_none() && mesh.faces() == taken.mesh.faces();
+        let body_as_garment = || SceneError::BodyAsGarment {
+            garment: files.garment.clone(),
+            problem: SceneProblem::FacesOfBody {
+                body: taken.path.clone(),
+            },
+        };
+        let num_vertices = taken.mesh.num_vertices();
+        if has_faces_of_body && (bodies.iter()).any(|body| body.positions.len() != num_vertices) {
+            return Err(body_as_garment());
+        }
         let frames = taken.frames(&bodies, files)?;
         let body = rest_body_of(rig, &taken, &frames, &rig_path)?;
-        let mesh = mesh_of(&garment)?;
         let frame = Frame {
             unit: files.units.garment.unwrap_or(frames.obj.unit),
             up: frames.obj.up,
@@ -246,6 +260,9 @@ impl Scene {
                 (&body.rest, &taken.path, frames.obj.unit),
             )?,
         };
+        if has_faces_of_body && !is_suit(mesh.positions(), body.rest.rest().positions()) {
+            return Err(body_as_garment());
+        }
         let own = own.map(Rig::into_body).transpose()?;
         let own = own.filter(|own| !is_same(own, &body.rest));
         let (targets, notes) = match &files.pose {
@@ -300,6 +317,12 @@ fn placed(
         })?;
     }
     Ok(mesh)
+}
+
+/// Whether vertices that are numbered like those of a body are a suit that was made of it, and not
+/// the body, at rest or in a pose.
+fn is_suit(garment: &[Point3], body: &[Point3]) -> bool {
+    (SAME..MAX_SUIT).contains(&largest_distance(garment, body))
 }
 
 /// Whether a garment that lies on one body lies on the other.

@@ -240,6 +240,45 @@ impl PoseSource {
         self.frames.is_some_and(|frames| !frames.is_single())
     }
 
+    /// Refuses what is no pose without reading any file.
+    ///
+    /// # Errors
+    ///
+    /// [`PoseError::Unknown`] for a name that there is not, [`PoseError::BadFrames`] for frames of
+    /// a pose of the library, or a text that stands for none.
+    pub fn check(&self) -> Result<(), PoseError> {
+        if self.path.exists() {
+            return Ok(());
+        }
+        let name = self.path.to_string_lossy();
+        if key_pose(&name).is_some() {
+            return match self.frames {
+                None => Ok(()),
+                Some(_) => Err(PoseError::BadFrames {
+                    of: name.into_owned(),
+                    problem: PoseProblem::OfLibrary,
+                }),
+            };
+        }
+        let colons = name.match_indices(':');
+        let mut split = colons.map(|(place, _)| (&name[..place], &name[place + 1..]));
+        if let Some((file, frames)) = split.find(|(file, _)| Path::new(file).is_file()) {
+            return Err(PoseError::BadFrames {
+                of: file.to_owned(),
+                problem: PoseProblem::NoFrames {
+                    text: frames.to_owned(),
+                },
+            });
+        }
+        if self.path.extension().is_none() {
+            return Err(PoseError::Unknown {
+                name: name.into_owned(),
+                problem: PoseProblem::Neither,
+            });
+        }
+        Ok(())
+    }
+
     /// The poses, on a body.
     ///
     /// Those of motions are carried over to its skeleton and put on the ground.
@@ -249,33 +288,10 @@ impl PoseSource {
     /// [`PoseError`]: a name or frames that there are not, a file that cannot be read, or a body
     /// that is no human figure.
     pub fn read(&self, body: &Body) -> Result<Posing, PoseError> {
-        if !self.path.exists() {
-            let name = self.path.to_string_lossy();
-            if let Some(pose) = key_pose(&name) {
-                if self.frames.is_some() {
-                    return Err(PoseError::BadFrames {
-                        of: name.into_owned(),
-                        problem: PoseProblem::OfLibrary,
-                    });
-                }
-                return of_library(&name, &pose.angles, body);
-            }
-            let colons = name.match_indices(':');
-            let mut split = colons.map(|(place, _)| (&name[..place], &name[place + 1..]));
-            if let Some((file, frames)) = split.find(|(file, _)| Path::new(file).is_file()) {
-                return Err(PoseError::BadFrames {
-                    of: file.to_owned(),
-                    problem: PoseProblem::NoFrames {
-                        text: frames.to_owned(),
-                    },
-                });
-            }
-            if self.path.extension().is_none() {
-                return Err(PoseError::Unknown {
-                    name: name.into_owned(),
-                    problem: PoseProblem::Neither,
-                });
-            }
+        self.check()?;
+        let name = self.path.to_string_lossy();
+        if let (false, Some(pose)) = (self.path.exists(), key_pose(&name)) {
+            return of_library(&name, &pose.angles, body);
         }
         let skeleton = body.skeleton();
         let take = Take::read(&self.path, &ReadOptions::default())?;
