@@ -3,26 +3,7 @@
 
 use garnet::mesh::primitives::capsule;
 
-use crate::fixtures::{Fixture, stderr, stdout};
-
-/// Runs a command that must be refused; the error must say all of `expected`.
-fn refused(fixture: &Fixture, arguments: &str, expected: &[&str]) {
-    let before = fixture.names();
-    let output = fixture.garnet(arguments);
-    let text = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
-    assert!(text.starts_with("error: "), "{arguments}: {text}");
-    assert_eq!(text.matches("error: ").count(), 1, "{arguments}: {text}");
-    assert_eq!(text.matches("hint: ").count(), 1, "{arguments}: {text}");
-    for words in expected {
-        assert!(
-            text.contains(words),
-            "{arguments}: `{words}` is not in {text}"
-        );
-    }
-    assert_eq!(stdout(&output), "", "{arguments}");
-    assert_eq!(fixture.names(), before, "{arguments}");
-}
+use crate::fixtures::{Fixture, refused_with_hint as refused, stderr, stdout};
 
 #[test]
 fn missing_and_unreadable_files() {

@@ -5,23 +5,8 @@ use std::fs;
 
 use garnet::{Point3, Vector3};
 
-use crate::fixtures::{Fixture, stderr, stdout};
+use crate::fixtures::{Fixture, refused, stderr, stdout};
 use crate::train::{done, prepared};
-
-/// Runs a command that must be refused with all of `expected` and without leaving anything behind.
-fn refused(fixture: &Fixture, arguments: &str, expected: &[&str]) {
-    let before = fixture.names();
-    let output = fixture.garnet(arguments);
-    let text = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
-    for words in expected {
-        assert!(
-            text.contains(words),
-            "{arguments}: `{words}` is not in {text}"
-        );
-    }
-    assert_eq!(fixture.names(), before, "{arguments}");
-}
 
 #[test]
 fn a_garment_on_another_body_is_refused_with_the_way_out() {

@@ -141,6 +141,31 @@ fn body() -> Body {
     Body::new(mesh, Skeleton::new(joints).unwrap(), weights).unwrap()
 }
 
+/// Runs a command that must be refused with all of `expected`, without leaving anything behind, and
+/// gives its stderr.
+pub(crate) fn refused(fixture: &Fixture, arguments: &str, expected: &[&str]) -> String {
+    let before = fixture.names();
+    let output = fixture.garnet(arguments);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
+    for words in expected {
+        assert!(
+            text.contains(words),
+            "{arguments}: `{words}` is not in {text}"
+        );
+    }
+    assert_eq!(stdout(&output), "", "{arguments}");
+    assert_eq!(fixture.names(), before, "{arguments}");
+    text
+}
+
+/// The same, with one error and one hint.
+pub(crate) fn refused_with_hint(fixture: &Fixture, arguments: &str, expected: &[&str]) {
+    let text = refused(fixture, arguments, expected);
+    assert_eq!(text.matches("error: ").count(), 1, "{arguments}: {text}");
+    assert_eq!(text.matches("hint: ").count(), 1, "{arguments}: {text}");
+}
+
 /// Stderr as text.
 pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()

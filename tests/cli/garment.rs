@@ -5,7 +5,7 @@ use std::fs;
 
 use garnet::{Point3, io::ObjFile, package::GarmentPackage};
 
-use crate::fixtures::{Fixture, stderr, stdout};
+use crate::fixtures::{Fixture, refused_with_hint as refused, stderr, stdout};
 
 /// Runs a command that must do its work, and returns what it says.
 fn done(fixture: &Fixture, arguments: &str) -> String {
@@ -13,22 +13,6 @@ fn done(fixture: &Fixture, arguments: &str) -> String {
     let text = stderr(&output);
     assert_eq!(output.status.code(), Some(0), "{arguments}: {text}");
     text
-}
-
-/// Runs a command that must be refused with a hint, without leaving anything behind.
-fn refused(fixture: &Fixture, arguments: &str, expected: &[&str]) {
-    let before = fixture.names();
-    let output = fixture.garnet(arguments);
-    let text = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
-    assert_eq!(text.matches("hint: ").count(), 1, "{arguments}: {text}");
-    for words in expected {
-        assert!(
-            text.contains(words),
-            "{arguments}: `{words}` is not in {text}"
-        );
-    }
-    assert_eq!(fixture.names(), before, "{arguments}");
 }
 
 const FROM_SLEEVE: &str = "garment from-obj sleeve.obj --rest-body body.obj -o sleeve";

@@ -1,23 +1,13 @@
 //! Where outputs go: never over what is read, never under the name of another format, into folders
 //! that are named as such.
 
-use crate::fixtures::{Fixture, stderr};
+use crate::fixtures::{Fixture, refused_with_hint};
 use crate::train::done;
 
 /// Runs a command that must be refused with all of `expected`, and change nothing.
 fn refused(fixture: &Fixture, arguments: &str, expected: &[&str]) {
-    let (names, garment) = (fixture.names(), fixture.read("sleeve.obj"));
-    let output = fixture.garnet(arguments);
-    let text = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
-    assert_eq!(text.matches("hint: ").count(), 1, "{arguments}: {text}");
-    for words in expected {
-        assert!(
-            text.contains(words),
-            "{arguments}: `{words}` is not in {text}"
-        );
-    }
-    assert_eq!(fixture.names(), names, "{arguments}");
+    let garment = fixture.read("sleeve.obj");
+    refused_with_hint(fixture, arguments, expected);
     assert!(fixture.read("sleeve.obj") == garment, "{arguments}");
 }
 

@@ -4,20 +4,11 @@ use std::fs;
 
 use garnet::{Point3, TriMesh, io::ObjFile, mesh::primitives::tube};
 
-use crate::fixtures::{Fixture, stderr, stdout};
+use crate::fixtures::{self, Fixture, stderr, stdout};
 
-/// Runs a command that must be refused without leaving anything behind.
+/// Runs a command that must be refused with this in its message.
 fn refused(fixture: &Fixture, arguments: &str, expected: &str) {
-    let before = fixture.names();
-    let output = fixture.garnet(arguments);
-    let text = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
-    assert!(text.starts_with("error: "), "{arguments}: {text}");
-    assert!(
-        text.contains(expected),
-        "{arguments}: `{expected}` is not in {text}"
-    );
-    assert_eq!(fixture.names(), before, "{arguments}");
+    fixtures::refused(fixture, arguments, &[expected]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::fs;
 
 use garnet::{UnitQuaternion, Vector3};
 
-use crate::fixtures::{Fixture, stderr, stdout};
+use crate::fixtures::{Fixture, refused_with_hint as refused, stderr, stdout};
 
 pub(crate) fn done(fixture: &Fixture, arguments: &str) -> String {
     let output = fixture.garnet(arguments);
@@ -328,16 +328,6 @@ fn a_config_with_a_mistake_is_refused_with_its_line() {
         "{text}"
     );
     assert!(!fixture.path("net/training").exists());
-}
-
-/// A run that ends with 2, says all that, and gives a hint.
-fn refused(fixture: &Fixture, arguments: &str, expected: &[&str]) {
-    let output = fixture.garnet(arguments);
-    let text = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
-    for part in expected.iter().chain(&["hint: "]) {
-        assert!(text.contains(part), "{arguments}: {text}");
-    }
 }
 
 /// A package `net` of the sleeve, without data.

@@ -56,7 +56,7 @@ const OWNERS: [(&str, &[&str]); 12] = [
     // Tests of data sets write archives to import.
     ("zip", &["garnet-io", "garnet-data"]),
     ("kiddo", &["garnet-knn"]),
-    ("burn", &["garnet-net", "garnet-train", "garnet-lab"]),
+    ("burn", &["garnet-net", "garnet-train"]),
     ("clap", &["garnet-cli", "garnet-lab"]),
     ("anyhow", &["garnet-cli"]),
     ("indicatif", &["garnet-cli"]),

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// What the simulation of a scene measured at its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct SceneReport {
     /// Strain of the edges: length over rest length minus 1, at the median.
     pub strain_p50: f32,
@@ -35,6 +36,7 @@ pub struct SceneReport {
 /// How the reference solver ended.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct BalanceReport {
     /// Whether no vertex is out of balance by a hundredth of a mean vertex's weight.
     pub is_reached: bool,

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use garnet_knn::TORN_STRETCH;
 use garnet_mesh::Point3;
 use garnet_skin::{Body, BoundGarment, Joint};
 
@@ -14,8 +15,10 @@ const MAX_TURN: f32 = 0.3;
 /// ... and the mean offset of its skin, along its normal too, in metres.
 const MAX_GROWTH: f32 = 0.03;
 
-/// Edges of a drape that are longer than this over their length at rest are torn.
-const TORN: f32 = 2.5;
+/// Edges of a prediction that are longer than this over their length at rest count against it: a
+/// quarter more than torn, because relaxing and untangling mend what is just torn. Lower, drapes
+/// fall back that would have been mended.
+const TORN_BEYOND_MENDING: f32 = 1.25 * TORN_STRETCH;
 
 /// More torn edges than this, as a share of all, and the drape is of no use.
 const MAX_TORN: f64 = 0.01;
@@ -137,7 +140,7 @@ pub(crate) fn torn(
     let share = |places: &[Point3]| {
         let is_torn = |&&[a, b]: &&[u32; 2]| {
             let length = |places: &[Point3]| (places[a as usize] - places[b as usize]).norm();
-            length(places) > TORN * length(rest)
+            length(places) > TORN_BEYOND_MENDING * length(rest)
         };
         edges.iter().filter(is_torn).count() as f64 / edges.len().max(1) as f64
     };

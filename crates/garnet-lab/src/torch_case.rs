@@ -6,14 +6,11 @@
 //! measured by the bench `network`.
 
 use std::collections::BTreeMap;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use burn::optim::{AdamConfig, GradientsParams};
-use burn::tensor::Device;
 use clap::Args;
 use garnet_net::{
-    Checkpoint, GarNetConfig, Precision, Predictor, ReferenceStage, Scene, surrogate,
-    write_reference_case,
+    Checkpoint, GarNetConfig, Precision, Predictor, ReferenceStage, Scene, write_reference_case,
 };
 
 use crate::Outcome;
@@ -44,18 +41,13 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let (config, garment, sampling) = stage.bound(GarNetConfig::preset(preset)?);
     let scene = Scene::new(&config, &garment, &sampling, &stage.input())?;
 
-    let training = Device::flex().autodiff();
-    let mut net = config.init(1, &training)?;
-    let mut adam = AdamConfig::new().init();
-    let pull = vec![1e-3; 3 * scene.num_vertices()];
-    let step = median(|| {
-        let output = net.forward(&garment, &sampling, &scene, &training);
-        let gradients = surrogate(output, pull.clone()).backward();
-        let gradients = GradientsParams::from_grads(gradients, &net);
-        // So small a rate that the constant pull does not drive the weights off: a network that has
-        // diverged loses digits, and could not be compared with others.
-        net = adam.step(1e-5, net.clone(), gradients);
-    });
+    let mut ends = vec![Instant::now()];
+    let mut after_step = || ends.push(Instant::now());
+    let bound = (&garment, &sampling, &scene);
+    // One to warm up.
+    let net = ReferenceStage::stepped(&config, bound, 1 + RUNS, &mut after_step)?;
+    let steps = ends.windows(2).skip(1);
+    let step = middle(steps.map(|ends| milliseconds(ends[1] - ends[0])).collect());
 
     let checkpoint = Checkpoint {
         model: net,
@@ -67,8 +59,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     };
     let weights = format!("{case}.weights.safetensors");
     checkpoint.save(&weights, Precision::F32)?;
-    let model = Checkpoint::load(&weights, &Device::flex())?.model;
-    let mut predictor = Predictor::new(model, garment.clone(), sampling.clone())?;
+    let [template, body] = [stage.template(), stage.body()].map(|mesh| mesh.positions());
+    let mut predictor = Predictor::load(&weights, garment.clone(), template, body)?;
     predictor.prepare(&stage.input())?;
     let network = median(|| {
         predictor.translations();
@@ -88,13 +80,20 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
 /// The median time of some runs after one to warm up, in milliseconds.
 fn median(mut run: impl FnMut()) -> f64 {
     run();
-    let mut times: Vec<f64> = (0..RUNS)
-        .map(|_| {
-            let start = Instant::now();
-            run();
-            start.elapsed().as_secs_f64() * 1e3
-        })
-        .collect();
+    let timed = |_| {
+        let start = Instant::now();
+        run();
+        milliseconds(start.elapsed())
+    };
+    middle((0..RUNS).map(timed).collect())
+}
+
+/// The median of times.
+fn middle(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
-    times[RUNS / 2]
+    times[times.len() / 2]
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    1e3 * time.as_secs_f64()
 }

@@ -5,6 +5,7 @@ mod of_network;
 
 /// Size and work of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Cost {
     /// Weights.
     pub parameters: u64,

@@ -65,6 +65,7 @@ impl ModelFile {
 
 /// What the file of a model says about itself.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ModelHeader {
     /// Checksum of the file.
     pub checksum: String,

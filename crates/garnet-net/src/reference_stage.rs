@@ -1,10 +1,15 @@
 //! The one scene on which networks are timed and compared.
 
+use burn::optim::{AdamConfig, GradientsParams};
+use burn::tensor::Device;
 use garnet_mesh::primitives::{capsule, tube};
 use garnet_mesh::{Point3, TriMesh, Vector3, vertex_normals};
 use nalgebra::{Isometry3, UnitQuaternion};
 
-use crate::{BodySampling, GarNetConfig, GarmentGraph, Predictor, SceneInput};
+use crate::{
+    BodySampling, GarNet, GarNetConfig, GarmentGraph, NetError, Predictor, Scene, SceneInput,
+    surrogate,
+};
 
 /// A tube around a capsule: a garment on a body, of any numbers of vertices.
 #[derive(Debug)]
@@ -44,6 +49,34 @@ impl ReferenceStage {
     pub fn draped(&self) -> Vec<Point3> {
         let moved = |place: &Point3| Point3::new(1.04 * place.x, place.y - 0.01, 1.04 * place.z);
         self.template.positions().iter().map(moved).collect()
+    }
+
+    /// A new network of a completed configuration after some steps of Adam on one scene, each with
+    /// derivatives of all weights and without losses; `after_step` is called after each.
+    ///
+    /// # Errors
+    ///
+    /// [`NetError`] for a configuration that is none.
+    pub fn stepped(
+        config: &GarNetConfig,
+        (garment, sampling, scene): (&GarmentGraph, &BodySampling, &Scene),
+        num_steps: usize,
+        after_step: &mut dyn FnMut(),
+    ) -> Result<GarNet, NetError> {
+        let training = Device::flex().autodiff();
+        let mut net = config.init(1, &training)?;
+        let mut adam = AdamConfig::new().init();
+        let pull = vec![1e-3; 3 * scene.num_vertices()];
+        for _ in 0..num_steps {
+            let output = net.forward(garment, sampling, scene, &training);
+            let gradients = surrogate(output, pull.clone()).backward();
+            let gradients = GradientsParams::from_grads(gradients, &net);
+            // So small a rate that the constant pull does not drive the weights off: a network that
+            // has diverged loses digits, and could not be compared with others.
+            net = adam.step(1e-5, net, gradients);
+            after_step();
+        }
+        Ok(net)
     }
 
     /// What a network of the configuration, which is completed, knows before any scene.

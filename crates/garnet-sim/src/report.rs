@@ -98,6 +98,7 @@ pub struct Lost {
 
 /// Energy of a garment, in joules.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Energy {
     /// Of the springs.
     pub stretch: f64,
@@ -308,6 +309,7 @@ const MAX_FREED: f32 = 0.02;
 
 /// Pairs of triangles of a garment that cross.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SelfIntersections {
     /// Pairs with room around them.
     pub num_free: usize,

@@ -18,6 +18,7 @@ pub struct Pose {
 
 /// A pose made from transforms, and what it leaves out of them.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct PoseFit {
     /// The pose.
     pub pose: Pose,

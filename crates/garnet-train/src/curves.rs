@@ -13,6 +13,7 @@ const MAX_ANGLE: f64 = std::f64::consts::FRAC_PI_4;
 
 /// The shares under growing thresholds, the first one being zero.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Curve {
     /// In metres or radians.
     pub thresholds: Vec<f64>,
@@ -22,6 +23,7 @@ pub struct Curve {
 
 /// The curves of a method (*Gundogdu et al. 2020, Fig. 9*).
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Curves {
     /// Of the distances of vertices, in metres.
     pub distance: Curve,

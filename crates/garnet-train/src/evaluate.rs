@@ -84,6 +84,7 @@ pub enum EvalEvent {
 
 /// What was measured of all candidates.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Evaluation {
     /// The split.
     pub split: Split,
@@ -97,6 +98,7 @@ pub struct Evaluation {
 
 /// What was measured of a candidate.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Row {
     /// `dqs`, `warp`, or the name of the model.
     pub name: String,
@@ -143,6 +145,7 @@ pub struct Untangled {
 
 /// Times of the stages of a drape, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct StageSeconds {
     /// Skinning or warp.
     pub warp: Percentiles,

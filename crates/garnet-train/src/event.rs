@@ -91,6 +91,7 @@ pub enum TrainEvent {
 
 /// What a training starts from.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Began {
     /// Scenes that are learned from.
     pub num_train: usize,
@@ -113,6 +114,7 @@ pub struct Began {
 
 /// An epoch: its losses and its validation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct EpochRecord {
     /// The epoch, from 1; 0 before the first.
     pub epoch: u32,

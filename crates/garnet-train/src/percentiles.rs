@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Median and 95th percentile.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Percentiles {
     /// Half are below.
     pub median: f64,

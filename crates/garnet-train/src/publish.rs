@@ -19,6 +19,7 @@ use crate::{Candidate, EpochRecord, EvalEvent, Finish, Scores, Stage, TrainError
 
 /// What a training has come to.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Trained {
     /// The variant.
     pub name: String,
@@ -45,6 +46,7 @@ pub struct Trained {
 
 /// The variant that drapes if none is asked for.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct DefaultVariant {
     /// Its name.
     pub name: String,

@@ -2,6 +2,7 @@
 
 /// What untangling found and what it left. Counts are of nodes: vertices at one place count once.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct UntangleReport {
     /// Vertices inside the body in the warp, after its strain was relaxed.
     pub inside_before: usize,

@@ -54,6 +54,7 @@ pub struct Contact {
 
 /// All contacts of a posed body.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct ContactReport {
     /// The deepest place of each part inside each other part, where there is one.
     pub contacts: Vec<Contact>,

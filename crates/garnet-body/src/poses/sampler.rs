@@ -33,6 +33,7 @@ pub struct PoseSampler {
 
 /// A drawn pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SampledPose {
     /// Name of its sequence; of the first one of a mixed pose, as all that follows but the angles.
     pub sequence: &'static str,

@@ -8,7 +8,7 @@ use std::{
 use garnet::{
     Body, BoundGarment, TriMesh,
     data::{Limits, SceneReport},
-    knn::Surface,
+    knn::{Surface, TORN_STRETCH},
     mesh::{MeshDiagnosis, StretchSummary, diagnose},
     untangle::{UntangleReport, free_crossing_faces},
 };
@@ -397,9 +397,6 @@ fn of_skin_at_rest(garment: &BoundGarment) -> Option<Problem> {
     let crossing = free_crossing_faces(&cloth, garment.cloth().rest_skin()).len();
     (crossing > 0).then_some(Problem::CrossingAtRest(crossing))
 }
-
-/// Edges away from trapped places longer than this share of their length at rest are torn.
-const TORN_STRETCH: f32 = 2.0;
 
 /// A garment of which 1 % of the edges are longer than this, over their length at rest, is
 /// strained.

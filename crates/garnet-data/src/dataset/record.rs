@@ -86,6 +86,7 @@ pub enum Posed {
 /// A scene that is not in the data set, and why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Rejection {
     /// Number of the body in its split.
     pub body: u32,

@@ -19,6 +19,7 @@ pub const PACKAGE_SCHEMA: &str = "garnet.garment/1";
 /// `garment.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Manifest {
     /// [`PACKAGE_SCHEMA`].
     pub schema: String,

@@ -32,6 +32,7 @@ pub struct PoseSource {
 
 /// A pose and what to call it.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct NamedPose {
     /// For messages: the name or the file, and the frame in it.
     pub label: String,

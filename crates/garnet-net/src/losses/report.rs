@@ -17,6 +17,7 @@ pub struct LossValue {
 
 /// The terms of a scene, and the derivative of their weighted sum.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct LossReport {
     /// The terms that were evaluated, in the order of [`Term::ALL`].
     pub values: Vec<LossValue>,

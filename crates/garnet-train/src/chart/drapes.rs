@@ -22,6 +22,7 @@ pub struct Task {
 /// What a network takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct NetworkCost {
     /// Weights.
     pub parameters: u64,

@@ -7,6 +7,7 @@ use crate::{Left, Percentiles, SceneName, Scores, Tally};
 /// A way to drape, measured on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Sample {
     /// Number of the body in its split.
     pub body: u32,
@@ -25,6 +26,7 @@ pub struct Sample {
 /// Wall times of the stages of one drape, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Seconds {
     /// Skinning or warp.
     pub warp: f64,
@@ -53,6 +55,7 @@ pub struct Times {
 
 /// What was measured of a way to drape, over scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Figures {
     /// Over how many.
     pub scenes: usize,
