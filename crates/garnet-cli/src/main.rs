@@ -18,6 +18,7 @@ mod machine;
 mod output;
 mod parse;
 mod render;
+mod rig_args;
 mod simulate;
 mod stderr;
 mod train;

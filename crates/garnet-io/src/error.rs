@@ -115,6 +115,20 @@ pub enum FileProblem {
         /// What is wrong with it.
         problem: ArrayProblem,
     },
+    /// A shape is asked for of a rig that has none.
+    #[error("the rig has {found} shape directions, {asked} betas are given")]
+    NoBetas {
+        /// Shape directions of the rig.
+        found: usize,
+        /// Betas that are given.
+        asked: usize,
+    },
+    /// An array of a model of the SMPL family is stored as an object of Python.
+    #[error("key `{key}` is an object of Python, which is not read")]
+    Pickled {
+        /// The key.
+        key: String,
+    },
     /// A glTF file is wrong.
     #[error(transparent)]
     Gltf(#[from] GltfProblem),

@@ -24,12 +24,13 @@ mod pose_json;
 mod read_rig;
 mod rig_json;
 mod rig_npz;
+mod rig_smpl;
 mod scene;
 mod scene_json;
 mod units;
 mod weights_json;
 
-pub use self::gltf::{GltfProblem, read_rig_gltf};
+pub use self::gltf::{GltfProblem, LeftOut, RigPart, read_rig_gltf};
 pub use error::{FileError, FileProblem};
 pub use motion::{MotionError, MotionProblem, Take, TakeError};
 pub use npy::{ArrayProblem, NpyArray, NpyValues};
@@ -37,7 +38,7 @@ pub use npz::NpzFile;
 pub use obj::{ObjElement, ObjError, ObjFile, ObjLineProblem, ObjParseError, write_obj};
 pub use placement::{Misplaced, check_offsets, check_sizes};
 pub use pose_json::read_pose;
-pub use read_rig::read_rig;
+pub use read_rig::{PartsNote, ReadRig, RigOptions, read_rig, read_rig_with};
 pub use rig_npz::{WriteRigError, read_rig_npz, rig_npz, write_rig_npz};
 pub use scene::{
     Aim, Frame, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource, Posing,

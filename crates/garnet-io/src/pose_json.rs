@@ -2,6 +2,7 @@
 
 use std::{collections::BTreeMap, path::Path};
 
+use garnet_body::motion::joint_named;
 use garnet_skin::{Pose, Skeleton, SkinError, Vector3};
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde::Deserialize;
@@ -43,7 +44,8 @@ struct PoseJson {
 /// Reads a pose for `skeleton`.
 ///
 /// Two forms are read. `garnet.pose/1` has rotations by joint name, `[x, y, z, w]`; joints that it
-/// does not name rest:
+/// does not name rest. Names are those of the skeleton, or those of the built-in skeleton
+/// (`left_knee`) on any human figure:
 ///
 /// ```json
 /// {"schema": "garnet.pose/1", "joints": {"left_knee": [0.5, 0, 0, 0.866025]}, "root_translation": [0, 0, 0]}
@@ -158,8 +160,10 @@ pub(super) fn unit_quaternion(
 }
 
 fn joint_of(name: &str, skeleton: &Skeleton) -> Result<usize, FileProblem> {
-    skeleton
-        .find(name)
+    let labelled = || skeleton.labels().get(name).copied();
+    let found = skeleton.find(name).or_else(labelled);
+    found
+        .or_else(|| joint_named(skeleton, name))
         .ok_or_else(|| FileProblem::UnknownJointName {
             name: name.to_owned(),
             near: near_names(name, skeleton),
@@ -167,7 +171,7 @@ fn joint_of(name: &str, skeleton: &Skeleton) -> Result<usize, FileProblem> {
 }
 
 /// The joints whose names are at the least edit distance, up to half the length of `name`.
-fn near_names(name: &str, skeleton: &Skeleton) -> Vec<String> {
+pub(super) fn near_names(name: &str, skeleton: &Skeleton) -> Vec<String> {
     let name: Vec<char> = name.to_lowercase().chars().take(64).collect();
     let mut near: Vec<(usize, &str)> = Vec::new();
     for joint in skeleton.joints() {

@@ -1,15 +1,24 @@
 //! Rigs in any of the formats.
 
-use std::{fs::File, io::Read, path::Path};
+use std::{
+    collections::BTreeMap,
+    fmt,
+    fs::File,
+    io::Read,
+    path::{Path, PathBuf},
+};
 
-use garnet_skin::Rig;
+use garnet_body::motion::Role;
+use garnet_skin::{Rig, Skeleton};
 use serde::{Deserialize, de::IgnoredAny};
 
 use super::{
     FileError, FileProblem,
-    gltf::{self, read_rig_gltf},
-    json, rig_json,
-    rig_npz::read_rig_npz,
+    gltf::{self, RigPart, read_gltf},
+    json,
+    pose_json::near_names,
+    rig_json,
+    rig_npz::read_rig_npz_with,
     scene_json::SceneJson,
 };
 
@@ -21,16 +30,135 @@ struct Peek {
     joints: Option<IgnoredAny>,
 }
 
-/// Reads a rig: npz, GLB, glTF, a `drape-scene/1` scene, or a rig JSON with its OBJ and weights.
+/// How a rig is read; the default takes what the file says.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
+pub struct RigOptions {
+    /// Of a GLB, glTF or VRM: the meshes that are the body, by the names of their nodes, meshes or
+    /// materials.
+    pub meshes: Vec<String>,
+    /// Of a model of the SMPL family: the shape, in units of its shape directions.
+    pub betas: Vec<f64>,
+    /// A JSON file that tells which joint is which: `{"head": "J_Bip_C_Head", …}`, for joints whose
+    /// names do not.
+    pub joints: Option<PathBuf>,
+}
+
+/// A rig and what its file holds besides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadRig {
+    /// The rig.
+    pub rig: Rig,
+    /// The meshes of a GLB, glTF or VRM: those that are the body, and those that are left out.
+    pub parts: Vec<RigPart>,
+}
+
+impl ReadRig {
+    /// What was joined and left out, for the user to read; nothing where there is but one mesh.
+    pub fn note(&self, path: &Path) -> Option<PartsNote> {
+        (self.parts.len() > 1).then(|| PartsNote {
+            path: path.to_path_buf(),
+            parts: self.parts.clone(),
+        })
+    }
+}
+
+/// Which meshes of a file are the body.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PartsNote {
+    /// The file.
+    pub path: PathBuf,
+    /// Its meshes.
+    pub parts: Vec<RigPart>,
+}
+
+impl fmt::Display for PartsNote {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let named = |part: &RigPart| format!("`{}`", part.name);
+        let (out, body): (Vec<_>, Vec<_>) =
+            self.parts.iter().partition(|part| part.left_out.is_some());
+        let body: Vec<String> = body.into_iter().map(named).collect();
+        let path = self.path.display();
+        write!(formatter, "of `{path}` the body is {}", body.join(", "))?;
+        if out.is_empty() {
+            return Ok(());
+        }
+        let told = |part: &RigPart| {
+            let reason = part.left_out.map_or("", gltf::LeftOut::name);
+            format!("`{}` ({reason})", part.name)
+        };
+        let out: Vec<String> = out.into_iter().map(told).collect();
+        write!(
+            formatter,
+            "; left out: {}; `--mesh NAME` chooses",
+            out.join(", ")
+        )
+    }
+}
+
+/// Reads a rig: npz, GLB, glTF, VRM, a `drape-scene/1` scene, or a rig JSON with its OBJ and
+/// weights.
 ///
-/// The content decides; the extension `npz`, `glb` or `gltf` decides where the content tells
+/// The content decides; the extension `npz`, `glb`, `gltf` or `vrm` decides where the content tells
 /// nothing.
 ///
 /// # Errors
 ///
 /// [`FileError`] with what the format's reader refuses, or [`FileProblem::UnknownFormat`].
 pub fn read_rig(path: impl AsRef<Path>) -> Result<Rig, FileError> {
+    Ok(read_rig_with(path, &RigOptions::default())?.rig)
+}
+
+/// Reads a rig as [`read_rig`] does, with a choice of what is read, and tells what was left out.
+///
+/// # Errors
+///
+/// Those of [`read_rig`], a mesh or a joint of a name that is not there, and
+/// [`FileProblem::NoBetas`] for a shape of a rig that has none.
+pub fn read_rig_with(path: impl AsRef<Path>, options: &RigOptions) -> Result<ReadRig, FileError> {
     let path = path.as_ref();
+    let mut read = read_any(path, options)?;
+    if let Some(map) = &options.joints {
+        read.rig.skeleton = labelled(read.rig.skeleton, map)?;
+    }
+    Ok(read)
+}
+
+/// A skeleton whose joints a JSON file names.
+fn labelled(skeleton: Skeleton, map: &Path) -> Result<Skeleton, FileError> {
+    let named: BTreeMap<String, String> = json::read_with(map, json::parse)?;
+    let mut labels = Vec::with_capacity(named.len());
+    for (role, name) in named {
+        let failed = |problem| FileError {
+            path: map.to_path_buf(),
+            problem,
+        };
+        if !is_library_name(&role) {
+            return Err(failed(FileProblem::Field {
+                field: role,
+                found: name,
+                expected: "joints as the library names them: head, left_hip, right_elbow …",
+            }));
+        }
+        let Some(joint) = skeleton.find(&name) else {
+            let near = near_names(&name, &skeleton);
+            return Err(failed(FileProblem::UnknownJointName { name, near }));
+        };
+        labels.push((role, joint));
+    }
+    Ok(skeleton.with_labels(labels))
+}
+
+fn is_library_name(name: &str) -> bool {
+    let others = ["pelvis", "spine1", "spine2", "spine3", "neck"];
+    others.contains(&name) || Role::ALL.iter().any(|role| role.name() == name)
+}
+
+fn read_any(path: &Path, options: &RigOptions) -> Result<ReadRig, FileError> {
+    let plain = |rig: Rig| ReadRig {
+        rig,
+        parts: Vec::new(),
+    };
     let failed = |problem| FileError {
         path: path.to_path_buf(),
         problem,
@@ -40,15 +168,15 @@ pub fn read_rig(path: impl AsRef<Path>) -> Result<Rig, FileError> {
         .and_then(|file| file.take(64).read_to_end(&mut start))
         .map_err(|error| failed(error.into()))?;
     if start.starts_with(b"PK") {
-        return read_rig_npz(path);
+        return read_rig_npz_with(path, &options.betas).map(plain);
     }
     if start.starts_with(gltf::MAGIC) {
-        return read_rig_gltf(path);
+        return read_gltf(path, options);
     }
     let extension = path.extension().and_then(|extension| extension.to_str());
     match extension.unwrap_or_default().to_ascii_lowercase().as_str() {
-        "npz" => return read_rig_npz(path),
-        "glb" | "gltf" => return read_rig_gltf(path),
+        "npz" => return read_rig_npz_with(path, &options.betas).map(plain),
+        "glb" | "gltf" | "vrm" => return read_gltf(path, options),
         _ => {}
     }
     let text = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&start);
@@ -75,8 +203,8 @@ pub fn read_rig(path: impl AsRef<Path>) -> Result<Rig, FileError> {
         rig_json::parse(bytes, folder).map(Some)
     })?;
     match (rig, scene) {
-        (Some(rig), _) => Ok(rig),
-        (None, Some(scene)) => scene.rig(),
-        (None, None) => read_rig_gltf(path),
+        (Some(rig), _) => Ok(plain(rig)),
+        (None, Some(scene)) => scene.rig().map(plain),
+        (None, None) => read_gltf(path, options),
     }
 }

@@ -14,6 +14,7 @@ use super::{
     ArrayProblem, FileError,
     npy::{self, NpyArray},
     npz::NpzFile,
+    rig_smpl,
 };
 
 const REQUIRED: [&str; 5] = ["vertices", "faces", "blend_weights", "joints", "parents"];
@@ -29,6 +30,10 @@ const REQUIRED: [&str; 5] = ["vertices", "faces", "blend_weights", "joints", "pa
 /// | `parents` | `[J]` | joint numbers; a root has -1 (also as the largest unsigned number) or itself |
 /// | `rest_pose` | `[J, 3]` or `[3 J]`, optional | axis-angle, radians |
 /// | `joint_names` | `[J]`, optional | without it joints are `joint_0`, `joint_1` … |
+/// | `joint_roles` | `[J]`, optional | what joints are, where names do not tell: `left_knee`, or nothing |
+///
+/// Models of the SMPL family are read, too: `v_template`, `f`, `weights`, `kintree_table` and
+/// `J_regressor` (dense or sparse), in their mean shape.
 ///
 /// Floats and integers of any width and byte order, in C or Fortran order, stored or deflated.
 /// `vertices` and `joints` are read as the pose zero. `rest_pose` is the pose that the garments of
@@ -39,8 +44,20 @@ const REQUIRED: [&str; 5] = ["vertices", "faces", "blend_weights", "joints", "pa
 /// [`FileError`] with the keys that are missing, or the key whose array is damaged, of another
 /// shape, or holds impossible values.
 pub fn read_rig_npz(path: impl AsRef<Path>) -> Result<Rig, FileError> {
+    read_rig_npz_with(path.as_ref(), &[])
+}
+
+/// The same, in a shape of a model of the SMPL family.
+pub(super) fn read_rig_npz_with(path: &Path, betas: &[f64]) -> Result<Rig, FileError> {
     let mut npz = NpzFile::open(path)?;
+    if npz.keys().iter().any(|key| key == rig_smpl::TEMPLATE) {
+        return rig_smpl::read(&mut npz, betas);
+    }
     npz.require(&REQUIRED)?;
+    if !betas.is_empty() {
+        let asked = betas.len();
+        return Err(npz.failed(super::FileProblem::NoBetas { found: 0, asked }));
+    }
     let vertices = points(&required(&mut npz, "vertices", &[None, Some(3)])?);
     let vertices = vertices.map_err(|problem| npz.wrong("vertices", problem))?;
     let faces = faces(&required(&mut npz, "faces", &[None, Some(3)])?);
@@ -63,7 +80,11 @@ pub fn read_rig_npz(path: impl AsRef<Path>) -> Result<Rig, FileError> {
 }
 
 /// The array of a key that is there; `None` in `shape` fits any length.
-fn required(npz: &mut NpzFile, key: &str, shape: &[Option<usize>]) -> Result<NpyArray, FileError> {
+pub(super) fn required(
+    npz: &mut NpzFile,
+    key: &str,
+    shape: &[Option<usize>],
+) -> Result<NpyArray, FileError> {
     let Some(array) = npz.array(key)? else {
         npz.require(&[key])?;
         return Err(npz.failed(super::FileProblem::UnknownFormat));
@@ -90,7 +111,7 @@ fn points(array: &NpyArray) -> Result<Vec<Point3>, ArrayProblem> {
         .collect())
 }
 
-fn faces(array: &NpyArray) -> Result<Vec<[u32; 3]>, ArrayProblem> {
+pub(super) fn faces(array: &NpyArray) -> Result<Vec<[u32; 3]>, ArrayProblem> {
     let mut corners = Vec::new();
     for (index, value) in array.integers()?.into_iter().enumerate() {
         corners.push(
@@ -130,7 +151,15 @@ fn skeleton(npz: &mut NpzFile) -> Result<Skeleton, FileError> {
         parent,
         rest_position,
     });
-    Skeleton::new(joints.collect()).map_err(|error| npz.failed(error.into()))
+    let skeleton = Skeleton::new(joints.collect()).map_err(|error| npz.failed(error.into()))?;
+    let Some(array) = npz.array("joint_roles")? else {
+        return Ok(skeleton);
+    };
+    let roles = array.texts();
+    let roles = roles.map_err(|problem| npz.wrong("joint_roles", problem))?;
+    let labels = roles.into_iter().enumerate();
+    let labels = labels.filter(|(_, role)| !role.is_empty());
+    Ok(skeleton.with_labels(labels.map(|(joint, role)| (role, joint))))
 }
 
 fn parents(array: &NpyArray) -> Result<Vec<Option<usize>>, ArrayProblem> {
@@ -263,20 +292,13 @@ fn packed(mesh: &TriMesh, rig: &Rig) -> io::Result<Vec<u8>> {
             .to_le_bytes()
     };
     let parents: Vec<u8> = joints.iter().flat_map(parent).collect();
-    let longest = joints.iter().map(|joint| joint.name.chars().count()).max();
-    let name_length = longest.unwrap_or(0).max(1);
-    let padded = |joint: &Joint| {
-        let codes = joint
-            .name
-            .chars()
-            .map(u32::from)
-            .chain(std::iter::repeat(0));
-        codes
-            .take(name_length)
-            .flat_map(u32::to_le_bytes)
-            .collect::<Vec<u8>>()
+    let (names_type, names) = texts(joints.iter().map(|joint| joint.name.as_str()));
+    let labels = rig.skeleton.labels();
+    let role_of = |joint: usize| {
+        let mut roles = labels.iter().filter(|(_, labelled)| **labelled == joint);
+        roles.next().map_or("", |(role, _)| role.as_str())
     };
-    let names: Vec<u8> = joints.iter().flat_map(padded).collect();
+    let (roles_type, roles) = texts((0..num_joints).map(role_of));
 
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     let mut add = |key: &str, descr: &str, shape: &[usize], data: &[u8]| {
@@ -300,11 +322,20 @@ fn packed(mesh: &TriMesh, rig: &Rig) -> io::Result<Vec<u8>> {
         let data = floats(&mut axis_angles.flat_map(<[f32; 3]>::from));
         add("rest_pose", "<f4", &[pose.rotations.len(), 3], &data)?;
     }
-    add(
-        "joint_names",
-        &format!("<U{name_length}"),
-        &[num_joints],
-        &names,
-    )?;
+    add("joint_names", &names_type, &[num_joints], &names)?;
+    if !labels.is_empty() {
+        add("joint_roles", &roles_type, &[num_joints], &roles)?;
+    }
     Ok(archive.finish()?.into_inner())
+}
+
+/// Element type and bytes of an array of texts.
+fn texts<'a>(texts: impl Iterator<Item = &'a str> + Clone) -> (String, Vec<u8>) {
+    let longest = texts.clone().map(|text| text.chars().count()).max();
+    let length = longest.unwrap_or(0).max(1);
+    let padded = texts.flat_map(|text| {
+        let codes = text.chars().map(u32::from).chain(std::iter::repeat(0));
+        codes.take(length).flat_map(u32::to_le_bytes)
+    });
+    (format!("<U{length}"), padded.collect())
 }

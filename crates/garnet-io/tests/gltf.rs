@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use garnet_io::read_rig;
+use garnet_io::{LeftOut, RigOptions, RigPart, read_mesh, read_rig, read_rig_with};
 use garnet_skin::Point3;
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -210,6 +210,120 @@ fn sparse_accessors_replace_single_vertices() {
     json["accessors"][0]["count"] = json!(3);
     json["accessors"][2]["count"] = json!(3);
     assert!(read_rig(written(folder.path(), &glb(&json, &binary))).is_err());
+}
+
+/// Appends floats as an accessor of vectors, and gives its number.
+fn add_vectors(json: &mut Value, binary: &mut Vec<u8>, values: &[f32]) -> usize {
+    let start = binary.len();
+    binary.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    json["buffers"][0]["byteLength"] = json!(binary.len());
+    let views = json["bufferViews"].as_array_mut().unwrap();
+    views.push(json!({"buffer": 0, "byteOffset": start, "byteLength": 4 * values.len()}));
+    let view = views.len() - 1;
+    let accessors = json["accessors"].as_array_mut().unwrap();
+    let count = values.len() / 3;
+    accessors
+        .push(json!({"bufferView": view, "componentType": 5126, "count": count, "type": "VEC3"}));
+    accessors.len() - 1
+}
+
+#[test]
+fn all_meshes_on_a_skeleton_are_the_body_but_what_is_called_otherwise() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, binary) = file();
+    let mesh = json["meshes"][0].clone();
+    json["meshes"] = json!([mesh, mesh, mesh]);
+    let nodes = json["nodes"].as_array_mut().unwrap();
+    nodes[0]["name"] = json!("Legs");
+    nodes.push(json!({"mesh": 1, "skin": 0, "name": "Hair_01"}));
+    nodes.push(json!({"mesh": 2, "skin": 0, "name": "Feet"}));
+    nodes.push(json!({"mesh": 2, "name": "Stone"}));
+    let path = written(folder.path(), &glb(&json, &binary));
+    let read = read_rig_with(&path, &RigOptions::default()).unwrap();
+    assert_eq!(read.rig.rest.unwrap().num_faces(), 12);
+    let fate = |part: &RigPart| (part.name.clone(), part.left_out.map(LeftOut::name));
+    let fates: Vec<_> = read.parts.iter().map(fate).collect();
+    let named = |name: &str, why| (name.to_owned(), why);
+    let expected = [
+        named("Legs", None),
+        named("Hair_01", Some("hair")),
+        named("Feet", None),
+        named("Stone", Some("not on this skeleton")),
+    ];
+    assert_eq!(fates, expected);
+    let mut options = RigOptions::default();
+    options.meshes = vec!["hair_01".to_owned()];
+    let read = read_rig_with(&path, &options).unwrap();
+    assert_eq!(read.rig.rest.unwrap().num_faces(), 6);
+    options.meshes = vec!["Wig".to_owned()];
+    let text = chain(&read_rig_with(&path, &options).unwrap_err());
+    assert!(
+        text.contains("there is no skinned mesh `Wig`; there are `Legs`"),
+        "{text}"
+    );
+}
+
+#[test]
+fn default_weights_of_morph_targets_are_applied_and_those_of_the_node_come_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, mut binary) = file();
+    let shift = [10.0_f32, 0.0, 0.0].repeat(8);
+    let target = add_vectors(&mut json, &mut binary, &shift);
+    json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": target}]);
+    let moved = |json: &Value| {
+        let rig = read_rig(written(folder.path(), &glb(json, &binary))).unwrap();
+        rig.rest.unwrap().positions()[0].x - strip().rest.unwrap().positions()[0].x
+    };
+    assert!(moved(&json).abs() < 1e-6);
+    json["meshes"][0]["weights"] = json!([0.5]);
+    assert!((moved(&json) - 0.05).abs() < 1e-6);
+    json["nodes"][0]["weights"] = json!([1.0]);
+    assert!((moved(&json) - 0.1).abs() < 1e-6);
+}
+
+#[test]
+fn a_joint_in_a_frame_of_an_animation_leaves_the_rest_pose_and_shows_the_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, binary) = file();
+    json["nodes"][4]["rotation"] = json!([0.0, 0.0, 0.5_f64.sqrt(), 0.5_f64.sqrt()]);
+    let path = written(folder.path(), &glb(&json, &binary));
+    let rig = read_rig(&path).unwrap();
+    let (rest, expected) = (rig.rest.clone().unwrap(), strip().rest.unwrap());
+    for (found, expected) in rest.positions().iter().zip(expected.positions()) {
+        approx::assert_relative_eq!(*found, *expected, epsilon = 1e-6);
+    }
+    let transforms = rig.skeleton.transforms(&rig.rest_pose.unwrap()).unwrap();
+    // The knee, at (0.05, 0.4), turns what follows it alone by a right angle.
+    let shown = read_mesh(&path).unwrap();
+    let last = expected.positions()[7];
+    let turned = Point3::new(0.05 - (last.y - 0.4), 0.4 + (last.x - 0.05), last.z);
+    approx::assert_relative_eq!(shown.positions()[7], turned, epsilon = 1e-5);
+    approx::assert_relative_eq!(transforms[0] * last, turned, epsilon = 1e-5);
+}
+
+#[test]
+fn a_joint_that_is_stretched_is_shown_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, binary) = file();
+    json["nodes"][4]["scale"] = json!([1.0, 2.0, 1.0]);
+    let rig = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap();
+    assert_eq!(rig.rest_pose, None);
+    let last = strip().rest.unwrap().positions()[7];
+    let expected = Point3::new(last.x, 0.4 + 2.0 * (last.y - 0.4), last.z);
+    approx::assert_relative_eq!(rig.rest.unwrap().positions()[7], expected, epsilon = 1e-5);
+}
+
+#[test]
+fn the_humanoid_map_of_a_vrm_tells_joints() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, binary) = file();
+    let map = json!({"leftUpperLeg": {"node": 2}, "leftLowerLeg": {"node": 4}});
+    json["extensions"] = json!({"VRMC_vrm": {"humanoid": {"humanBones": map}}});
+    let rig = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap();
+    let labels: Vec<(&str, usize)> = (rig.skeleton.labels().iter())
+        .map(|(name, joint)| (name.as_str(), *joint))
+        .collect();
+    assert_eq!(labels, [("left_hip", 1), ("left_knee", 0)]);
 }
 
 #[test]

@@ -8,7 +8,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use garnet_io::{FileProblem, NpzFile, read_rig, read_rig_npz, write_rig_npz};
+use garnet_io::{
+    FileProblem, NpzFile, RigOptions, read_rig, read_rig_npz, read_rig_with, write_rig_npz,
+};
 use garnet_skin::{Pose, Vector3};
 use proptest::prelude::*;
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
@@ -327,4 +329,64 @@ proptest! {
         }
         let _ = read_rig(written(folder.path(), &packed(&entries, CompressionMethod::Stored)));
     }
+}
+
+/// A model of the SMPL family: two joints on a triangle, and one shape direction.
+fn smpl(regressor: (&'static str, Vec<u8>)) -> Vec<u8> {
+    let floats = |shape: &str, values: &[f64]| npy("<f8", false, shape, &encoded("<f8", values));
+    let entries: Entries = vec![
+        (
+            "v_template",
+            floats("(3, 3)", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0]),
+        ),
+        (
+            "f",
+            npy("<u4", false, "(1, 3)", &encoded("<u4", &[0.0, 1.0, 2.0])),
+        ),
+        ("weights", floats("(3, 2)", &[1.0, 0.0, 1.0, 0.0, 0.0, 1.0])),
+        (
+            "kintree_table",
+            npy(
+                "<i8",
+                false,
+                "(2, 2)",
+                &encoded("<i8", &[-1.0, 0.0, 0.0, 1.0]),
+            ),
+        ),
+        (
+            "shapedirs",
+            floats("(3, 3, 1)", &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0]),
+        ),
+        regressor,
+    ];
+    packed(&entries, CompressionMethod::Stored)
+}
+
+#[test]
+fn models_of_the_smpl_family_are_rigs_in_the_shape_that_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let dense = [1.0, 0.0, 0.0, 0.0, 0.5, 0.5];
+    let rows = [0.0, 0.0, 1.0, 1.0, 1.0, 0.5, 1.0, 2.0, 0.5];
+    for (shape, values) in [("(2, 3)", &dense[..]), ("(3, 3)", &rows[..])] {
+        let regressor = npy("<f8", false, shape, &encoded("<f8", values));
+        let path = written(folder.path(), &smpl(("J_regressor", regressor)));
+        let mut options = RigOptions::default();
+        for (betas, height) in [(vec![], 1.0), (vec![2.0], 1.5)] {
+            options.betas = betas;
+            let rig = read_rig_with(&path, &options).unwrap().rig;
+            let joint = &rig.skeleton.joints()[1];
+            assert_eq!((joint.parent, joint.rest_position.y), (Some(0), height));
+            assert_eq!(rig.rest.unwrap().positions()[2].y, 2.0 * height);
+        }
+        options.betas = vec![0.0; 3];
+        let text = chain(&read_rig_with(&path, &options).unwrap_err());
+        assert!(text.contains("1 shape directions, 3 betas"), "{text}");
+    }
+    let pickled = npy("|O", false, "()", b"\x80\x03cscipy.sparse");
+    let path = written(folder.path(), &smpl(("J_regressor", pickled)));
+    let text = chain(&read_rig(path).unwrap_err());
+    assert!(
+        text.contains("`J_regressor` is an object of Python"),
+        "{text}"
+    );
 }

@@ -12,7 +12,8 @@ use garnet_mesh::{
     TriMesh, Unit, UpAxis,
     primitives::{capsule, tube},
 };
-use garnet_skin::{Body, Joint, Point3, Rig, Skeleton, SkinWeights, Vector3};
+use garnet_skin::{Body, Joint, Method, Point3, Pose, Rig, Skeleton, SkinWeights, Vector3};
+use nalgebra::UnitQuaternion;
 
 /// Positions that were brought to another unit and back, in metres.
 const ROUNDING: f32 = 1e-5;
@@ -149,4 +150,95 @@ fn meshes_of_rigs_are_read_as_obj() {
     let of_obj = ObjFile::read(folder.path().join("body.obj")).unwrap();
     assert_eq!(of_rig.source(), of_obj.source());
     assert_eq!(of_rig.path(), path);
+}
+
+#[test]
+fn a_rest_body_in_another_pose_than_its_rig_is_told_and_posed_from_that_of_the_rig() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = files(folder.path(), &shirt());
+    let mut bend = Pose::rest(2);
+    bend.rotations[1] = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.4);
+    let bent = body().posed_positions(&bend, Method::Linear).unwrap();
+    write_obj(
+        folder.path().join("bent.obj"),
+        &body().rest().with_positions(bent.clone()).unwrap(),
+    )
+    .unwrap();
+    files.rest_body = Some(folder.path().join("bent.obj"));
+    files.rig = Some(folder.path().join("body.rig.npz"));
+    files.bodies = Vec::new();
+    let turn = r#"{"joints": {"chest": [0, 0, 0, 1]}}"#;
+    std::fs::write(folder.path().join("rest.json"), turn).unwrap();
+    files.pose = Some(folder.path().join("rest.json").to_str().unwrap().into());
+    let scene = Scene::load(&files).unwrap();
+    let told = scene
+        .notes
+        .iter()
+        .any(|note| note.to_string().contains("in another pose than its rig"));
+    assert!(told, "{:?}", scene.notes);
+    // The garment lies on the bent body, and the pose of no turns is that of the rig.
+    for (found, expected) in scene.body.rest().positions().iter().zip(&bent) {
+        assert!((found - expected).norm() < ROUNDING);
+    }
+    let posed = scene.targets[0].posed(&scene.body).unwrap();
+    for (found, expected) in posed
+        .skin()
+        .positions()
+        .iter()
+        .zip(body().rest().positions())
+    {
+        assert!((found - expected).norm() < 1e-3, "{found} {expected}");
+    }
+}
+
+#[test]
+fn vertices_that_an_exporter_split_are_matched_by_their_places() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = files(folder.path(), &shirt());
+    let whole = body();
+    // Each corner of a face has a vertex of its own, in reversed order.
+    let corners = whole.rest().faces().as_flattened().iter().rev();
+    let corners: Vec<usize> = corners.map(|&vertex| vertex as usize).collect();
+    let positions = corners
+        .iter()
+        .map(|&vertex| whole.rest().positions()[vertex])
+        .collect();
+    let faces = (0..corners.len() as u32 / 3).map(|face| [3 * face + 2, 3 * face + 1, 3 * face]);
+    let rows = corners.iter().map(|&vertex| whole.weights().vertex(vertex));
+    let split = Rig {
+        rest: Some(TriMesh::new(positions, faces.collect()).unwrap()),
+        weights: SkinWeights::from_influences(2, rows).unwrap(),
+        ..Rig::from(body())
+    };
+    write_rig_npz(folder.path().join("split.rig.npz"), &split).unwrap();
+    let mut bend = Pose::rest(2);
+    bend.rotations[1] = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.4);
+    let bent = body().posed_positions(&bend, Method::Linear).unwrap();
+    let bent = body().rest().with_positions(bent).unwrap();
+    write_obj(folder.path().join("bent.obj"), &bent).unwrap();
+    files.rig = Some(folder.path().join("split.rig.npz"));
+    files.rest_body = Some(folder.path().join("body.obj"));
+    files.bodies = vec![folder.path().join("bent.obj")];
+    let scene = Scene::load(&files).unwrap();
+    assert_eq!(
+        scene.body.rest().num_vertices(),
+        whole.rest().num_vertices()
+    );
+    let Aim::Vertices(found) = &scene.targets[0].aim else {
+        panic!("a mesh is where its vertices are");
+    };
+    assert_eq!(found.len(), whole.rest().num_vertices());
+    // The other way round: the rig has the vertices of the OBJ, and the body is split.
+    files.rig = Some(folder.path().join("body.rig.npz"));
+    files.bodies = vec![folder.path().join("split.rig.npz")];
+    let scene = Scene::load(&files).unwrap();
+    let posed = scene.targets[0].posed(&scene.body).unwrap();
+    for (found, expected) in posed
+        .skin()
+        .positions()
+        .iter()
+        .zip(whole.rest().positions())
+    {
+        assert!((found - expected).norm() < ROUNDING);
+    }
 }

@@ -1,5 +1,7 @@
 //! The skeleton: a forest of joints with rest positions.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::{Point3, Pose, SkinError};
@@ -23,6 +25,7 @@ pub struct Joint {
 pub struct Skeleton {
     joints: Vec<Joint>,
     parents_first: Vec<usize>,
+    labels: BTreeMap<String, usize>,
 }
 
 impl Skeleton {
@@ -68,7 +71,38 @@ impl Skeleton {
         Ok(Self {
             joints,
             parents_first,
+            labels: BTreeMap::new(),
         })
+    }
+
+    /// The same skeleton, whose joints are known by further names: what they are, such as
+    /// `left_knee`. Numbers of joints that are not there are left out.
+    #[must_use]
+    pub fn with_labels(mut self, labels: impl IntoIterator<Item = (String, usize)>) -> Self {
+        let num_joints = self.num_joints();
+        let labels = labels.into_iter();
+        self.labels
+            .extend(labels.filter(|&(_, joint)| joint < num_joints));
+        self
+    }
+
+    /// Joints by what they are, where a file or the user says it: `left_knee`, `head` …
+    pub fn labels(&self) -> &BTreeMap<String, usize> {
+        &self.labels
+    }
+
+    /// The same skeleton with its joints elsewhere: at `place(number, joint)`.
+    ///
+    /// # Errors
+    ///
+    /// [`SkinError::NonFiniteJoint`].
+    pub fn placed(&self, place: impl Fn(usize, &Joint) -> Point3) -> Result<Self, SkinError> {
+        let joint = |(number, joint): (usize, &Joint)| Joint {
+            rest_position: place(number, joint),
+            ..joint.clone()
+        };
+        let placed = Self::new(self.joints.iter().enumerate().map(joint).collect())?;
+        Ok(placed.with_labels(self.labels.clone()))
     }
 
     /// The joints `[joint]`, in the order of their file.

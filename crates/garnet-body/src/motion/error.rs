@@ -17,6 +17,8 @@ pub enum RetargetError {
         whose: &'static str,
         /// The joints that are missing.
         missing: Vec<&'static str>,
+        /// The joints that were found: what they are, and their names.
+        mapped: Vec<(&'static str, String)>,
         /// Names that are there, the first of them if there are many.
         found: Vec<String>,
     },
@@ -58,6 +60,24 @@ pub enum RetargetError {
 }
 
 impl RetargetError {
+    /// What was found of a skeleton that lacks joints, as the text of a map for `--joints`, with
+    /// `?` where a joint is missing.
+    pub fn joint_map(&self) -> Option<String> {
+        let Self::MissingJoints {
+            missing, mapped, ..
+        } = self
+        else {
+            return None;
+        };
+        let missing = missing.iter().map(|role| (*role, "?"));
+        let mapped = mapped.iter().map(|(role, name)| (*role, name.as_str()));
+        let entries = missing.chain(mapped);
+        let entries: Vec<String> = entries
+            .map(|(role, name)| format!("{role:?}: {name:?}"))
+            .collect();
+        Some(format!("{{{}}}", entries.join(", ")))
+    }
+
     /// Whether the skeleton of a body is at fault, and not that of a motion.
     pub fn is_of_body(&self) -> bool {
         match self {

@@ -5,7 +5,8 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::{
     RetargetError, Role, Side,
-    joint_names::{NUM_ROLES, find_roles},
+    joint_names::NUM_ROLES,
+    joint_search::find_roles,
     rotation::{Direction, Rotation, unit},
 };
 
@@ -17,8 +18,9 @@ const ON_AXIS: f64 = 0.966;
 
 /// The joints of a human figure in a skeleton.
 ///
-/// Limbs and head are found by name (see [`role_names`](super::role_names)); pelvis, spine and
-/// neck by what hangs on them: the pelvis is the joint on which both legs and both arms hang, the
+/// Limbs and head are those that [`Skeleton::labels`] names, else those whose names are known (see
+/// [`role_names`](super::role_names)), else those that the hierarchy tells; pelvis, spine and neck
+/// are found by what hangs on them: the pelvis is the joint on which both legs and both arms hang, the
 /// chest the joint on which both arms and the head hang.
 #[derive(Debug, Clone)]
 pub struct Figure {
@@ -38,7 +40,7 @@ impl Figure {
     /// [`RetargetError::MissingJoints`], [`RetargetError::Apart`] or [`RetargetError::NoLegs`].
     pub fn new(skeleton: &Skeleton, whose: &'static str) -> Result<Self, RetargetError> {
         let joints = skeleton.joints();
-        let roles = find_roles(joints.iter().map(|joint| joint.name.as_str()));
+        let roles = find_roles(skeleton);
         let is_missing = |role: &Role| role.is_required() && roles[role.index()].is_none();
         let missing: Vec<&str> = Role::ALL
             .into_iter()
@@ -47,9 +49,14 @@ impl Figure {
             .collect();
         if !missing.is_empty() {
             let names = joints.iter().take(NUM_LISTED_NAMES);
+            let of_role = |role: Role| {
+                let joint = roles[role.index()]?;
+                Some((role.name(), joints[joint].name.clone()))
+            };
             return Err(RetargetError::MissingJoints {
                 whose,
                 missing,
+                mapped: Role::ALL.into_iter().filter_map(of_role).collect(),
                 found: names.map(|joint| joint.name.clone()).collect(),
             });
         }
@@ -123,6 +130,26 @@ impl Figure {
     /// The joints between chest and head.
     pub fn neck(&self) -> &[usize] {
         &self.neck
+    }
+
+    /// The joint that the built-in skeleton calls so: `left_knee`, `pelvis`, `spine2`, `neck` …
+    pub fn named(&self, name: &str) -> Option<usize> {
+        if let Some(role) = Role::ALL.into_iter().find(|role| role.name() == name) {
+            return self.joint(role);
+        }
+        let spine = |number: usize| {
+            // Longer and shorter spines are met at the same part of their height.
+            let last = self.trunk.len().checked_sub(1).filter(|&last| last > 0)?;
+            self.trunk.get(((number * last + 1) / 3).max(1)).copied()
+        };
+        match name {
+            "pelvis" => Some(self.pelvis()),
+            "spine1" => spine(1),
+            "spine2" => spine(2),
+            "spine3" => spine(3),
+            "neck" => self.neck.first().copied(),
+            _ => None,
+        }
     }
 
     /// Thigh and shank, the mean of both sides, in metres.
@@ -207,6 +234,14 @@ impl Figure {
         let matrix = Matrix3::from_columns(&[left, up, front]);
         Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix))
     }
+}
+
+/// The joint of a skeleton that the built-in skeleton calls so, whatever its own name is.
+pub fn joint_named(skeleton: &Skeleton, name: &str) -> Option<usize> {
+    if let Some(role) = Role::ALL.into_iter().find(|role| role.name() == name) {
+        return find_roles(skeleton)[role.index()];
+    }
+    Figure::new(skeleton, "the body").ok()?.named(name)
 }
 
 /// The axis near to a direction, or the direction itself where there is none.

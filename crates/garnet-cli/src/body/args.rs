@@ -8,6 +8,8 @@ use garnet::{
     io::PoseSource,
 };
 
+use crate::rig_args::{PoseUp, RigArgs};
+
 /// Arguments of `body`.
 #[derive(Debug, Args)]
 #[command(after_long_help = LONG_HELP)]
@@ -18,6 +20,16 @@ pub(crate) struct BodyArgs {
     /// Skeleton and weights of BODY [default: `<body>.rig.npz` beside it].
     #[arg(long, value_name = "FILE", requires = "own")]
     pub(crate) rig: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) rig_args: RigArgs,
+    /// Axis that points up in a motion.
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "AXIS",
+        default_value = "auto"
+    )]
+    pub(crate) pose_up: PoseUp,
     /// Where the OBJ goes, with `<name>.rig.npz` beside it; a folder for several, or if it ends
     /// with `/`.
     #[arg(short, long, value_name = "OUT")]

@@ -10,14 +10,14 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    Body, Point3, Rig, TriMesh,
+    Body, Point3, Pose, Rig, TriMesh,
     body::{
         motion::FrameRange,
         shape::{BodyParameters, ParametricBody, Population},
     },
     io::{
-        Frame, NamedPose, ObjFile, OwnBody, PoseError, PoseSource, Posing, rig_beside, write_obj,
-        write_rig_npz,
+        Frame, NamedPose, ObjFile, OwnBody, PoseError, PoseSource, Posing, is_rig, rig_beside,
+        write_obj, write_rig_npz,
     },
     skin::Method,
 };
@@ -80,6 +80,9 @@ struct Subject {
     tape: Option<Tape>,
     /// An own body's OBJ.
     file: Option<(ObjFile, Frame)>,
+    /// What an own body shows, where that is not the pose that poses start from.
+    shown: Option<(Vec<Point3>, Pose)>,
+    notes: Vec<String>,
 }
 
 impl Subject {
@@ -93,6 +96,8 @@ impl Subject {
             tape: Some(Tape::new(parameters, &built)),
             body: built.into_body(),
             file: None,
+            shown: None,
+            notes: Vec::new(),
         })
     }
 }
@@ -101,11 +106,14 @@ fn subject(args: &BodyArgs) -> anyhow::Result<Subject> {
     let Some(path) = &args.own else {
         return Subject::built(&args.parameters());
     };
-    let OwnBody { body, file, .. } = OwnBody::read(path, args.rig.as_deref())?;
+    let options = args.rig_args.clone().options();
+    let own = OwnBody::read_with(path, args.rig.as_deref(), &options)?;
     Ok(Subject {
-        body,
+        body: own.body,
         tape: None,
-        file,
+        file: own.file,
+        shown: own.shown,
+        notes: own.notes.iter().map(ToString::to_string).collect(),
     })
 }
 
@@ -117,7 +125,7 @@ fn rig_of(args: &BodyArgs) -> PathBuf {
     let beside = rig_beside(own);
     match &args.rig {
         Some(rig) => rig.clone(),
-        None if beside.is_file() => beside,
+        None if beside.is_file() && !is_rig(own) => beside,
         None => own.clone(),
     }
 }
@@ -186,7 +194,9 @@ impl<'a> Outputs<'a> {
 /// The files of a body of the user's and of its poses.
 fn inputs_of(args: &BodyArgs) -> Vec<PathBuf> {
     let own = args.own.iter();
-    let beside = own.clone().map(|own| rig_beside(own));
+    // A rig needs none beside it: what lies there is what was written for it before.
+    let beside = own.clone().filter(|own| !is_rig(own));
+    let beside = beside.map(|own| rig_beside(own));
     let pose = args.pose.iter().map(|pose| pose.path.clone());
     let named = own.chain(&args.rig).chain(&args.motion).cloned();
     named.chain(beside).chain(pose).collect()
@@ -234,7 +244,7 @@ fn write_subject(
     let of_tape = subject.tape.iter().filter(|_| outputs.number.is_none());
     let of_tape = of_tape.flat_map(Tape::conflicts);
     let notes = notes.iter().map(ToString::to_string);
-    for note in of_tape.chain(notes) {
+    for note in subject.notes.iter().cloned().chain(of_tape).chain(notes) {
         if !report.notes.contains(&note) {
             report.notes.push(note);
         }
@@ -248,10 +258,16 @@ fn write_subject(
     let rig = if outputs.coarse {
         coarse_rig(&subject.body)?
     } else {
-        Rig::from(subject.body.clone())
+        Rig {
+            rest_pose: subject.shown.as_ref().map(|(_, pose)| pose.clone()),
+            ..Rig::from(subject.body.clone())
+        }
     };
     write_rig_npz(&rig_path, &rig)?;
-    let rest = || subject.body.rest().positions().to_vec();
+    let rest = || match &subject.shown {
+        Some((positions, _)) => positions.clone(),
+        None => subject.body.rest().positions().to_vec(),
+    };
     let mut write = |pose: Option<&NamedPose>, positions: Vec<Point3>| -> anyhow::Result<()> {
         let path = outputs.obj(pose);
         let vertices = write_body(&path, subject, positions, outputs.coarse)?;
@@ -316,8 +332,11 @@ fn pose_source(args: &BodyArgs) -> Option<PoseSource> {
     let motion = args.motion.as_ref().map(|path| PoseSource {
         path: path.clone(),
         frames: Some(args.frames.unwrap_or(FrameRange::ALL)),
+        up: None,
     });
-    motion.or_else(|| args.pose.clone())
+    let source = motion.or_else(|| args.pose.clone());
+    let up = args.pose_up.axis();
+    source.map(|source| PoseSource { up, ..source })
 }
 
 fn publish(report: &BodyReport, args: &BodyArgs, console: &Console) -> anyhow::Result<()> {

@@ -15,6 +15,7 @@ use crate::{
     failure::{Hint, refused},
     output,
     parse::{millimetres, milliseconds, settle_frames, tolerance},
+    rig_args::{PoseUp, RigArgs},
 };
 
 /// Arguments of `drape`.
@@ -90,17 +91,27 @@ pub(crate) struct InputArgs {
     /// Skeleton and weights: npz, GLB, glTF or JSON [default: `<body>.rig.npz` beside the body].
     #[arg(long, value_name = "FILE")]
     rig: Option<PathBuf>,
-    /// Body on which the garment lies, as OBJ [default: the rest mesh of the rig].
+    /// Body on which the garment lies, as OBJ or GLB [default: the rest mesh of the rig].
     #[arg(long, value_name = "OBJ")]
     rest_body: Option<PathBuf>,
     /// Pose the rest body, instead of taking the pose from BODY: a pose file, a frame of a motion
     /// (BVH, npz as in AMASS, pose JSON), several as FIRST:END:STEP, or a pose of the library.
     #[arg(long, value_name = "FILE[:FRAMES]|NAME")]
     pose: Option<PoseSource>,
-    /// Unit of the OBJ files: m, dm, cm, mm or auto; or two, of garment and bodies: `cm,m`.
+    /// Axis that points up in the motion of `--pose`.
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "AXIS",
+        default_value = "auto"
+    )]
+    pose_up: PoseUp,
+    #[command(flatten)]
+    rig_args: RigArgs,
+    /// Unit of the files: m, dm, cm, mm or auto; or two, of garment and bodies: `cm,m`.
     #[arg(long, hide_short_help = true, value_name = "UNIT", default_value = "auto", value_parser = units)]
     units: SceneUnits,
-    /// Axis of the OBJ files that points up.
+    /// Axis of the files that points up.
     #[arg(
         long,
         hide_short_help = true,
@@ -402,7 +413,12 @@ impl InputArgs {
         scene.rig = self.rig;
         scene.bodies = self.bodies;
         scene.rest_body = self.rest_body;
-        scene.pose = self.pose;
+        let pose_up = self.pose_up.axis();
+        scene.pose = self.pose.map(|pose| PoseSource {
+            up: pose_up,
+            ..pose
+        });
+        scene.rig_options = self.rig_args.options();
         scene.units = self.units;
         scene.up = self.up.axis();
         let files = SourceFiles { package, scene };

@@ -126,6 +126,10 @@ impl Bound {
                 problem,
             }
         };
+        let small = garment_file.num_small_faces();
+        let small = (small > 0).then_some(Problem::SmallFaces(small));
+        let held = warning::of_body_in(garment.mesh(), garment.body());
+        let start = small.into_iter().chain(held).chain(start);
         let of_garment = found.garment.into_iter().chain(start);
         let of_garment = of_garment.map(at(garment_file.path()));
         let warnings = of_garment.chain(found.body.into_iter().map(at(&rest.path)));

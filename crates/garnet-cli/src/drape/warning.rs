@@ -8,7 +8,7 @@ use std::{
 use garnet::{
     Body, BoundGarment, TriMesh,
     data::{Limits, SceneReport},
-    knn::{Surface, TORN_STRETCH},
+    knn::{Surface, TORN_STRETCH, VertexTree},
     mesh::{MeshDiagnosis, StretchSummary, diagnose},
     untangle::{UntangleReport, free_crossing_faces},
 };
@@ -28,6 +28,10 @@ pub(crate) enum Problem {
     UnusedVertices(usize),
     DuplicateVertices(usize),
     ZeroAreaFaces(usize),
+    /// Faces with 1 or 2 corners, which are no cloth.
+    SmallFaces(usize),
+    /// So many vertices of the garment are those of the body.
+    HoldsBody(usize),
     DuplicateFaces(usize),
     NonManifoldEdges(usize),
     InconsistentEdges(usize),
@@ -73,6 +77,8 @@ impl Problem {
             Self::UnusedVertices(_) => "unused_vertices",
             Self::DuplicateVertices(_) => "duplicate_vertices",
             Self::ZeroAreaFaces(_) => "zero_area_faces",
+            Self::SmallFaces(_) => "small_faces",
+            Self::HoldsBody(_) => "holds_body",
             Self::DuplicateFaces(_) => "duplicate_faces",
             Self::NonManifoldEdges(_) => "non_manifold_edges",
             Self::InconsistentEdges(_) => "inconsistent_edges",
@@ -103,6 +109,8 @@ impl Problem {
             Self::UnusedVertices(count)
             | Self::DuplicateVertices(count)
             | Self::ZeroAreaFaces(count)
+            | Self::SmallFaces(count)
+            | Self::HoldsBody(count)
             | Self::DuplicateFaces(count)
             | Self::NonManifoldEdges(count)
             | Self::InconsistentEdges(count)
@@ -162,6 +170,10 @@ impl fmt::Display for Warning {
                 vertices(count, is) + " at the place of another and moved with it"
             }
             Problem::ZeroAreaFaces(count) => faces(count, has) + " no area",
+            Problem::SmallFaces(count) => {
+                faces(count, has) + " 1 or 2 corners: kept in the file, left out of the cloth"
+            }
+            Problem::HoldsBody(count) => vertices(count, ["lies", "lie"]) + ON_BODY,
             Problem::DuplicateFaces(count) => faces(count, has) + " the vertices of another",
             Problem::NonManifoldEdges(count) => edges(count) + " more than two faces",
             Problem::InconsistentEdges(count) => {
@@ -221,6 +233,10 @@ impl fmt::Display for Warning {
         formatter.write_str(&text)
     }
 }
+
+/// What vertices do that are those of the body.
+const ON_BODY: &str = " on the skin as those of the body do: one part of the garment is the body \
+                       itself, and is draped like a suit; export the garment without it";
 
 /// What faces do that cross the skin.
 const CROSSING: &str = " the skin between vertices that are outside";
@@ -317,6 +333,26 @@ pub(crate) fn warnings_of(path: &Path, garment: &BoundGarment) -> Vec<WarningRep
     warnings
         .map(|warning| WarningReport::from(&warning))
         .collect()
+}
+
+/// A vertex of the garment within this distance of one of the body is the same, in metres.
+const SAME_VERTEX: f32 = 1e-4;
+
+/// A garment that has this share of the body's vertices holds the body.
+const HELD_SHARE: f64 = 0.5;
+
+/// Whether one part of a garment is the body that it lies on.
+pub(crate) fn of_body_in(garment: &TriMesh, body: &Body) -> Option<Problem> {
+    let tree = VertexTree::new(garment.positions()).ok()?;
+    let own = || body.of_skin(body.rest().positions());
+    let is_held = |place: &&garnet::Point3| {
+        let near = tree.nearest(**place);
+        near.is_some_and(|near| {
+            (garment.positions()[near.index as usize] - **place).norm() < SAME_VERTEX
+        })
+    };
+    let held = own().filter(is_held).count();
+    (held as f64 >= HELD_SHARE * own().count() as f64).then_some(Problem::HoldsBody(held))
 }
 
 /// What is unusual about a garment.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use garnet::{
-    Body, TriMesh,
+    Body, Point3, TriMesh,
     body::shape::{ParametricBody, Recognized, recognized},
     io::{Frame, ObjFile, OwnBody, largest_distance, read_rig, rig_beside},
 };
@@ -21,9 +21,10 @@ pub(super) fn read(path: &Path) -> anyhow::Result<Body> {
     if is_obj && !beside.is_file() {
         check_known(path)?;
     }
-    let body = OwnBody::read(path, None)?.body;
+    let OwnBody { body, shown, .. } = OwnBody::read(path, None)?;
     if is_obj && beside.is_file() {
-        check_rest(path, &beside, &body)?;
+        let shown = shown.as_ref().map(|(positions, _)| positions.as_slice());
+        check_rest(path, &beside, shown.unwrap_or(body.rest().positions()))?;
     }
     Ok(body)
 }
@@ -80,13 +81,13 @@ fn check_known(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Refuses an OBJ that is in another pose than its rig is made for.
-fn check_rest(path: &Path, beside: &Path, body: &Body) -> anyhow::Result<()> {
+fn check_rest(path: &Path, beside: &Path, positions: &[Point3]) -> anyhow::Result<()> {
     let Some(rest) = read_rig(beside)?.rest else {
         return Ok(());
     };
     let frame = Frame::detected(&rest);
     let rest = frame.to_metres(rest.positions().to_vec());
-    let distance = largest_distance(&rest, body.rest().positions());
+    let distance = largest_distance(&rest, positions);
     if distance <= SAME {
         return Ok(());
     }

@@ -26,7 +26,7 @@ use garnet::{
 
 use data::{for_data, for_package, for_sim};
 use mesh::{for_io, for_mesh, for_obj, for_parse, for_write};
-use rig::{for_file, for_motion, for_retarget, for_skin};
+use rig::{for_file, for_joints, for_motion, for_retarget, for_skin};
 use train::{for_train, for_weights};
 
 pub(crate) use data::Hinting;
@@ -39,7 +39,9 @@ pub(crate) fn for_error(error: &anyhow::Error) -> Option<String> {
     let links: Vec<&(dyn StdError + 'static)> = error.chain().collect();
     let hint = |link| {
         let own = for_pattern_link(link).or_else(|| scene::for_link(link));
-        own.or_else(|| for_link(link).map(str::to_owned))
+        let joints = || link.downcast_ref::<RetargetError>().and_then(for_joints);
+        own.or_else(joints)
+            .or_else(|| for_link(link).map(str::to_owned))
     };
     links.into_iter().rev().find_map(hint)
 }

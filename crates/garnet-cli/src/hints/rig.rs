@@ -2,7 +2,7 @@
 
 use garnet::{
     body::motion::RetargetError,
-    io::{ArrayProblem, FileProblem, MotionProblem},
+    io::{ArrayProblem, FileProblem, GltfProblem, MotionProblem},
     skin::SkinError,
 };
 
@@ -16,6 +16,18 @@ pub(super) fn for_motion(problem: &MotionProblem) -> Option<&'static str> {
              not copied whole",
         ),
     }
+}
+
+/// The map of joints that was found, for a skeleton that lacks some.
+pub(super) fn for_joints(error: &RetargetError) -> Option<String> {
+    let map = error.joint_map()?;
+    if !error.is_of_body() {
+        let hint = "rename those of the motion that are marked `?`";
+        return Some(format!("{hint}; found: {map}"));
+    }
+    Some(format!(
+        "name the joints marked `?` in a JSON file, and give it with `--joints`; found: {map}"
+    ))
 }
 
 pub(super) fn for_retarget(error: &RetargetError) -> Option<&'static str> {
@@ -58,8 +70,21 @@ pub(super) fn for_file(problem: &FileProblem) -> Option<&'static str> {
         FileProblem::NoPose => Some("`garnet drape --help` shows the form of a pose file"),
         FileProblem::MissingFile { .. } => Some("paths in a JSON file are relative to it"),
         FileProblem::MissingKeys { .. } => Some(
-            "a rig has the arrays `vertices`, `faces`, `blend_weights`, `joints` and `parents`",
+            "a rig has the arrays `vertices`, `faces`, `blend_weights`, `joints` and `parents`, a model of the \
+             SMPL family `v_template`, `f`, `weights`, `kintree_table` and `J_regressor`",
         ),
+        FileProblem::NoBetas { .. } => Some(
+            "`--betas` shapes models of the SMPL family, by as many numbers as they have at most",
+        ),
+        FileProblem::Pickled { .. } => Some(
+            "save it as a plain array: `numpy.asarray(regressor.todense())` for a sparse matrix",
+        ),
+        FileProblem::Gltf(GltfProblem::NoMesh { .. }) => {
+            Some("`garnet info` lists the meshes of a file")
+        }
+        FileProblem::Gltf(GltfProblem::Extension { .. }) => {
+            Some("export it without compression of meshes")
+        }
         FileProblem::Archive(_) => Some("the file may be cut off: copy or save it again"),
         FileProblem::Array { problem, .. } => Some(for_array(problem)),
         FileProblem::Gltf(_) => {

@@ -7,7 +7,7 @@ use garnet::{
     io::{Misplaced, PoseError, PoseProblem, SceneError, SceneProblem},
 };
 
-use super::{for_file, for_mesh, for_motion, for_obj, for_retarget, for_skin, nearest};
+use super::{for_file, for_joints, for_mesh, for_motion, for_obj, for_retarget, for_skin, nearest};
 
 /// The advice for a link of a chain of errors, if it is one of a scene or a pose.
 pub(super) fn for_link(link: &(dyn StdError + 'static)) -> Option<String> {
@@ -102,7 +102,9 @@ pub(super) fn for_misplaced(problem: &Misplaced) -> &'static str {
 fn for_pose(error: &PoseError) -> Option<String> {
     let hint = match error {
         PoseError::Motion(error) => for_motion(&error.problem)?,
-        PoseError::Frames(error) => for_retarget(error)?,
+        PoseError::Frames(error) => {
+            return for_joints(error).or_else(|| for_retarget(error).map(str::to_owned));
+        }
         PoseError::Skin(error) => for_skin(error)?,
         PoseError::BadFrames { problem, .. } => match problem {
             PoseProblem::OfLibrary => "leave out what follows the colon",

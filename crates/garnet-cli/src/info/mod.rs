@@ -158,7 +158,7 @@ fn kind(path: &Path) -> anyhow::Result<Kind> {
     }
     match extension.as_str() {
         "bvh" => Ok(Kind::Motion),
-        "npz" | "glb" | "gltf" => Ok(Kind::Rig),
+        "npz" | "glb" | "gltf" | "vrm" => Ok(Kind::Rig),
         _ if is_json => kind_of_json(path),
         _ => Ok(Kind::Mesh),
     }

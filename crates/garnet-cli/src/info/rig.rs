@@ -5,7 +5,7 @@ use std::path::Path;
 use garnet::{
     Rig, Skeleton,
     body::shape::tape_measures,
-    io::{SceneJson, read_rig},
+    io::{LeftOut, RigOptions, SceneJson, read_rig_with},
 };
 use serde::Serialize;
 
@@ -26,7 +26,18 @@ pub(crate) struct RigInfo {
     has_rest_pose: bool,
     /// Tape measures of the built-in body, in centimetres; none of other bodies.
     tape_cm: Option<Vec<(&'static str, f64)>>,
+    /// Meshes of a GLB, glTF or VRM, and why each is left out of the body, if it is.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    parts: Vec<PartInfo>,
     joints: Vec<JointInfo>,
+}
+
+/// A mesh of a rig file.
+#[derive(Debug, Serialize)]
+pub(crate) struct PartInfo {
+    name: String,
+    faces: usize,
+    left_out: Option<&'static str>,
 }
 
 /// A joint.
@@ -39,7 +50,16 @@ pub(crate) struct JointInfo {
 
 impl RigInfo {
     pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
-        Ok(Self::new(&read_rig(path)?))
+        let read = read_rig_with(path, &RigOptions::default())?;
+        let parts = read.parts.iter().map(|part| PartInfo {
+            name: part.name.clone(),
+            faces: part.num_faces,
+            left_out: part.left_out.map(LeftOut::name),
+        });
+        Ok(Self {
+            parts: parts.collect(),
+            ..Self::new(&read.rig)
+        })
     }
 
     fn new(rig: &Rig) -> Self {
@@ -52,6 +72,7 @@ impl RigInfo {
             mean_influences: influences().sum::<usize>() as f64 / vertices.max(1) as f64,
             has_rest_pose: rig.rest_pose.is_some(),
             tape_cm: tape(rig),
+            parts: Vec::new(),
             joints: joints(&rig.skeleton),
         }
     }
@@ -78,6 +99,16 @@ impl RigInfo {
         }
         for (name, centimetres) in self.tape_cm.iter().flatten() {
             table.row(name, format_args!("{centimetres:.1} cm"));
+        }
+        for part in self.parts.iter().filter(|_| self.parts.len() > 1) {
+            let fate = match part.left_out {
+                Some(reason) => format!("left out: {reason}"),
+                None => "of the body".to_owned(),
+            };
+            table.row(
+                &format!("mesh {}", part.name),
+                format_args!("{} faces, {fate}", part.faces),
+            );
         }
         fill_joints(&self.joints, table);
     }

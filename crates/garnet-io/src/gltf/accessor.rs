@@ -53,6 +53,19 @@ pub(super) fn read(
     expected: Type,
     fractions: Fractions,
 ) -> Result<Rows, GltfProblem> {
+    read_or_zeros(root, buffers, index, expected, fractions, 0)
+}
+
+/// The same; an accessor that says nothing but what a few of its rows are is zero elsewhere, and
+/// has `num_rows` rows.
+pub(super) fn read_or_zeros(
+    root: &Root,
+    buffers: &[Vec<u8>],
+    index: usize,
+    expected: Type,
+    fractions: Fractions,
+    num_rows: usize,
+) -> Result<Rows, GltfProblem> {
     let wrong = |what| GltfProblem::Accessor {
         accessor: index,
         what,
@@ -76,17 +89,22 @@ pub(super) fn read(
         return Err(wrong("it has another type than its use needs"));
     }
     let components = type_.multiplicity();
-    let view = accessor
-        .buffer_view
-        .ok_or(wrong("it has no data (no `bufferView`)"))?;
-    let span = Span {
-        view: view.value(),
-        offset: accessor.byte_offset.unwrap_or_default().0,
-        count: accessor.count.0,
-        components,
-        kind: component.0,
+    let mut values = match accessor.buffer_view {
+        Some(view) => {
+            let span = Span {
+                view: view.value(),
+                offset: accessor.byte_offset.unwrap_or_default().0,
+                count: accessor.count.0,
+                components,
+                kind: component.0,
+            };
+            span.read(root, buffers).map_err(wrong)?
+        }
+        None if num_rows > 0 && accessor.count.0 == num_rows as u64 => {
+            vec![0.0; num_rows * components]
+        }
+        None => return Err(wrong("it has no data (no `bufferView`)")),
     };
-    let mut values = span.read(root, buffers).map_err(wrong)?;
     overlay_sparse(
         accessor,
         root,

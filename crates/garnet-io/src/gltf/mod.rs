@@ -1,4 +1,4 @@
-//! Rigs as GLB or glTF 2.0: the first mesh with a skin.
+//! Rigs as GLB or glTF 2.0: all meshes with a skin on one skeleton, as the file shows them.
 //!
 //! The `gltf` crate gives the JSON schema. Containers, buffers and accessors are read here, because
 //! every number in such a file may lead out of bounds.
@@ -7,9 +7,16 @@ mod accessor;
 mod base64;
 mod container;
 mod nodes;
+mod parts;
 mod problem;
+mod rest;
 mod rig;
+mod skeletons;
+mod vertices;
+mod vrm;
 
 pub(super) use container::MAGIC;
+pub use parts::{LeftOut, RigPart};
 pub use problem::GltfProblem;
+pub(crate) use rig::read_gltf;
 pub use rig::read_rig_gltf;

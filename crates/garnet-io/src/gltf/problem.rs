@@ -22,6 +22,14 @@ pub enum GltfProblem {
         /// Name of the extension.
         name: String,
     },
+    /// No mesh has a name that was asked for.
+    #[error("there is no skinned mesh `{name}`; there are {}", listed(found))]
+    NoMesh {
+        /// The name.
+        name: String,
+        /// Names that there are.
+        found: Vec<String>,
+    },
     /// No node has a mesh and a skin.
     #[error("no mesh has a skin")]
     NoSkin,
@@ -81,4 +89,9 @@ pub enum GltfProblem {
         /// Name of the joint.
         joint: String,
     },
+}
+
+fn listed(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    quoted.join(", ")
 }

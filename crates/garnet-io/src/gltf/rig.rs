@@ -1,130 +1,63 @@
-//! A rig out of a glTF skin.
+//! A rig out of the skins of a glTF file.
 
 use std::path::Path;
 
-use garnet_mesh::TriMesh;
-use garnet_skin::{Joint, Rig, Skeleton, SkinWeights};
-use gltf::json::{
-    Index, Mesh, Root, Skin,
-    accessor::Type,
-    mesh::{Mode, Primitive, Semantic},
-    validation::Checked,
-};
+use garnet_body::motion::{Figure, Role, joint_named};
+use garnet_mesh::{Bounds, Point3, TriMesh};
+use garnet_skin::{Rig, Skeleton, SkinWeights, skin_linear};
+use gltf::json::{Index, Root, accessor::Type};
 use nalgebra::{Matrix4, Point3 as NaPoint3};
 
 use super::{
     GltfProblem,
     accessor::{self, Fractions, Rows},
-    container, nodes,
-    nodes::Nodes,
+    container,
+    nodes::{self, Nodes},
+    parts::{Candidate, LeftOut, RigPart, left_out},
+    rest::{Placed, Shown},
+    skeletons::{Bind, Instance, JointNodes, by_skeleton, instances},
+    vertices::{Influences, Source},
+    vrm,
 };
-use crate::{FileError, FileProblem, json};
+use crate::{FileError, FileProblem, ReadRig, RigOptions, json};
 
 /// Extensions that hide the geometry; all others that a file may need do not change it.
-const COMPRESSIONS: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+const COMPRESSIONS: [&str; 3] = [
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+];
 
-/// How far the transforms of two joints may differ and still be one transform of the whole rig,
-/// relative to their largest entry.
-const SAME_TRANSFORM: f64 = 1e-4;
-
-/// Reads the first mesh with a skin out of a GLB or glTF 2.0 file.
+/// Reads the body of a GLB, glTF 2.0 or VRM file: all meshes with a skin on one skeleton.
 ///
-/// The primitives of the mesh are joined one after the other. Joints stand where the inverse bind
-/// matrices put them, in the order of the skin. If the file shows the mesh in its bind pose, then
-/// it is read as shown, in world space; if it shows it in another pose, then the bind pose is
-/// read, in the mesh's own axes and the size that is shown. glTF is in metres, with Y up.
+/// The body is the one that the file shows: with the turns and scales of the nodes above it and the
+/// default weights of its morph targets. Where joints stand in a frame of an animation, the rest
+/// mesh is the bind pose and [`Rig::rest_pose`] what is shown. Of several skeletons the one of a
+/// human figure with the largest body is read. Joints are in the order of its skins. glTF is in
+/// metres, with Y up.
 ///
 /// # Errors
 ///
 /// [`FileError`]: no mesh with a skin, a container or buffer that is cut off, an accessor out of
 /// range, nodes in a circle, compressed geometry, or an impossible mesh, skeleton or weight.
 pub fn read_rig_gltf(path: impl AsRef<Path>) -> Result<Rig, FileError> {
-    let path = path.as_ref();
+    Ok(read_gltf(path.as_ref(), &RigOptions::default())?.rig)
+}
+
+/// The same with a choice of meshes, and what was joined and left out.
+pub(crate) fn read_gltf(path: &Path, options: &RigOptions) -> Result<ReadRig, FileError> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    json::read_with(path, |bytes| parse(bytes, folder))
+    json::read_with(path, |bytes| parse(bytes, folder, options))
 }
 
-fn parse(bytes: &[u8], folder: &Path) -> Result<Rig, FileProblem> {
-    let (text, binary) = container::split(bytes)?;
-    let root: Root = json::parse(text)?;
-    if !root.asset.version.starts_with("2.") {
-        return Err(GltfProblem::Version {
-            found: root.asset.version,
-        }
-        .into());
-    }
-    let required = &root.extensions_required;
-    if let Some(name) = required
-        .iter()
-        .find(|name| COMPRESSIONS.contains(&name.as_str()))
-    {
-        return Err(GltfProblem::Extension { name: name.clone() }.into());
-    }
-    let (mesh, skin) = skinned_mesh(&root)?;
-    let buffers = container::buffers(&root, binary, folder)?;
-    let file = Reader {
-        root: &root,
-        buffers,
-    };
-    let (shown_from_mesh, joints) = file.joints(skin)?;
-    let skeleton = Skeleton::new(joints)?;
-
-    let mut vertices = Vertices::default();
-    for (number, primitive) in mesh.primitives.iter().enumerate() {
-        file.add_primitive(number, primitive, &mut vertices)?;
-    }
-    let points = vertices.positions.iter();
-    let positions = points.map(|point| shown_from_mesh.transform_point(point).cast());
-    Ok(Rig {
-        rest: Some(TriMesh::new(positions.collect(), vertices.faces)?),
-        weights: SkinWeights::from_influences(skeleton.num_joints(), vertices.influences)?,
-        skeleton,
-        rest_pose: None,
-    })
-}
-
-fn skinned_mesh(root: &Root) -> Result<(&Mesh, &Skin), GltfProblem> {
-    let has_both = |node: &gltf::json::Node| node.mesh.zip(node.skin);
-    let found = root
-        .nodes
-        .iter()
-        .enumerate()
-        .find_map(|(index, node)| has_both(node).map(|both| (index, both)));
-    let (node, (mesh, skin)) = found.ok_or(GltfProblem::NoSkin)?;
-    let missing = |part, index, count| GltfProblem::OutOfRange {
-        user: format!("node {node}"),
-        part,
-        index,
-        count,
-    };
-    let (mesh, skin) = (mesh.value(), skin.value());
-    Ok((
-        root.meshes
-            .get(mesh)
-            .ok_or_else(|| missing("mesh", mesh, root.meshes.len()))?,
-        root.skins
-            .get(skin)
-            .ok_or_else(|| missing("skin", skin, root.skins.len()))?,
-    ))
-}
-
-/// Vertices and faces of the primitives so far.
-#[derive(Debug, Default)]
-struct Vertices {
-    positions: Vec<NaPoint3<f64>>,
-    influences: Vec<Vec<(usize, f32)>>,
-    faces: Vec<[u32; 3]>,
-    /// Accessors of positions, joints and weights that have been read, and their first vertex.
-    sources: Vec<(Vec<usize>, usize)>,
-}
-
-struct Reader<'a> {
-    root: &'a Root,
-    buffers: Vec<Vec<u8>>,
+/// A file with its buffers.
+pub(super) struct Reader<'a> {
+    pub(super) root: &'a Root,
+    pub(super) buffers: Vec<Vec<u8>>,
 }
 
 impl Reader<'_> {
-    fn read(&self, index: usize, expected: Type) -> Result<Rows, GltfProblem> {
+    pub(super) fn read(&self, index: usize, expected: Type) -> Result<Rows, GltfProblem> {
         accessor::read(
             self.root,
             &self.buffers,
@@ -133,181 +66,430 @@ impl Reader<'_> {
             Fractions::AsDeclared,
         )
     }
+}
 
-    /// The transform from the mesh's space to the rig's, and the joints in the rig's space.
-    fn joints(&self, skin: &Skin) -> Result<(Matrix4<f64>, Vec<Joint>), FileProblem> {
-        let nodes = Nodes::new(self.root)?;
-        let numbers: Vec<usize> = skin.joints.iter().map(Index::value).collect();
-        let count = self.root.nodes.len();
-        if let Some(&index) = numbers.iter().find(|&&node| node >= count) {
-            return Err(GltfProblem::OutOfRange {
-                user: "the skin".to_owned(),
-                part: "node",
-                index,
-                count,
-            }
-            .into());
+fn parse(bytes: &[u8], folder: &Path, options: &RigOptions) -> Result<ReadRig, FileProblem> {
+    let (text, binary) = container::split(bytes)?;
+    let root: Root = json::parse(text)?;
+    if !root.asset.version.starts_with("2.") {
+        return Err(GltfProblem::Version {
+            found: root.asset.version,
         }
-        let matrices = skin.inverse_bind_matrices.ok_or(GltfProblem::Skin {
-            what: "it has no inverse bind matrices, which tell where the joints rest",
-        })?;
-        let matrices = self.read(matrices.value(), Type::Mat4)?;
-        if matrices.num_rows() < numbers.len() {
-            return Err(GltfProblem::Skin {
-                what: "it has fewer inverse bind matrices than joints",
-            }
-            .into());
-        }
-        let bone_from_mesh: Vec<Matrix4<f64>> =
-            matrices.rows().map(Matrix4::from_column_slice).collect();
-        let pairs = numbers.iter().zip(&bone_from_mesh);
-        let shown: Vec<Matrix4<f64>> = pairs
-            .map(|(&node, matrix)| nodes.world_from_node[node] * matrix)
-            .collect();
-        let shown_from_mesh = common_transform(&shown);
-
-        let mut joint_of_node = vec![None; count];
-        for (joint, &node) in numbers.iter().enumerate().rev() {
-            joint_of_node[node] = Some(joint);
-        }
-        let mut joints = Vec::with_capacity(numbers.len());
-        for (&node, matrix) in numbers.iter().zip(&bone_from_mesh) {
-            let name = nodes::name(self.root, node);
-            let mesh_from_bone =
-                matrix
-                    .try_inverse()
-                    .ok_or_else(|| GltfProblem::SingularBindMatrix {
-                        joint: name.clone(),
-                    })?;
-            let in_mesh = mesh_from_bone.transform_point(&NaPoint3::origin());
-            joints.push(Joint {
-                name,
-                parent: nodes.nearest_ancestor(node, |node| joint_of_node[node]),
-                rest_position: shown_from_mesh.transform_point(&in_mesh).cast(),
-            });
-        }
-        Ok((shown_from_mesh, joints))
+        .into());
     }
-
-    fn add_primitive(
-        &self,
-        number: usize,
-        primitive: &Primitive,
-        vertices: &mut Vertices,
-    ) -> Result<(), FileProblem> {
-        let wrong = |what| GltfProblem::Primitive {
-            primitive: number,
-            what,
-        };
-        if primitive.mode != Checked::Valid(Mode::Triangles) {
-            return Err(wrong("it is not made of triangles").into());
-        }
-        let attribute = |semantic| {
-            let index: Option<&Index<_>> = primitive.attributes.get(&Checked::Valid(semantic));
-            index.map(Index::value)
-        };
-        let positions = attribute(Semantic::Positions).ok_or(wrong("it has no positions"))?;
-        let sets: Vec<(usize, usize)> = (0..)
-            .map_while(|set| {
-                attribute(Semantic::Joints(set)).zip(attribute(Semantic::Weights(set)))
-            })
-            .collect();
-        if sets.is_empty() {
-            return Err(wrong("it has no joints or weights").into());
-        }
-        let mut source = vec![positions];
-        source.extend(sets.iter().flat_map(|&(joints, weights)| [joints, weights]));
-        let known = vertices.sources.iter().find(|(known, _)| *known == source);
-        let first = if let Some(&(_, first)) = known {
-            first
-        } else {
-            let first = vertices.positions.len();
-            self.add_vertices(positions, &sets, vertices, wrong)?;
-            vertices.sources.push((source, first));
-            first
-        };
-        let positions = self.root.accessors.get(positions);
-        let num_vertices = positions.map_or(0, |accessor| accessor.count.0 as usize);
-        let corners: Vec<usize> = match primitive.indices {
-            Some(indices) => {
-                let values = self.read(indices.value(), Type::Scalar)?.values;
-                let numbers = values.into_iter().map(accessor::whole);
-                let numbers: Option<Vec<usize>> = numbers.collect();
-                numbers.ok_or(wrong("an index is no whole number"))?
-            }
-            None => (0..num_vertices).collect(),
-        };
-        if !corners.len().is_multiple_of(3) {
-            return Err(wrong("its indices do not divide into triangles").into());
-        }
-        if let Some(&index) = corners.iter().find(|&&corner| corner >= num_vertices) {
-            return Err(GltfProblem::OutOfRange {
-                user: format!("primitive {number}"),
-                part: "vertex",
-                index,
-                count: num_vertices,
-            }
-            .into());
-        }
-        let corner = |corner: usize| (first + corner) as u32;
-        let triangles = corners.chunks_exact(3);
-        vertices
-            .faces
-            .extend(triangles.map(|face| [corner(face[0]), corner(face[1]), corner(face[2])]));
-        Ok(())
+    let is_compression = |name: &&String| COMPRESSIONS.contains(&name.as_str());
+    if let Some(name) = root.extensions_required.iter().find(is_compression) {
+        return Err(GltfProblem::Extension { name: name.clone() }.into());
     }
-
-    fn add_vertices(
-        &self,
-        positions: usize,
-        sets: &[(usize, usize)],
-        vertices: &mut Vertices,
-        wrong: impl Fn(&'static str) -> GltfProblem,
-    ) -> Result<(), FileProblem> {
-        let points = self.read(positions, Type::Vec3)?;
-        let rows = points
-            .rows()
-            .map(|row| NaPoint3::new(row[0], row[1], row[2]));
-        vertices.positions.extend(rows);
-        let mut influences = vec![Vec::with_capacity(4); points.num_rows()];
-        for &(joints, weights) in sets {
-            let joints = self.read(joints, Type::Vec4)?;
-            let weights = accessor::read(
-                self.root,
-                &self.buffers,
-                weights,
-                Type::Vec4,
-                Fractions::Always,
-            )?;
-            if joints.num_rows() != points.num_rows() || weights.num_rows() != points.num_rows() {
-                return Err(
-                    wrong("it has another number of joints or weights than of positions").into(),
-                );
-            }
-            let rows = joints.rows().zip(weights.rows()).zip(&mut influences);
-            for ((joints, weights), influences) in rows {
-                for (&joint, &weight) in joints.iter().zip(weights) {
-                    let joint = accessor::whole(joint);
-                    let joint = joint.ok_or_else(|| wrong("a joint is no whole number"))?;
-                    influences.push((joint, weight as f32));
-                }
-            }
-        }
-        vertices.influences.extend(influences);
-        Ok(())
+    let read = read(&root, text, binary, folder, options);
+    // A file may name a compression without needing it, and have nothing else.
+    match (read, root.extensions_used.iter().find(is_compression)) {
+        (
+            Err(FileProblem::Gltf(
+                GltfProblem::Accessor { .. }
+                | GltfProblem::Buffer { .. }
+                | GltfProblem::Primitive { .. },
+            )),
+            Some(name),
+        ) => Err(GltfProblem::Extension { name: name.clone() }.into()),
+        (read, _) => read,
     }
 }
 
-/// The one transform that all joints give the mesh as shown, or else its size alone.
-fn common_transform(shown_from_mesh: &[Matrix4<f64>]) -> Matrix4<f64> {
-    let Some(first) = shown_from_mesh.first() else {
-        return Matrix4::identity();
+fn read(
+    root: &Root,
+    text: &[u8],
+    binary: Option<&[u8]>,
+    folder: &Path,
+    options: &RigOptions,
+) -> Result<ReadRig, FileProblem> {
+    let all = instances(root)?;
+    let file = Reader {
+        root,
+        buffers: container::buffers(root, binary, folder)?,
     };
-    let tolerance = SAME_TRANSFORM * first.abs().max();
-    let is_same = |other: &Matrix4<f64>| (other - first).abs().max() <= tolerance;
-    if shown_from_mesh.iter().all(is_same) {
-        return *first;
+    let nodes = Nodes::new(root)?;
+    let humanoid = vrm::humanoid(text);
+    let groups = by_skeleton(root, &nodes, &all);
+    let mut bodies = Vec::with_capacity(groups.len());
+    for group in &groups {
+        bodies.push(file.group(group, &nodes, &humanoid, options));
     }
-    let volume: f64 = first.fixed_view::<3, 3>(0, 0).determinant();
-    Matrix4::new_scaling(volume.abs().cbrt())
+    let num_bodies = bodies.len();
+    let mut best: Option<ReadRig> = None;
+    let mut first_error = None;
+    let mut others = Vec::new();
+    for body in bodies {
+        let body = match body {
+            Ok(body) => body,
+            Err(error) => {
+                first_error = first_error.or(Some(error));
+                continue;
+            }
+        };
+        let is_better = best.as_ref().is_none_or(|best| rank(&body) > rank(best));
+        let (kept, other) = if is_better {
+            (Some(body), best)
+        } else {
+            (best, Some(body))
+        };
+        best = kept;
+        others.extend(other.into_iter().flat_map(|other| other.parts));
+    }
+    let mut best = match (best, first_error) {
+        (Some(best), _) => best,
+        (None, Some(error)) => return Err(error),
+        (None, None) => return Err(GltfProblem::NoSkin.into()),
+    };
+    if num_bodies > 1 {
+        best.parts.extend(others.into_iter().map(|part| RigPart {
+            left_out: Some(LeftOut::OtherSkeleton),
+            ..part
+        }));
+    }
+    let is_bare = |node: &gltf::json::Node| node.mesh.is_some() && node.skin.is_none();
+    for (node, content) in root
+        .nodes
+        .iter()
+        .enumerate()
+        .filter(|(_, node)| is_bare(node))
+    {
+        let mesh = content.mesh.and_then(|mesh| root.meshes.get(mesh.value()));
+        let primitives = mesh.iter().flat_map(|mesh| &mesh.primitives);
+        let indices =
+            primitives.filter_map(|primitive| root.accessors.get(primitive.indices?.value()));
+        best.parts.push(RigPart {
+            name: nodes::name(root, node),
+            num_faces: indices.map(|accessor| accessor.count.0 as usize / 3).sum(),
+            left_out: Some(LeftOut::OtherSkeleton),
+        });
+    }
+    Ok(best)
+}
+
+/// A human figure comes before other skeletons, then the larger body.
+fn rank(read: &ReadRig) -> (bool, u32) {
+    let rest = read.rig.rest.as_ref();
+    let bounds = rest.and_then(|mesh| Bounds::of_faces(mesh.positions(), mesh.faces()));
+    let size = bounds.map_or(0.0, |bounds| bounds.diagonal());
+    let is_figure = Figure::new(&read.rig.skeleton, "the body").is_ok();
+    // Lengths are positive, so that their bits are in their order.
+    (is_figure, size.to_bits())
+}
+
+/// A primitive that has been read.
+struct Piece {
+    instance: usize,
+    source: usize,
+    faces: Vec<[u32; 3]>,
+    names: [Vec<String>; 2],
+}
+
+/// The vertices of all pieces.
+#[derive(Default)]
+struct Pool {
+    positions: Vec<NaPoint3<f64>>,
+    influences: Vec<Influences>,
+    /// The skin of each vertex.
+    skins: Vec<usize>,
+    /// What was read, of which skin, from which vertex on.
+    sources: Vec<(Source, usize, usize)>,
+}
+
+impl Reader<'_> {
+    fn group(
+        &self,
+        group: &[Instance],
+        nodes: &Nodes,
+        humanoid: &[(String, usize)],
+        options: &RigOptions,
+    ) -> Result<ReadRig, FileProblem> {
+        let mut skins: Vec<usize> = Vec::new();
+        for instance in group {
+            if !skins.contains(&instance.skin) {
+                skins.push(instance.skin);
+            }
+        }
+        let binds = skins
+            .iter()
+            .map(|&skin| self.bind(skin))
+            .collect::<Result<Vec<Bind>, _>>()?;
+        let joints = JointNodes::of(binds.iter());
+        let mut pool = Pool::default();
+        let mut pieces = Vec::new();
+        for (number, instance) in group.iter().enumerate() {
+            let skin = skins
+                .iter()
+                .position(|&skin| skin == instance.skin)
+                .unwrap_or(0);
+            self.add_mesh((number, instance), skin, &mut pool, &mut pieces)?;
+        }
+        let mesh_nodes = skins.iter().map(|skin| {
+            let node = group.iter().find(|instance| instance.skin == *skin);
+            node.map_or(0, |instance| instance.node)
+        });
+        let rows = pool.influences.iter().zip(&pool.skins);
+        let rows = rows.map(|(row, &skin)| named(row, &binds[skin], &joints));
+        let weights = SkinWeights::from_influences(joints.nodes.len(), rows)?;
+        let placed = Shown {
+            nodes,
+            joints: &joints,
+            names: joints
+                .nodes
+                .iter()
+                .map(|&node| nodes::name(self.root, node))
+                .collect(),
+            binds: &binds,
+            mesh_nodes: mesh_nodes.collect(),
+            positions: &pool.positions,
+            skin_of_vertex: &pool.skins,
+            weights: &weights,
+            labels: (humanoid.iter())
+                .filter_map(|(name, node)| Some((name.clone(), *joints.joint_of_node.get(node)?)))
+                .collect(),
+        }
+        .placed()?;
+        let shown = shown(&placed, &weights)?;
+        let (reasons, parts) = self.chosen(&pieces, &pool, &shown, options)?;
+        let kept: Vec<&Piece> = (pieces.iter().zip(&reasons))
+            .filter_map(|(piece, reason)| reason.is_none().then_some(piece))
+            .collect();
+        let is_mirrored = is_mirrored(&binds[0], nodes);
+        let rig = joined(placed, &weights, &pool, &kept)?;
+        let skeleton = if is_mirrored {
+            swapped(rig.skeleton)
+        } else {
+            rig.skeleton
+        };
+        Ok(ReadRig {
+            rig: Rig { skeleton, ..rig },
+            parts,
+        })
+    }
+
+    fn add_mesh(
+        &self,
+        (number, instance): (usize, &Instance),
+        skin: usize,
+        pool: &mut Pool,
+        pieces: &mut Vec<Piece>,
+    ) -> Result<(), FileProblem> {
+        let mesh = &self.root.meshes[instance.mesh];
+        let of_node = self.root.nodes[instance.node].weights.as_ref();
+        let morph = of_node
+            .or(mesh.weights.as_ref())
+            .map_or(&[][..], Vec::as_slice);
+        for (place, primitive) in mesh.primitives.iter().enumerate() {
+            let source = self.source(place, primitive, morph)?;
+            let known = pool.sources.iter();
+            let mut known = known.map(|(other, skin, _)| (other, *skin));
+            let known = known.position(|other| other == (&source, skin));
+            let source = match known {
+                Some(known) => known,
+                None => {
+                    let vertices = self.vertices(place, &source)?;
+                    let first = pool.positions.len();
+                    pool.skins.extend(vec![skin; vertices.positions.len()]);
+                    pool.positions.extend(vertices.positions);
+                    pool.influences.extend(vertices.influences);
+                    pool.sources.push((source, skin, first));
+                    pool.sources.len() - 1
+                }
+            };
+            let first = pool.sources[source].2;
+            let end = pool
+                .sources
+                .get(source + 1)
+                .map_or(pool.positions.len(), |next| next.2);
+            let faces = self.faces(place, primitive, end - first)?;
+            let material = primitive.material.as_ref().map(Index::value);
+            let material = material.and_then(|material| self.root.materials.get(material));
+            let object = [&self.root.nodes[instance.node].name, &mesh.name];
+            let object = object.into_iter().flatten().cloned();
+            pieces.push(Piece {
+                instance: number,
+                source,
+                faces: faces
+                    .iter()
+                    .map(|face| face.map(|corner| first as u32 + corner))
+                    .collect(),
+                names: [
+                    object.collect(),
+                    material
+                        .and_then(|material| material.name.clone())
+                        .into_iter()
+                        .collect(),
+                ],
+            });
+        }
+        Ok(())
+    }
+
+    /// Why each piece is left out, if it is, and what to say of it.
+    fn chosen(
+        &self,
+        pieces: &[Piece],
+        pool: &Pool,
+        shown: &[Point3],
+        options: &RigOptions,
+    ) -> Result<(Vec<Option<LeftOut>>, Vec<RigPart>), FileProblem> {
+        let candidates: Vec<Candidate<'_>> = pieces
+            .iter()
+            .map(|piece| Candidate {
+                names: [0, 1].map(|kind| piece.names[kind].iter().map(String::as_str).collect()),
+                faces: &piece.faces,
+            })
+            .collect();
+        debug_assert_eq!(shown.len(), pool.positions.len());
+        let reasons = if options.meshes.is_empty() {
+            left_out(&candidates, shown)
+        } else {
+            let is_named = |piece: &Piece, name: &str| {
+                let mut names = piece.names.iter().flatten();
+                names.any(|other| other.eq_ignore_ascii_case(name))
+            };
+            for name in &options.meshes {
+                if !pieces.iter().any(|piece| is_named(piece, name)) {
+                    let mut found: Vec<String> = pieces.iter().map(Piece::name).collect();
+                    found.dedup();
+                    return Err(GltfProblem::NoMesh {
+                        name: name.clone(),
+                        found,
+                    }
+                    .into());
+                }
+            }
+            let reason = |piece: &Piece| {
+                let is_chosen = options.meshes.iter().any(|name| is_named(piece, name));
+                (!is_chosen).then_some(LeftOut::NotChosen)
+            };
+            pieces.iter().map(reason).collect()
+        };
+        let mut parts: Vec<(usize, RigPart)> = Vec::new();
+        for (piece, &left_out) in pieces.iter().zip(&reasons) {
+            let num_faces = piece.faces.len();
+            // The primitives of a mesh that share a fate are one part.
+            let same = parts
+                .iter_mut()
+                .find(|(instance, part)| *instance == piece.instance && part.left_out == left_out);
+            match same {
+                Some((_, part)) => part.num_faces += num_faces,
+                None => parts.push((
+                    piece.instance,
+                    RigPart {
+                        name: piece.name(),
+                        num_faces,
+                        left_out,
+                    },
+                )),
+            }
+        }
+        // What is joined and what is not are told apart by their materials.
+        for index in 0..parts.len() {
+            let (instance, reason) = (parts[index].0, parts[index].1.left_out);
+            if parts.iter().filter(|(other, _)| *other == instance).count() > 1 {
+                let mut pieces = pieces.iter().zip(&reasons);
+                let own =
+                    pieces.find(|(piece, other)| piece.instance == instance && **other == reason);
+                if let Some(material) = own.and_then(|(piece, _)| piece.names[1].first()) {
+                    parts[index].1.name += &format!("/{material}");
+                }
+            }
+        }
+        Ok((reasons, parts.into_iter().map(|(_, part)| part).collect()))
+    }
+}
+
+impl Piece {
+    fn name(&self) -> String {
+        let name = self.names[0].first().or(self.names[1].first());
+        name.cloned().unwrap_or_else(|| "unnamed".to_owned())
+    }
+}
+
+/// Influences on joints of a skin as those on joints of the skeleton.
+fn named(row: &Influences, bind: &Bind, joints: &JointNodes) -> Influences {
+    let of = |&(slot, weight): &(usize, f32)| match bind.nodes.get(slot) {
+        Some(node) => Some((joints.joint_of_node[node], weight)),
+        // Unused slots may name anything.
+        None => (weight != 0.0).then_some((joints.nodes.len() + slot, weight)),
+    };
+    let mut merged: Influences = Vec::with_capacity(row.len());
+    for (joint, weight) in row.iter().filter_map(of) {
+        match merged.iter_mut().find(|(other, _)| *other == joint) {
+            Some((_, sum)) => *sum += weight,
+            None => merged.push((joint, weight)),
+        }
+    }
+    merged
+}
+
+/// Where vertices are as the file shows them.
+fn shown(placed: &Placed, weights: &SkinWeights) -> Result<Vec<Point3>, FileProblem> {
+    let Some(pose) = &placed.pose else {
+        return Ok(placed.rest.clone());
+    };
+    let transforms = placed.skeleton.transforms(pose)?;
+    Ok(skin_linear(&placed.rest, weights, &transforms))
+}
+
+/// The pieces of the body as one mesh, without vertices that only others name.
+fn joined(
+    placed: Placed,
+    weights: &SkinWeights,
+    pool: &Pool,
+    pieces: &[&Piece],
+) -> Result<Rig, FileProblem> {
+    let mut is_kept = vec![false; pool.sources.len()];
+    for piece in pieces {
+        is_kept[piece.source] = true;
+    }
+    let mut number = vec![0_u32; pool.positions.len()];
+    let mut kept = Vec::with_capacity(pool.positions.len());
+    for (source, (_, _, first)) in pool
+        .sources
+        .iter()
+        .enumerate()
+        .filter(|&(source, _)| is_kept[source])
+    {
+        let end = pool
+            .sources
+            .get(source + 1)
+            .map_or(pool.positions.len(), |next| next.2);
+        for vertex in *first..end {
+            number[vertex] = kept.len() as u32;
+            kept.push(vertex);
+        }
+    }
+    let faces = pieces.iter().flat_map(|piece| &piece.faces);
+    let faces = faces.map(|face| face.map(|corner| number[corner as usize]));
+    let positions = kept.iter().map(|&vertex| placed.rest[vertex]).collect();
+    let rows = kept.iter().map(|&vertex| weights.vertex(vertex));
+    Ok(Rig {
+        rest: Some(TriMesh::new(positions, faces.collect())?),
+        weights: SkinWeights::from_influences(placed.skeleton.num_joints(), rows)?,
+        skeleton: placed.skeleton,
+        rest_pose: placed.pose,
+    })
+}
+
+/// Whether a file shows the mirror image of what was modelled.
+fn is_mirrored(bind: &Bind, nodes: &Nodes) -> bool {
+    let first = bind.nodes.first().zip(bind.bone_from_mesh.first());
+    let determinant = |matrix: Matrix4<f64>| matrix.fixed_view::<3, 3>(0, 0).determinant();
+    first.is_some_and(|(&node, matrix)| determinant(nodes.world_from_node[node] * matrix) < 0.0)
+}
+
+/// A skeleton whose left is called right: each joint is told to be that of its other side.
+fn swapped(skeleton: Skeleton) -> Skeleton {
+    let other = |name: &str| match name.split_once('_') {
+        Some(("left", rest)) => format!("right_{rest}"),
+        Some(("right", rest)) => format!("left_{rest}"),
+        _ => name.to_owned(),
+    };
+    let roles = Role::ALL.into_iter();
+    let labels: Vec<(String, usize)> = roles
+        .filter_map(|role| Some((other(role.name()), joint_named(&skeleton, role.name())?)))
+        .collect();
+    skeleton.with_labels(labels)
 }

@@ -39,15 +39,14 @@ struct BvhJoint {
 pub(super) fn parse(text: &str, options: &ReadOptions) -> Result<Motion, MotionProblem> {
     let mut lines = Lines::new(text);
     let joints = hierarchy(&mut lines)?;
-    lines.expect_word("Frames:", "`Frames:`")?;
-    let word = lines.expect("the number of frames")?;
-    let num_frames: usize = word
+    let count = lines.header("Frames", "`Frames:`", "the number of frames")?;
+    let announced: usize = count
         .parse()
-        .map_err(|_not_a_count| lines.unexpected(word, "the number of frames"))?;
-    lines.expect_word("Frame", "`Frame Time:`")?;
-    lines.expect_word("Time:", "`Frame Time:`")?;
-    let frame_time = lines.number("the seconds between frames")?;
-    let rows = rows(&mut lines, &joints, num_frames)?;
+        .map_err(|_not_a_count| lines.unexpected(count, "the number of frames"))?;
+    let time = lines.header("Frame Time", "`Frame Time:`", "the seconds between frames")?;
+    let frame_time =
+        number(time).ok_or_else(|| lines.unexpected(time, "the seconds between frames"))?;
+    let (rows, mut notes) = rows(&mut lines, &joints, announced)?;
     if rows.is_empty() {
         return Err(MotionProblem::NoFrames);
     }
@@ -60,6 +59,7 @@ pub(super) fn parse(text: &str, options: &ReadOptions) -> Result<Motion, MotionP
     if frame_time > 0.0 {
         motion.frame_time = Some(frame_time);
     }
+    motion.notes.append(&mut notes);
     if stretch > STRETCH {
         let how = if adds { "add to" } else { "replace" };
         motion.notes.push(format!(
@@ -163,19 +163,16 @@ fn channel(word: &str) -> Option<Channel> {
     }
 }
 
-/// Reads `[frame][channel]`.
+/// Reads `[frame][channel]`: the rows that are there, and what to tell if they are not as many as
+/// were announced.
 fn rows(
     lines: &mut Lines<'_>,
     joints: &[BvhJoint],
-    num_frames: usize,
-) -> Result<Vec<Vec<f64>>, MotionProblem> {
+    announced: usize,
+) -> Result<(Vec<Vec<f64>>, Vec<String>), MotionProblem> {
     let num_channels = joints.iter().map(|joint| joint.channels.len()).sum();
-    let mut rows = Vec::new();
-    // What stands behind the frame time in its own line belongs to no frame.
-    let behind = lines.rest_of_line();
-    if !behind.is_empty() {
-        return Err(lines.unexpected(behind, "the end of the line"));
-    }
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    let mut notes = Vec::new();
     while let Some((line, text)) = lines.next_line() {
         let mut row = Vec::with_capacity(num_channels);
         for word in text.split_whitespace() {
@@ -190,14 +187,13 @@ fn rows(
         }
         rows.push(row);
     }
-    if rows.len() == num_frames {
-        return Ok(rows);
+    if rows.len() != announced && !rows.is_empty() {
+        notes.push(format!(
+            "`Frames:` says {announced}, but there are {}: those are read",
+            rows.len()
+        ));
     }
-    Err(MotionProblem::FrameCount {
-        line: lines.line(),
-        found: rows.len(),
-        expected: num_frames,
-    })
+    Ok((rows, notes))
 }
 
 fn rest_skeleton(joints: &[BvhJoint]) -> Result<Skeleton, MotionProblem> {

@@ -87,6 +87,34 @@ impl<'a> Lines<'a> {
         Some((self.line, text.trim()))
     }
 
+    /// The value in a line `Name: value`, with or without blanks round the colon.
+    pub(super) fn header(
+        &mut self,
+        name: &str,
+        expected: &'static str,
+        value: &'static str,
+    ) -> Result<&'a str, MotionProblem> {
+        let line = self.line;
+        let Some((line, text)) = self.next_line() else {
+            return Err(MotionProblem::Ends { line, expected });
+        };
+        let refused = |found: &str| unexpected(line, found, expected);
+        let (start, rest) = text.split_once(':').ok_or_else(|| refused(text))?;
+        let words: Vec<&str> = start.split_whitespace().collect();
+        if !words.join(" ").eq_ignore_ascii_case(name) {
+            return Err(refused(start));
+        }
+        let mut words = rest.split_whitespace();
+        let Some(found) = words.next() else {
+            return Err(unexpected(line, "", value));
+        };
+        match words.next() {
+            // What stands behind the value in its own line belongs to no frame.
+            Some(behind) => Err(unexpected(line, behind, "the end of the line")),
+            None => Ok(found),
+        }
+    }
+
     pub(super) fn number(&mut self, expected: &'static str) -> Result<f64, MotionProblem> {
         let word = self.expect(expected)?;
         number(word).ok_or_else(|| self.unexpected(word, expected))

@@ -58,16 +58,6 @@ pub enum MotionProblem {
         /// How many channels the skeleton has.
         expected: usize,
     },
-    /// The file has another number of frames than it says.
-    #[error("line {line}: {found} frames, expected {expected} as `Frames:` says")]
-    FrameCount {
-        /// The last line, from 1.
-        line: usize,
-        /// How many there are.
-        found: usize,
-        /// How many were announced.
-        expected: usize,
-    },
     /// The skeleton goes on and on.
     #[error("line {line}: more than {limit} joints or levels of joints")]
     TooDeep {

@@ -7,4 +7,5 @@ mod smpl;
 mod take;
 
 pub use error::{MotionError, MotionProblem};
+pub(crate) use smpl::JOINT_PARENTS;
 pub use take::{Take, TakeError};

@@ -1,9 +1,9 @@
 //! Motions in the layout of AMASS and SMPL: npz archives of axis-angle vectors.
 //!
 //! `poses` has one row of 3 numbers for each joint a frame, in the order of the 22 joints of the
-//! built-in skeleton; the joints of hands, jaw and eyes that follow are left out. The axes are the
+//! built-in skeleton, or root and body have arrays of their own; hands, jaw and eyes are left out. The axes are the
 //! body's: x to its left, y up, z to its front; the rest pose is a T-pose with straight legs. The
-//! first row turns the body into the world, which has Z up in AMASS.
+//! first row turns the body into the world, whose up axis is told by where the bodies stand.
 //!
 //! The file has no skeleton. The one here stands in a T-pose with bones along the axes and lengths
 //! as parts of the stature from Drillis and Contini 1966 (Winter 2009, figure 4.1): only directions
@@ -21,9 +21,6 @@ use crate::{ArrayProblem, FileError, FileProblem, NpzFile};
 
 /// Joints of the body; those of the hands follow them in the file.
 const NUM_BODY_JOINTS: usize = 22;
-
-/// Numbers in a row: SMPL (24 joints), SMPL+H (52) and SMPL-X (55).
-const ROW_LENGTHS: [usize; 3] = [72, 156, 165];
 
 /// Name, parent and offset from the parent in metres, for a stature of 1.70 m.
 const JOINTS: [(&str, Option<usize>, [f32; 3]); NUM_BODY_JOINTS] = [
@@ -51,64 +48,297 @@ const JOINTS: [(&str, Option<usize>, [f32; 3]); NUM_BODY_JOINTS] = [
     ("right_wrist", Some(19), [-0.25, 0.0, 0.0]),
 ];
 
-/// Reads an npz archive with `poses`.
+/// Name and parent of the joints, as models of the family have them.
+pub(crate) const JOINT_PARENTS: [(&str, Option<usize>); NUM_BODY_JOINTS] = {
+    let mut all = [("", None); NUM_BODY_JOINTS];
+    let mut joint = 0;
+    while joint < NUM_BODY_JOINTS {
+        all[joint] = (JOINTS[joint].0, JOINTS[joint].1);
+        joint += 1;
+    }
+    all
+};
+
+/// Keys of all joints, of the root, of the others, and of the shift of the body: as AMASS, SMPL-X,
+/// VPoser and programs that fit bodies to pictures call them.
+const ALL_KEYS: [&str; 6] = [
+    "poses",
+    "fullpose",
+    "full_pose",
+    "pose",
+    "thetas",
+    "smpl_poses",
+];
+const ROOT_KEYS: [&str; 3] = ["root_orient", "global_orient", "root_pose"];
+const BODY_KEYS: [&str; 2] = ["pose_body", "body_pose"];
+const SHIFT_KEYS: [&str; 4] = ["trans", "transl", "translation", "smpl_trans"];
+const RATE_KEYS: [&str; 5] = [
+    "mocap_framerate",
+    "mocap_frame_rate",
+    "mocap_fps",
+    "fps",
+    "framerate",
+];
+
+/// A part of the frames in which an upright body tells where up is.
+const UPRIGHT: f32 = 0.5;
+
+/// Reads an npz archive with the poses of a body of the SMPL family, in any of its layouts.
 pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Motion, MotionProblem> {
     let mut npz = NpzFile::open(path).map_err(boxed)?;
-    npz.require(&["poses"]).map_err(boxed)?;
-    let mut notes = Vec::new();
-    let (num_frames, row_length, poses) = matrix(&mut npz, "poses")?;
-    if !ROW_LENGTHS.contains(&row_length) {
-        let expected = "[frames, 72], [frames, 156] or [frames, 165]".to_owned();
-        return Err(wrong_shape(
-            &npz,
-            "poses",
-            vec![num_frames, row_length],
-            expected,
-        ));
+    let keys = npz.keys();
+    let first_of = |names: &[&'static str]| {
+        let mut names = names.iter();
+        names
+            .find(|name| keys.iter().any(|key| key == *name))
+            .copied()
+    };
+    let Some(body_key) = first_of(&ALL_KEYS).or_else(|| first_of(&BODY_KEYS)) else {
+        return Err(npz
+            .require(&["poses"])
+            .map_err(boxed)
+            .err()
+            .unwrap_or(MotionProblem::NoFrames));
+    };
+    let mut turns = turns(&mut npz, body_key, Kind::Joints)?;
+    if let Some(number) = turns.bad {
+        let frame = number / turns.num_joints.max(1);
+        return Err(MotionProblem::NonFinite {
+            frame,
+            key: body_key,
+        });
     }
+    if turns.num_joints + 1 >= NUM_BODY_JOINTS && turns.has_no_root() {
+        let Some(root_key) = first_of(&ROOT_KEYS) else {
+            let missing = npz.require(&["root_orient"]).map_err(boxed);
+            return Err(missing.err().unwrap_or(MotionProblem::NoFrames));
+        };
+        let root = self::turns(&mut npz, root_key, Kind::Root)?;
+        if let Some(frame) = root.bad {
+            return Err(MotionProblem::NonFinite {
+                frame,
+                key: root_key,
+            });
+        }
+        if root.num_frames() != turns.num_frames() {
+            let expected = format!("[{}, 3]", turns.num_frames());
+            let found = vec![root.num_frames(), 3];
+            return Err(wrong_shape(&npz, root_key, found, expected));
+        }
+        turns = turns.under(&root);
+    }
+    if turns.num_joints < NUM_BODY_JOINTS {
+        let found = vec![turns.num_frames(), 3 * turns.num_joints];
+        let expected = "[frames, 66], [frames, 72], [frames, 156] or [frames, 165]".to_owned();
+        return Err(wrong_shape(&npz, body_key, found, expected));
+    }
+    let num_frames = turns.num_frames();
     if num_frames == 0 {
         return Err(MotionProblem::NoFrames);
     }
-    if row_length > 3 * NUM_BODY_JOINTS {
+    let mut notes = Vec::new();
+    let has_more = [
+        "pose_hand",
+        "left_hand_pose",
+        "hand_pose",
+        "pose_jaw",
+        "jaw_pose",
+    ];
+    if turns.num_joints > NUM_BODY_JOINTS || first_of(&has_more).is_some() {
         notes.push("joints of hands, jaw and eyes are left out".to_owned());
     }
-    let keys = npz.keys();
-    let has = |key: &str| keys.iter().any(|found| found == key);
-    if has("betas") {
+    if first_of(&["betas"]).is_some() {
         notes.push("`betas` (the shape of the body) are left out".to_owned());
     }
-    let shifts = if has("trans") {
-        let (rows, columns, shifts) = matrix(&mut npz, "trans")?;
-        if rows != num_frames || columns != 3 {
-            let expected = format!("[{num_frames}, 3]");
-            return Err(wrong_shape(&npz, "trans", vec![rows, columns], expected));
-        }
-        shifts
+    let shifts = if let Some(key) = first_of(&SHIFT_KEYS) {
+        shifts(&mut npz, key, num_frames)?
     } else {
         notes.push("there is no `trans`: the body stays at its place".to_owned());
-        vec![0.0; 3 * num_frames]
+        vec![Vector3::zeros(); num_frames]
     };
-    let rate = match has("mocap_framerate") {
-        true => scalar(&mut npz, "mocap_framerate")?,
-        false if has("mocap_frame_rate") => scalar(&mut npz, "mocap_frame_rate")?,
-        false => None,
+    let rate = match first_of(&RATE_KEYS) {
+        Some(key) => scalar(&mut npz, key)?,
+        None => None,
     };
-    let up = options.up.unwrap_or(UpAxis::Z);
+    let roots = turns.frames().map(|row| row[0]);
+    let (to_y_up, up) = match options.up {
+        Some(up) => (to_y_up(up), up.to_string()),
+        None => detected_up(roots),
+    };
     notes.push(format!("{up} is read as the up axis"));
-    let metres = options.metres_per_unit.unwrap_or(1.0);
-    let rows = poses.chunks_exact(row_length).zip(shifts.chunks_exact(3));
-    let mut frames = Vec::with_capacity(num_frames);
-    for (frame, (row, shift)) in rows.enumerate() {
-        frames.push(pose(frame, &row[..3 * NUM_BODY_JOINTS], shift, metres, up)?);
-    }
+    let metres = options.metres_per_unit.unwrap_or(1.0) as f32;
+    let frames = turns.frames().zip(&shifts).map(|(row, shift)| {
+        let mut rotations = row[..NUM_BODY_JOINTS].to_vec();
+        // The body's own axes have Y up; only the world of the first rotation has not.
+        rotations[0] = to_y_up * rotations[0];
+        // The shift moves the origin of the body, which lies at the pelvis within a hand's breadth.
+        Pose {
+            root_translation: to_y_up * (shift * metres) - Vector3::from(JOINTS[0].2),
+            rotations,
+        }
+    });
     Ok(Motion {
+        frames: frames.collect(),
         skeleton: skeleton()?,
-        frames,
         frame_time: rate
             .filter(|rate| *rate > 0.0 && rate.is_finite())
             .map(|rate| 1.0 / rate),
         notes,
     })
+}
+
+fn to_y_up(up: UpAxis) -> UnitQuaternion<f32> {
+    match up {
+        UpAxis::Y => UnitQuaternion::identity(),
+        UpAxis::Z => about_x(-std::f32::consts::FRAC_PI_2),
+    }
+}
+
+fn about_x(angle: f32) -> UnitQuaternion<f32> {
+    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle)
+}
+
+/// The turn to Y up, and the name of the axis to which the bodies' own Y points in the mean; Z, as
+/// in AMASS, if it points nowhere in particular. In the axes of a camera -y is up.
+fn detected_up(
+    roots: impl Iterator<Item = UnitQuaternion<f32>> + Clone,
+) -> (UnitQuaternion<f32>, String) {
+    let count = roots.clone().count().max(1) as f32;
+    let up: Vector3 = roots.map(|root| root * Vector3::y()).sum();
+    let up = up / count;
+    if up.y > UPRIGHT && up.y > up.z.abs() {
+        return (to_y_up(UpAxis::Y), UpAxis::Y.to_string());
+    }
+    if up.y < -UPRIGHT && -up.y > up.z.abs() {
+        return (
+            about_x(std::f32::consts::PI),
+            "-y (that of a camera)".to_owned(),
+        );
+    }
+    (to_y_up(UpAxis::Z), UpAxis::Z.to_string())
+}
+
+/// What an array of rotations is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Root,
+    Joints,
+}
+
+/// Rotations `[frame][joint]`.
+#[derive(Debug)]
+struct JointTurns {
+    num_joints: usize,
+    all: Vec<UnitQuaternion<f32>>,
+    /// The first that is no number.
+    bad: Option<usize>,
+}
+
+impl JointTurns {
+    fn num_frames(&self) -> usize {
+        self.all.len() / self.num_joints.max(1)
+    }
+
+    fn frames(&self) -> impl Iterator<Item = &[UnitQuaternion<f32>]> + Clone {
+        self.all.chunks_exact(self.num_joints.max(1))
+    }
+
+    /// Whether the root is not among the joints: those of the body are 21, and 23 in SMPL.
+    fn has_no_root(&self) -> bool {
+        [NUM_BODY_JOINTS - 1, NUM_BODY_JOINTS + 1].contains(&self.num_joints)
+    }
+
+    /// The same with the root before them.
+    fn under(&self, root: &Self) -> Self {
+        let rows = root.all.iter().zip(self.frames());
+        Self {
+            num_joints: self.num_joints + 1,
+            all: rows
+                .flat_map(|(root, row)| std::iter::once(root).chain(row))
+                .copied()
+                .collect(),
+            bad: None,
+        }
+    }
+}
+
+/// Reads rotations as axis-angle vectors or matrices: `[T, 3 n]`, `[T, n, 3]`, `[T, n, 3, 3]`, those
+/// of one frame without its axis, and those of a batch of one.
+fn turns(npz: &mut NpzFile, key: &'static str, kind: Kind) -> Result<JointTurns, MotionProblem> {
+    let Some(array) = npz.array(key).map_err(boxed)? else {
+        return Err(MotionProblem::NoFrames);
+    };
+    let values = array.floats();
+    let values = values.map_err(|problem| boxed(npz.wrong(key, problem)))?;
+    let refused = || {
+        let expected = "[frames, 3 n] or [frames, n, 3]".to_owned();
+        wrong_shape(npz, key, array.shape.clone(), expected)
+    };
+    let (mut axes, size) = match array.shape.as_slice() {
+        [axes @ .., 3, 3] if !axes.is_empty() => (axes.to_vec(), 9),
+        [axes @ .., 3] if !axes.is_empty() => (axes.to_vec(), 3),
+        [axes @ .., columns] if columns % 3 == 0 => ([axes, &[columns / 3]].concat(), 3),
+        _ => return Err(refused()),
+    };
+    if kind == Kind::Root && (axes.len() == 1 || axes.last() != Some(&1)) {
+        axes.push(1);
+    }
+    let Some(num_joints) = axes.pop() else {
+        return Err(refused());
+    };
+    let is_batch = |&length: &usize| length == 1;
+    let num_more = axes.len().saturating_sub(1);
+    if num_joints == 0 || !axes[..num_more].iter().all(is_batch) {
+        return Err(refused());
+    }
+    let rows = || values.chunks_exact(size);
+    let is_bad = |row: &[f64]| !row.iter().all(|&value| (value as f32).is_finite());
+    Ok(JointTurns {
+        num_joints,
+        all: rows().map(turn).collect(),
+        bad: rows().position(is_bad),
+    })
+}
+
+fn turn(row: &[f64]) -> UnitQuaternion<f32> {
+    let matrix = |row: &[f64]| {
+        let matrix = nalgebra::Matrix3::from_row_slice(row);
+        let rotation = nalgebra::Rotation3::from_matrix_unchecked(matrix);
+        UnitQuaternion::from_rotation_matrix(&rotation).cast()
+    };
+    match row {
+        &[x, y, z] => {
+            let vector = nalgebra::Vector3::new(x, y, z);
+            UnitQuaternion::from_scaled_axis(vector).cast()
+        }
+        row => matrix(row),
+    }
+}
+
+/// The shift of each frame.
+fn shifts(
+    npz: &mut NpzFile,
+    key: &'static str,
+    num_frames: usize,
+) -> Result<Vec<Vector3>, MotionProblem> {
+    let Some(array) = npz.array(key).map_err(boxed)? else {
+        return Err(MotionProblem::NoFrames);
+    };
+    let values = array.floats();
+    let values = values.map_err(|problem| boxed(npz.wrong(key, problem)))?;
+    if array.shape.last() != Some(&3) || values.len() != 3 * num_frames {
+        let expected = format!("[{num_frames}, 3]");
+        return Err(wrong_shape(npz, key, array.shape, expected));
+    }
+    let rows = values.chunks_exact(3).enumerate();
+    let shift = |(frame, row): (usize, &[f64])| {
+        let shift = Vector3::new(row[0] as f32, row[1] as f32, row[2] as f32);
+        let is_finite = shift.iter().all(|value| value.is_finite());
+        is_finite
+            .then_some(shift)
+            .ok_or(MotionProblem::NonFinite { frame, key })
+    };
+    rows.map(shift).collect()
 }
 
 /// The T-pose that angles of zero stand for.
@@ -123,62 +353,6 @@ fn skeleton() -> Result<Skeleton, MotionProblem> {
         });
     }
     Ok(Skeleton::new(joints)?)
-}
-
-fn pose(
-    frame: usize,
-    angles: &[f64],
-    shift: &[f64],
-    metres: f64,
-    up: UpAxis,
-) -> Result<Pose, MotionProblem> {
-    let is_finite = |values: &[f64]| values.iter().all(|&value| (value as f32).is_finite());
-    for (key, values) in [("poses", angles), ("trans", shift)] {
-        if !is_finite(values) {
-            return Err(MotionProblem::NonFinite { frame, key });
-        }
-    }
-    let to_y_up = match up {
-        UpAxis::Y => UnitQuaternion::identity(),
-        UpAxis::Z => UnitQuaternion::from_axis_angle(
-            &nalgebra::Vector3::x_axis(),
-            -std::f32::consts::FRAC_PI_2,
-        ),
-    };
-    let vector =
-        |values: &[f64]| Vector3::new(values[0] as f32, values[1] as f32, values[2] as f32);
-    let mut rotations: Vec<UnitQuaternion<f32>> = angles
-        .chunks_exact(3)
-        .map(|angle| UnitQuaternion::from_scaled_axis(vector(angle)))
-        .collect();
-    // The body's own axes have Y up; only the world of the first rotation has not.
-    rotations[0] = to_y_up * rotations[0];
-    let shift = to_y_up * (vector(shift) * metres as f32);
-    // `trans` moves the origin of the body, which lies at the pelvis within a hand's breadth.
-    let rest = Vector3::from(JOINTS[0].2);
-    Ok(Pose {
-        root_translation: shift - rest,
-        rotations,
-    })
-}
-
-/// Rows, columns and elements of an array; a single row may be without its first axis.
-fn matrix(npz: &mut NpzFile, key: &'static str) -> Result<(usize, usize, Vec<f64>), MotionProblem> {
-    let Some(array) = npz.array(key).map_err(boxed)? else {
-        return Err(MotionProblem::NoFrames);
-    };
-    let values = array.floats();
-    let values = values.map_err(|problem| boxed(npz.wrong(key, problem)))?;
-    match *array.shape.as_slice() {
-        [columns] => Ok((1, columns, values)),
-        [rows, columns] => Ok((rows, columns, values)),
-        _ => Err(wrong_shape(
-            npz,
-            key,
-            array.shape,
-            "[frames, numbers]".to_owned(),
-        )),
-    }
 }
 
 fn scalar(npz: &mut NpzFile, key: &str) -> Result<Option<f64>, MotionProblem> {

@@ -184,6 +184,11 @@ impl ObjFile {
         self.parsed.num_groups
     }
 
+    /// How many faces have 1 or 2 corners: they stay in the text, and are not among the polygons.
+    pub fn num_small_faces(&self) -> usize {
+        self.parsed.num_small_faces
+    }
+
     /// Whether a vertex has a color after its coordinates.
     pub fn has_colors(&self) -> bool {
         self.parsed.has_colors

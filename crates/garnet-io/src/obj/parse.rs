@@ -24,6 +24,7 @@ pub(crate) struct Parsed {
     pub(crate) corner_normals: Vec<u32>,
     pub(crate) num_texture_vertices: usize,
     pub(crate) num_groups: usize,
+    pub(crate) num_small_faces: usize,
     pub(crate) has_colors: bool,
 }
 
@@ -78,6 +79,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, ObjParseError> {
         corner_normals: scan.corner_normals,
         num_texture_vertices: scan.num_texture_vertices,
         num_groups: scan.num_groups,
+        num_small_faces: scan.num_small_faces,
         has_colors: scan.has_colors,
     })
 }
@@ -217,10 +219,7 @@ mod tests {
                 "line 4: vertex weight `inf` is not a number other than zero",
             ),
             ("v 1 2\n", "line 4: a vertex needs 3 coordinates, found 2"),
-            (
-                "f 1 2\n",
-                "line 4: a face needs at least 3 corners, found 2",
-            ),
+            ("f\n", "line 4: a face needs at least 3 corners, found 0"),
             (
                 "f 1 2 x\n",
                 "line 4: face corner `x` is not `v`, `v/vt`, `v//vn` or `v/vt/vn`",

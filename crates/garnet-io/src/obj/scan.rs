@@ -31,6 +31,8 @@ pub(crate) struct ObjScan {
     pub(crate) num_texture_vertices: usize,
     /// How many `o` and `g` lines there are.
     pub(crate) num_groups: usize,
+    /// How many faces have 1 or 2 corners: they are not among the polygons.
+    pub(crate) num_small_faces: usize,
     /// Whether a `v` line has more than four numbers.
     pub(crate) has_colors: bool,
     /// The geometry alone, for tobj.
@@ -149,14 +151,23 @@ impl ObjScan {
 
     fn read_face(&mut self, bytes: &[u8], at: usize, mut words: Words<'_>) -> Result<usize, Fault> {
         let first = self.corner_vertices.len();
+        let before = self.geometry.len();
         self.geometry.push(b'f');
         while let Some(span) = words.next_span() {
             self.read_corner(bytes, span)?;
         }
         let found = self.corner_vertices.len() - first;
-        if found < 3 {
+        if found == 0 {
             let problem = ObjLineProblem::TooFewCorners { found };
             return Err(Fault { at, problem });
+        }
+        if found < 3 {
+            // Points and edges stay in the text, and are no part of the surface.
+            self.corner_vertices.truncate(first);
+            self.corner_normals.truncate(first);
+            self.geometry.truncate(before);
+            self.num_small_faces += 1;
+            return Ok(words.next_raw_line());
         }
         self.geometry.push(b'\n');
         self.polygon_starts.push(self.corner_vertices.len() as u32);

@@ -8,10 +8,11 @@ use garnet_skin::Rig;
 use rayon::prelude::*;
 
 use super::{
-    PoseSource, SceneError, SceneProblem, is_rig, read_mesh,
+    PoseSource, SceneError, SceneProblem, is_rig,
+    read_mesh::{ShownMesh, read_mesh_with},
     rig_search::{built_in, rig_beside, rig_of},
 };
-use crate::{ObjFile, SceneJson, read_rig};
+use crate::{ObjFile, PartsNote, RigOptions, SceneJson, read_rig, read_rig_with};
 
 /// The files of a scene, and what is known of them without reading them.
 ///
@@ -32,8 +33,10 @@ pub struct SceneFiles {
     pub bodies: Vec<PathBuf>,
     /// Skeleton and weights of the bodies: npz, GLB, glTF or JSON.
     pub rig: Option<PathBuf>,
-    /// The body on which the garment lies, as OBJ; else the rest mesh of the rig.
+    /// The body on which the garment lies, as OBJ, npz, GLB or glTF; else the rest mesh of the rig.
     pub rest_body: Option<PathBuf>,
+    /// How the rig is read.
+    pub rig_options: RigOptions,
     /// The poses that the rest body takes, in place of those of the bodies.
     pub pose: Option<PoseSource>,
     /// Units of the OBJ files, where they are not to be detected.
@@ -71,6 +74,8 @@ pub(super) struct ReadFiles {
     pub(super) rig_path: PathBuf,
     /// The body that the garment lies on, where that is not the one of the rig.
     pub(super) own: Option<Rig>,
+    /// Which meshes of a rig file are the body.
+    pub(super) parts: Option<PartsNote>,
 }
 
 /// A body of which positions are kept, and the text if there is but one.
@@ -82,6 +87,8 @@ pub(super) struct BodyFile {
     /// Of its polygons.
     pub(super) edges: Vec<[u32; 2]>,
     pub(super) file: Option<ObjFile>,
+    /// Of a rig: positions in the rest pose of the rig, where it shows another one.
+    pub(super) at_rest: Option<Vec<Point3>>,
 }
 
 impl ReadFiles {
@@ -90,15 +97,25 @@ impl ReadFiles {
         let meshes = || {
             rayon::join(
                 || ObjFile::read(&files.garment),
-                || rayon::join(|| read_bodies(&files.bodies), || read_rest(files)),
+                || {
+                    rayon::join(
+                        || read_bodies(files),
+                        || read_rest(files, rig_path.as_deref()),
+                    )
+                },
             )
         };
-        let rig = || rig_path.as_deref().map(read_rig).transpose();
+        let read = |path: &Path| Ok((read_rig_with(path, &files.rig_options)?, path.to_path_buf()));
+        let rig = || -> Result<_, SceneError> { rig_path.as_deref().map(read).transpose() };
         let ((garment, (bodies, rest_body)), rig) = rayon::join(meshes, rig);
         let (garment, bodies, rest_body) = (garment?, bodies?, rest_body?);
-        let (mut rig, mut rig_path) = match (rig?, rig_path) {
-            (Some(rig), Some(rig_path)) => (rig, rig_path),
-            _ => built_in_rig(rest_body.as_ref(), &bodies, files)?,
+        let mut parts = None;
+        let (mut rig, mut rig_path) = match rig? {
+            Some((read, rig_path)) => {
+                parts = read.note(&rig_path);
+                (read.rig, rig_path)
+            }
+            None => built_in_rig(rest_body.as_ref(), &bodies, files)?,
         };
         let mut own = None;
         if let Some(own_rig) = &files.own_rig {
@@ -116,6 +133,7 @@ impl ReadFiles {
             rig,
             rig_path,
             own,
+            parts,
         })
     }
 }
@@ -156,15 +174,22 @@ fn built_in_rig(
     }
 }
 
-fn read_rest(files: &SceneFiles) -> Result<Option<ObjFile>, SceneError> {
-    Ok(files.rest_body.as_ref().map(ObjFile::read).transpose()?)
+/// The rest body, unless it is the rest mesh of the rig itself.
+fn read_rest(files: &SceneFiles, rig: Option<&Path>) -> Result<Option<ObjFile>, SceneError> {
+    let path = files.rest_body.as_deref();
+    let Some(path) = path.filter(|path| !is_rig(path) || rig != Some(*path)) else {
+        return Ok(None);
+    };
+    read_mesh_with(path, &files.rig_options).map(|mesh| Some(mesh.file))
 }
 
-fn read_bodies(paths: &[PathBuf]) -> Result<Vec<BodyFile>, SceneError> {
+fn read_bodies(files: &SceneFiles) -> Result<Vec<BodyFile>, SceneError> {
+    let paths = &files.bodies;
     let is_single = paths.len() == 1;
     let read = |path: &PathBuf| -> Result<BodyFile, SceneError> {
-        let file = read_mesh(path)?;
+        let ShownMesh { file, at_rest } = read_mesh_with(path, &files.rig_options)?;
         Ok(BodyFile {
+            at_rest,
             path: path.clone(),
             positions: file.positions().to_vec(),
             edges: file.polygon_edges(),

@@ -7,6 +7,7 @@ mod error;
 mod files;
 mod frame;
 mod own_body;
+mod places;
 mod pose;
 mod read_mesh;
 mod rest_body;
@@ -15,8 +16,9 @@ mod rig_search;
 
 use std::path::{Path, PathBuf};
 
+use garnet_knn::Surface;
 use garnet_mesh::{Bounds, KnownMesh, Point3, TriMesh, Unit, UpAxis};
-use garnet_skin::{Body, Method, Pose, PosedBody, Rig};
+use garnet_skin::{Body, Method, Pose, PosedBody, Rig, skin_linear};
 use nalgebra::Isometry3;
 
 pub use error::{SceneError, SceneProblem};
@@ -30,6 +32,7 @@ pub use rig_search::rig_beside;
 
 use crate::{ObjFile, check_sizes};
 use files::{BodyFile, NamedFiles, ReadFiles};
+use places::{match_body, matched_rig};
 use rest_body::{RestBodies, Zero, in_metres, rest_body_of, unfit};
 use rest_mesh::{Frames, RestMesh, check_target, mesh_of};
 
@@ -224,6 +227,7 @@ impl Scene {
             rig,
             rig_path,
             own,
+            parts,
         } = read;
         let is_posed = files.pose.is_some();
         let first = bodies.first_mut();
@@ -231,7 +235,17 @@ impl Scene {
             // An unposed body stands for the rest body, and its text for the output.
             first.filter(|_| is_posed).and_then(|body| body.file.take())
         });
+        // What a file of graphics shows may be a frame of an animation.
+        let shows_a_frame = rest_obj.is_none() && is_graphics(&rig_path);
+        let rest_mesh = rest_obj.as_ref().map(mesh_of).transpose()?;
+        let (rig, places) = match &rest_mesh {
+            Some(mesh) => matched_rig(rig, mesh),
+            None => (rig, None),
+        };
         let taken = RestMesh::taken(rest_obj.as_ref(), &rig, &rig_path, files)?;
+        for body in &mut bodies {
+            match_body(body, &taken.mesh, places.as_deref());
+        }
         let mesh = mesh_of(&garment)?;
         let has_faces_of_body = files.own_rig.is_none() && mesh.faces() == taken.mesh.faces();
         let body_as_garment = || SceneError::BodyAsGarment {
@@ -245,11 +259,16 @@ impl Scene {
             return Err(body_as_garment());
         }
         let frames = taken.frames(&bodies, files)?;
-        let body = rest_body_of(rig, &taken, &frames, &rig_path)?;
         let frame = Frame {
             unit: files.units.garment.unwrap_or(frames.obj.unit),
             up: frames.obj.up,
         };
+        let mut rig = rig;
+        let is_on_bind = shows_a_frame && lies_on_bind(&rig, frames.rig, &mesh, frame)?;
+        if is_on_bind {
+            rig.rest_pose = None;
+        }
+        let body = rest_body_of(rig, &taken, &frames, &rig_path)?;
         // A garment with a body of its own is in metres, whatever the bodies are in.
         let mesh = match files.own_rig {
             Some(_) => mesh,
@@ -265,10 +284,20 @@ impl Scene {
         }
         let own = own.map(Rig::into_body).transpose()?;
         let own = own.filter(|own| !is_same(own, &body.rest));
-        let (targets, notes) = match &files.pose {
+        let mut notes: Vec<PoseNote> = parts.into_iter().map(PoseNote::Parts).collect();
+        notes.extend(is_on_bind.then(|| PoseNote::OnBind {
+            rig: rig_path.clone(),
+        }));
+        notes.extend(body.posed_by.map(|degrees| PoseNote::RestPosed {
+            path: taken.path.clone(),
+            rig: rig_path.clone(),
+            degrees,
+        }));
+        let (targets, of_poses) = match &files.pose {
             Some(pose) => posed_targets(pose, &body, &bodies, &frames, &rig_path)?,
             None => (mesh_targets(bodies, &body.rest, &frames)?, Vec::new()),
         };
+        notes.extend(of_poses);
         Ok(Self {
             garment: SceneGarment {
                 file: garment,
@@ -325,6 +354,40 @@ fn is_suit(garment: &[Point3], body: &[Point3]) -> bool {
     (SAME..MAX_SUIT).contains(&largest_distance(garment, body))
 }
 
+/// Whether a rig comes from a GLB, glTF or VRM.
+fn is_graphics(rig: &Path) -> bool {
+    is_rig(rig)
+        && rig
+            .extension()
+            .is_none_or(|extension| !extension.eq_ignore_ascii_case("npz"))
+}
+
+/// Whether a garment lies on the bind pose of a rig, where the rig shows another one: the pose in
+/// which fewer of its vertices are inside the body.
+fn lies_on_bind(
+    rig: &Rig,
+    rig_frame: Frame,
+    garment: &TriMesh,
+    frame: Frame,
+) -> Result<bool, SceneError> {
+    let (Some(mesh), Some(pose)) = (&rig.rest, &rig.rest_pose) else {
+        return Ok(false);
+    };
+    let transforms = rig.skeleton.transforms(pose)?;
+    let shown = skin_linear(mesh.positions(), &rig.weights, &transforms);
+    let vertices = frame.to_metres(garment.positions().to_vec());
+    let num_inside = |positions: Vec<Point3>| -> Result<usize, SceneError> {
+        let moved = mesh.with_positions(positions);
+        let moved = moved.map_err(|source| SceneError::OutOfRange {
+            unit: rig_frame.unit,
+            source,
+        })?;
+        let inside = Surface::new(&in_metres(moved, rig_frame)?).contains_all(&vertices);
+        Ok(inside.into_iter().filter(|&is_inside| is_inside).count())
+    };
+    Ok(num_inside(mesh.positions().to_vec())? < num_inside(shown)?)
+}
+
 /// Whether a garment that lies on one body lies on the other.
 fn is_same(own: &Body, other: &Body) -> bool {
     let (own, other) = (own.rest(), other.rest());
@@ -362,8 +425,17 @@ fn posed_targets(
         let positions = frame.to_metres(body.positions.clone());
         let from_zero = bodies.zero.iter().map(|zero| zero.body.rest());
         let rests = std::iter::once(rest.rest()).chain(from_zero);
-        let found = || rest.of_skin(&positions);
-        let distances = rests.map(|mesh| largest_distance(rest.of_skin(mesh.positions()), found()));
+        let at_rest = body
+            .at_rest
+            .clone()
+            .map(|positions| frame.to_metres(positions));
+        let found = std::iter::once(&positions).chain(&at_rest);
+        let found: Vec<&Vec<Point3>> = found.collect();
+        let distances = rests.flat_map(|mesh| {
+            let own = || rest.of_skin(mesh.positions());
+            let found = found.iter();
+            found.map(move |found| largest_distance(own(), rest.of_skin(found)))
+        });
         let distance = distances.fold(f32::INFINITY, f32::min);
         if distance > SAME {
             return Err(SceneError::NotAtRest {

@@ -2,16 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use garnet_skin::{Body, Rig};
+use garnet_mesh::Point3;
+use garnet_skin::{Body, Pose, Rig};
 
 use super::{
-    Frame, SceneError, SceneProblem,
-    read_mesh::is_rig,
+    Frame, PoseNote, SceneError, SceneProblem,
+    places::matched_rig,
+    read_mesh::{is_rig, read_mesh_with},
     rest_body::rest_body_of,
     rest_mesh::{Frames, RestMesh},
     rig_search::{built_in, rig_beside},
 };
-use crate::{ObjFile, read_rig};
+use crate::{ObjFile, RigOptions, read_rig_with};
 
 /// A body at rest, in metres with y up, and the OBJ that it came from.
 #[derive(Debug)]
@@ -21,6 +23,10 @@ pub struct OwnBody {
     pub body: Body,
     /// The text of its OBJ with unit and up axis, if it came as one.
     pub file: Option<(ObjFile, Frame)>,
+    /// The positions that its file shows, where they are not those of the body, and the pose.
+    pub shown: Option<(Vec<Point3>, Pose)>,
+    /// What was taken for granted.
+    pub notes: Vec<PoseNote>,
 }
 
 impl OwnBody {
@@ -33,9 +39,24 @@ impl OwnBody {
     ///
     /// [`SceneError`]: files that cannot be read, a body without rig, or a rig that does not fit.
     pub fn read(path: impl AsRef<Path>, rig: Option<&Path>) -> Result<Self, SceneError> {
+        Self::read_with(path, rig, &RigOptions::default())
+    }
+
+    /// The same with a choice of what is read of the rig.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`OwnBody::read`].
+    pub fn read_with(
+        path: impl AsRef<Path>,
+        rig: Option<&Path>,
+        options: &RigOptions,
+    ) -> Result<Self, SceneError> {
         let path = path.as_ref();
         if rig.is_none() && is_rig(path) {
-            let rig = read_rig(path)?;
+            let read = read_rig_with(path, options)?;
+            let note = read.note(path);
+            let rig = read.rig;
             let mesh = rig.rest.clone().ok_or_else(|| SceneError::NoBody {
                 path: path.to_path_buf(),
                 problem: SceneProblem::SkeletonAlone {
@@ -47,35 +68,43 @@ impl OwnBody {
                 path: path.to_path_buf(),
                 is_obj: false,
             };
-            let (body, _) = in_metres(rig, &taken, path)?;
-            return Ok(Self { body, file: None });
+            let (mut own, _) = in_metres(rig, &taken, path)?;
+            own.notes.extend(note.map(PoseNote::Parts));
+            return Ok(own);
         }
-        let file = ObjFile::read(path)?;
+        let file = read_mesh_with(path, options)?.file;
         let mesh = file.mesh().map_err(|source| SceneError::NoBody {
             path: path.to_path_buf(),
             problem: source.into(),
         })?;
         let beside = rig_beside(path);
-        let (rig, rig_path): (Rig, PathBuf) = match rig {
-            Some(rig) => (read_rig(rig)?, rig.to_path_buf()),
-            None if beside.is_file() => (read_rig(&beside)?, beside),
+        let named = rig.map(Path::to_path_buf);
+        let beside = beside.is_file().then_some(beside);
+        let mut note = None;
+        let (rig, rig_path): (Rig, PathBuf) = match named.or(beside) {
+            Some(rig) => {
+                let read = read_rig_with(&rig, options)?;
+                note = read.note(&rig);
+                (read.rig, rig)
+            }
             None => (built_in(&mesh, path)?, path.to_path_buf()),
         };
+        let (rig, _) = matched_rig(rig, &mesh);
         let taken = RestMesh {
             mesh,
             path: path.to_path_buf(),
             is_obj: true,
         };
-        let (body, frame) = in_metres(rig, &taken, &rig_path)?;
-        Ok(Self {
-            body,
-            file: Some((file, frame)),
-        })
+        let (mut own, frame) = in_metres(rig, &taken, &rig_path)?;
+        own.notes.extend(note.map(PoseNote::Parts));
+        // What is posed from a rig file has no text to keep.
+        own.file = (!is_rig(path)).then_some((file, frame));
+        Ok(own)
     }
 }
 
 /// The body of a rig in metres with y up, and how its mesh was given.
-fn in_metres(rig: Rig, taken: &RestMesh, rig_path: &Path) -> Result<(Body, Frame), SceneError> {
+fn in_metres(rig: Rig, taken: &RestMesh, rig_path: &Path) -> Result<(OwnBody, Frame), SceneError> {
     let frame = Frame::detected(&taken.mesh);
     let frames = Frames {
         obj: frame,
@@ -85,6 +114,24 @@ fn in_metres(rig: Rig, taken: &RestMesh, rig_path: &Path) -> Result<(Body, Frame
     };
     let bodies = rest_body_of(rig, taken, &frames, rig_path)?;
     // Poses are those of the pose zero of the rig.
-    let body = bodies.zero.map_or(bodies.rest, |zero| zero.body);
-    Ok((body, frame))
+    let (body, shown) = match bodies.zero {
+        None => (bodies.rest, None),
+        Some(zero) => {
+            let pose = Pose::from_transforms(zero.body.skeleton(), &zero.rest_from_zero)?.pose;
+            let positions = bodies.rest.rest().positions().to_vec();
+            (zero.body, Some((positions, pose)))
+        }
+    };
+    let note = bodies.posed_by.map(|degrees| PoseNote::RestPosed {
+        path: taken.path.clone(),
+        rig: rig_path.to_path_buf(),
+        degrees,
+    });
+    let own = OwnBody {
+        body,
+        file: None,
+        shown,
+        notes: note.into_iter().collect(),
+    };
+    Ok((own, frame))
 }

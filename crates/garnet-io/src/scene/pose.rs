@@ -13,11 +13,11 @@ use garnet_body::{
     poses::{BodyAngles, Poser, SelfContact, SeparationOptions, key_pose, turn},
     shape::tape_measures,
 };
-use garnet_mesh::Vector3;
+use garnet_mesh::{UpAxis, Vector3};
 use garnet_skin::{Body, Pose, SkinError};
 
 use super::SceneError;
-use crate::{MotionError, Take, TakeError};
+use crate::{MotionError, PartsNote, Take, TakeError};
 
 /// Where poses come from: a name of the library, or a file and the frames in it.
 ///
@@ -28,6 +28,8 @@ pub struct PoseSource {
     pub path: PathBuf,
     /// The frames in the file, from 0; the first without it.
     pub frames: Option<FrameRange>,
+    /// The axis that points up in a motion; detected without it.
+    pub up: Option<UpAxis>,
 }
 
 /// A pose and what to call it.
@@ -65,6 +67,22 @@ pub struct Posing {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum PoseNote {
+    /// Which meshes of a rig file are the body.
+    Parts(PartsNote),
+    /// The garment lies on the bind pose of a rig, and not on the pose that its file shows.
+    OnBind {
+        /// The rig.
+        rig: PathBuf,
+    },
+    /// The rest body is in another pose than its rig, which was recovered.
+    RestPosed {
+        /// The rest body.
+        path: PathBuf,
+        /// The rig.
+        rig: PathBuf,
+        /// The largest turn of a joint, in degrees.
+        degrees: f32,
+    },
     /// What the reader of a motion file says.
     Motion(String),
     /// Arms were kept out of other parts of the body.
@@ -93,6 +111,20 @@ pub enum PoseNote {
 impl fmt::Display for PoseNote {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Parts(parts) => parts.fmt(formatter),
+            Self::OnBind { rig } => write!(
+                formatter,
+                "`{}` shows a frame of an animation; the garment lies on its bind pose, which is \
+                 taken",
+                rig.display()
+            ),
+            Self::RestPosed { path, rig, degrees } => write!(
+                formatter,
+                "`{}` is in another pose than its rig `{}` (joints turned by up to {degrees:.0} \
+                 degrees): its pose is recovered, and poses start from that of the rig",
+                path.display(),
+                rig.display()
+            ),
             Self::Motion(text) => formatter.write_str(text),
             Self::ArmsTurned {
                 degrees,
@@ -214,6 +246,7 @@ impl From<&str> for PoseSource {
         let whole = Self {
             path: text.into(),
             frames: None,
+            up: None,
         };
         if whole.path.exists() {
             return whole;
@@ -229,6 +262,7 @@ impl From<&str> for PoseSource {
             Some((path, frames)) => Self {
                 path: path.into(),
                 frames: Some(frames),
+                up: None,
             },
             None => whole,
         }
@@ -295,7 +329,11 @@ impl PoseSource {
             return of_library(&name, &pose.angles, body);
         }
         let skeleton = body.skeleton();
-        let take = Take::read(&self.path, &ReadOptions::default())?;
+        let options = ReadOptions {
+            up: self.up,
+            ..ReadOptions::default()
+        };
+        let take = Take::read(&self.path, &options)?;
         let range = self.frames.unwrap_or(FrameRange::single(0));
         let options = RetargetOptions::default();
         let frames = range.of(take.num_frames())?;

@@ -2,29 +2,76 @@
 
 use std::path::Path;
 
+use garnet_mesh::Point3;
+use garnet_skin::skin_linear;
+
 use super::{SceneError, SceneProblem};
-use crate::{ObjFile, read_rig};
+use crate::{ObjFile, RigOptions, read_rig_with};
 
 /// Reads a mesh: an OBJ, or the rest mesh of a rig (npz, GLB, glTF, VRM) as if it were written as
 /// OBJ.
 ///
-/// Meshes of rigs are in metres with y up.
+/// Meshes of rigs are in metres with y up, those of glTF as the file shows them.
 ///
 /// # Errors
 ///
 /// [`SceneError`] if the file cannot be read, or if it is a rig without a mesh.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<ObjFile, SceneError> {
-    let path = path.as_ref();
+    Ok(read_mesh_with(path.as_ref(), &RigOptions::default())?.file)
+}
+
+/// A mesh of a file.
+#[derive(Debug)]
+pub(super) struct ShownMesh {
+    pub(super) file: ObjFile,
+    /// Where its vertices are in the rest pose of its rig, if the file shows another pose.
+    pub(super) at_rest: Option<Vec<Point3>>,
+}
+
+/// Reads a mesh with a choice of the meshes of a rig.
+pub(super) fn read_mesh_with(path: &Path, options: &RigOptions) -> Result<ShownMesh, SceneError> {
     if !is_rig(path) {
-        return Ok(ObjFile::read(path)?);
+        let file = ObjFile::read(path)?;
+        return Ok(ShownMesh {
+            file,
+            at_rest: None,
+        });
     }
-    let mesh = read_rig(path)?.rest.ok_or_else(|| SceneError::NoBody {
+    // Which joint is which does not matter for a mesh.
+    let options = RigOptions {
+        joints: None,
+        betas: Vec::new(),
+        ..options.clone()
+    };
+    let rig = read_rig_with(path, &options)?.rig;
+    let mesh = rig.rest.as_ref().ok_or_else(|| SceneError::NoBody {
         path: path.to_path_buf(),
         problem: SceneProblem::SkeletonAlone {
             rig: path.to_path_buf(),
         },
     })?;
-    Ok(ObjFile::of_mesh(&mesh, path)?)
+    let is_npz = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("npz"));
+    let Some(pose) = rig.rest_pose.as_ref().filter(|_| !is_npz) else {
+        let file = ObjFile::of_mesh(mesh, path)?;
+        return Ok(ShownMesh {
+            file,
+            at_rest: None,
+        });
+    };
+    let transforms = rig.skeleton.transforms(pose)?;
+    let shown = skin_linear(mesh.positions(), &rig.weights, &transforms);
+    let shown = mesh
+        .with_positions(shown)
+        .map_err(|source| SceneError::Mesh {
+            path: path.to_path_buf(),
+            source,
+        })?;
+    Ok(ShownMesh {
+        file: ObjFile::of_mesh(&shown, path)?,
+        at_rest: Some(mesh.positions().to_vec()),
+    })
 }
 
 /// Whether the name is that of a rig that may hold a mesh: npz, GLB, glTF or VRM.

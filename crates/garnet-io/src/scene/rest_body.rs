@@ -17,6 +17,9 @@ use super::{
 pub(super) struct RestBodies {
     pub(super) rest: Body,
     pub(super) zero: Option<Zero>,
+    /// The largest turn of a joint from the rig to the rest body, in degrees, if that pose had to be
+    /// recovered.
+    pub(super) posed_by: Option<f32>,
 }
 
 /// A body in the pose zero of its rig, and the way from there to the rest body.
@@ -60,6 +63,7 @@ pub(super) fn rest_body_of(
     let mesh = in_metres(taken.mesh.clone(), frames.rest)?;
     check_joints(&skeleton, &mesh).map_err(unfit)?;
     let rest_pose = rig.rest_pose.map(|pose| turned(&pose, rig_frame));
+    let rest_mesh = zero_mesh.clone();
     if let (Some(pose), Some(zero_mesh)) = (rest_pose, zero_mesh) {
         let zero = Body::new(zero_mesh, skeleton.clone(), rig.weights.clone());
         let zero = zero.map_err(of_skin)?;
@@ -82,11 +86,76 @@ pub(super) fn rest_body_of(
                     body: zero,
                     rest_from_zero,
                 }),
+                posed_by: None,
+            });
+        }
+    }
+    if let Some(zero_mesh) = rest_mesh.filter(|_| taken.is_obj) {
+        let zero = Body::new(zero_mesh, skeleton.clone(), rig.weights.clone());
+        let found = recovered(&zero.map_err(of_skin)?, &mesh).map_err(of_skin)?;
+        if let Some((zero, degrees)) = found {
+            let skeleton = moved(&skeleton, &zero.rest_from_zero).map_err(of_skin)?;
+            return Ok(RestBodies {
+                rest: Body::new(mesh, skeleton, rig.weights).map_err(of_skin)?,
+                zero: Some(zero),
+                posed_by: Some(degrees),
             });
         }
     }
     let rest = Body::new(mesh, skeleton, rig.weights).map_err(of_skin)?;
-    Ok(RestBodies { rest, zero: None })
+    Ok(RestBodies {
+        rest,
+        zero: None,
+        posed_by: None,
+    })
+}
+
+/// A rest body this far from its rig may be in another pose, in metres.
+const POSED: f32 = 5e-3;
+
+/// Joints that are turned by less are those of another shape, in degrees.
+const MIN_TURN: f32 = 3.0;
+
+/// A pose leaves less than this part of the distance from the rig to the rest body.
+const MAX_LEFT: f32 = 0.5;
+
+/// The rest body in the pose of its rig, and the largest turn of a joint between both in degrees,
+/// if it is in another pose: what the pose does not explain is its shape, and stays.
+fn recovered(rig: &Body, mesh: &TriMesh) -> Result<Option<(Zero, f32)>, SkinError> {
+    if mesh.num_vertices() != rig.rest().num_vertices() {
+        return Ok(None);
+    }
+    let own = || rig.of_skin(rig.rest().positions());
+    let distance = largest_distance(own(), rig.of_skin(mesh.positions()));
+    if distance < POSED {
+        return Ok(None);
+    }
+    let fitted = rig.fitted(mesh.positions())?;
+    let rest_from_zero = fitted.posed_from_rest().to_vec();
+    let pose = Pose::from_transforms(rig.skeleton(), &rest_from_zero)?.pose;
+    let turns = pose.rotations.iter().map(UnitQuaternion::angle);
+    let degrees = turns.fold(0.0, f32::max).to_degrees();
+    if degrees < MIN_TURN || fitted.max_residual() > MAX_LEFT * distance {
+        return Ok(None);
+    }
+    let body = match fitted.shape_offsets() {
+        Some(offsets) => {
+            let places = rig.rest().positions().iter().zip(offsets);
+            let positions = places.map(|(place, offset)| place + offset).collect();
+            match rig.rest().with_positions(positions) {
+                Ok(mesh) => Body::new(mesh, rig.skeleton().clone(), rig.weights().clone())?,
+                Err(_) => rig.clone(),
+            }
+        }
+        None => rig.clone(),
+    };
+    Ok(Some((
+        Zero {
+            body,
+            rest_from_zero,
+        },
+        degrees,
+    )))
 }
 
 /// A rig that is not of the rest body.
@@ -130,21 +199,12 @@ fn placed(skeleton: &Skeleton, frame: Frame) -> Result<Skeleton, SkinError> {
     if frame == Frame::OURS {
         return Ok(skeleton.clone());
     }
-    let joint = |joint: &Joint| Joint {
-        rest_position: frame.point_to_metres(&joint.rest_position),
-        ..joint.clone()
-    };
-    Skeleton::new(skeleton.joints().iter().map(joint).collect())
+    skeleton.placed(|_, joint| frame.point_to_metres(&joint.rest_position))
 }
 
 /// A skeleton whose joints were moved.
 fn moved(skeleton: &Skeleton, transforms: &[Isometry3<f32>]) -> Result<Skeleton, SkinError> {
-    let joints = skeleton.joints().iter().zip(transforms);
-    let joint = |(joint, transform): (&Joint, &Isometry3<f32>)| Joint {
-        rest_position: transform * joint.rest_position,
-        ..joint.clone()
-    };
-    Skeleton::new(joints.map(joint).collect())
+    skeleton.placed(|number, joint| transforms[number] * joint.rest_position)
 }
 
 /// A pose in metres with y up.

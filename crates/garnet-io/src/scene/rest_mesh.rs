@@ -78,7 +78,11 @@ impl RestMesh {
             (Some(unit), true) => unit,
             (Some(unit), false) => shorter(unit, -first).unwrap_or(unit),
         };
-        let up = detected_up(&self.mesh);
+        // An axis that is named holds for the rig, too, unless that clearly stands otherwise.
+        let clear = up_of(self.mesh.positions(), self.mesh.faces());
+        let up = clear
+            .or(files.up)
+            .unwrap_or_else(|| detected_up(&self.mesh));
         let at_rest = bodies.iter().find(|body| {
             // With a pose, BODY is the rest body in an OBJ of its own.
             files.pose.is_some() && !self.is_obj && !is_rig(&body.path)

@@ -1,0 +1,58 @@
+//! The arguments that tell how a rig is read.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use garnet::{io::RigOptions, mesh::UpAxis};
+
+/// How the rig is read.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct RigArgs {
+    /// Of a GLB, glTF or VRM: a mesh that is the body, by its name; several by naming it again
+    /// [default: all on one skeleton but hair, eyes and what is worn].
+    #[arg(long, hide_short_help = true, value_name = "NAME")]
+    mesh: Vec<String>,
+    /// JSON that tells which joint is which, as {"head": "Bone.012"}, where names do not.
+    #[arg(long, hide_short_help = true, value_name = "MAP.json")]
+    joints: Option<PathBuf>,
+    /// Shape of a model of the SMPL family: `1.5,-0.3`.
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "B,B,...",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    betas: Vec<f64>,
+}
+
+impl RigArgs {
+    pub(crate) fn options(self) -> RigOptions {
+        let mut options = RigOptions::default();
+        options.meshes = self.mesh;
+        options.joints = self.joints;
+        options.betas = self.betas;
+        options
+    }
+}
+
+/// The axis that points up in a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PoseUp {
+    /// As the bodies in it stand.
+    Auto,
+    /// As in files of graphics.
+    Y,
+    /// As in AMASS.
+    Z,
+}
+
+impl PoseUp {
+    pub(crate) fn axis(self) -> Option<UpAxis> {
+        match self {
+            Self::Auto => None,
+            Self::Y => Some(UpAxis::Y),
+            Self::Z => Some(UpAxis::Z),
+        }
+    }
+}
