@@ -14,3 +14,4 @@ mod package;
 mod pattern;
 mod pipeline;
 mod stability;
+mod take;

@@ -12,6 +12,7 @@ mod error;
 mod garment;
 mod penetration;
 mod refit;
+mod take;
 
 #[cfg(feature = "package")]
 mod body_path;
@@ -71,5 +72,6 @@ pub use refit::Refit;
 pub use settling::Settling;
 #[cfg(feature = "package")]
 pub use simulator::{Quality, Simulator, check_stop, quality_name, quality_of, stopping};
+pub use take::{StepLimit, Take, TakeFrame};
 #[cfg(feature = "package")]
 pub use unfamiliar::Unfamiliar;

@@ -1,3 +1,3 @@
 //! The steps of a drape, for those who time or replace them.
 
-pub use garnet_drape::{Placed, PlacedBy, Refit};
+pub use garnet_drape::{Placed, PlacedBy, Refit, StepLimit, Take, TakeFrame};

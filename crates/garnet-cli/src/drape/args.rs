@@ -52,6 +52,9 @@ pub(crate) struct DrapeArgs {
     /// Leave the warp as it is, penetrations included.
     #[arg(long, hide_short_help = true)]
     no_untangle: bool,
+    /// Drape each frame of a motion as if it were the only one.
+    #[arg(long, hide_short_help = true)]
+    frames_alone: bool,
     /// End with 1 if cloth is deeper in the body than this, in millimetres.
     #[arg(long, hide_short_help = true, value_name = "MM", value_parser = millimetres, allow_negative_numbers = true)]
     max_penetration: Option<f32>,
@@ -222,6 +225,8 @@ pub(crate) struct Job {
     /// Faces that may cross the skin.
     pub(crate) max_crossing: Option<usize>,
     pub(crate) repeat: u32,
+    /// Whether frames of a motion do not go on from each other.
+    pub(crate) frames_alone: bool,
 }
 
 /// How a garment is simulated.
@@ -289,6 +294,7 @@ impl Job {
         job.max_penetration = args.max_penetration;
         job.max_crossing = args.max_crossing;
         job.repeat = args.repeat;
+        job.frames_alone = args.frames_alone;
         Ok(job)
     }
 
@@ -321,6 +327,7 @@ impl Job {
             max_penetration: None,
             max_crossing: None,
             repeat: 1,
+            frames_alone: true,
         };
         if !is_several {
             job.outputs = vec![job.named(output)?];

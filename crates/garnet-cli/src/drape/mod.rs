@@ -20,7 +20,7 @@ use anyhow::Context;
 use garnet::{
     Body, BoundGarment, Drape, Garment, Point3, PosedBody, TriMesh, Warp,
     data::SceneReport,
-    drape::Refit,
+    drape::{Refit, Take},
     io::{self, Frame, PoseSource, RestSource, Target},
     mesh::edge_stretch,
     package::Moment,
@@ -34,7 +34,7 @@ use ready::{Found, Method, Ready};
 pub(crate) use report::WarningReport;
 use report::{
     BodyReport, DrapeOutput, DrapeReport, DrapeSeconds, GarmentReport, OnceSeconds,
-    PenetrationReport, PoseReport, RepeatedSeconds, Stretch,
+    PenetrationReport, PoseReport, RepeatedSeconds, StepsReport, Stretch,
 };
 use timing::timed;
 pub(crate) use warning::warnings_of;
@@ -181,11 +181,13 @@ fn drape_all(
     if let Some(folder) = job.body_out.as_ref().filter(|_| has_named) {
         output::open_folder(folder)?;
     }
+    let is_take = bound.pose.is_some() && bound.targets.len() > 1 && !job.frames_alone;
+    let mut take = is_take.then(|| Take::new(&ready.draper));
     let bar = console.progress(bound.targets.len());
     let mut drapes = Vec::with_capacity(bound.targets.len());
     for (target, output) in bound.targets.iter().zip(outputs) {
         bar.set_message(target.path.display().to_string());
-        let (drape, problems) = drape_one(ready, target, output, job, console)?;
+        let (drape, problems) = drape_one((ready, take.as_mut()), target, output, job, console)?;
         let warnings = problems.into_iter().map(|problem| Warning {
             path: output.clone(),
             problem,
@@ -200,7 +202,7 @@ fn drape_all(
 }
 
 fn drape_one(
-    ready: &Ready,
+    (ready, take): (&Ready, Option<&mut Take<'_>>),
     target: &Target,
     output: &Path,
     job: &Job,
@@ -216,10 +218,18 @@ fn drape_one(
     }
     let Draped {
         posed,
-        drape,
+        mut drape,
         simulated,
         mut time,
     } = draped;
+    let mut steps = None;
+    if let Some(take) = take {
+        let drape_untangle = drape.seconds.untangle;
+        let frame = take.go_on(&posed, drape)?;
+        time.untangle += frame.drape.seconds.untangle - drape_untangle;
+        steps = Some(StepsReport::of(&frame));
+        drape = frame.drape;
+    }
     let provenance = &drape.provenance;
     let fallback = provenance.fallback.as_ref().map(ToString::to_string);
     let unsettled = (provenance.unrelaxed.as_ref()).map(|error| {
@@ -271,6 +281,7 @@ fn drape_one(
         penetration: inside,
         simulated,
         fallback,
+        steps,
         stretch: Stretch {
             p50: stretch.p50,
             p99: stretch.p99,

@@ -4,6 +4,7 @@
 use garnet::{
     TriMesh,
     data::SceneReport,
+    drape::TakeFrame,
     knn::Surface,
     package::StoredFabric,
     sim,
@@ -116,12 +117,35 @@ pub(crate) struct DrapeOutput {
     pub(crate) simulated: Option<SceneReport>,
     /// Why the warp was taken in place of the network; none if it was not.
     pub(crate) fallback: Option<String>,
+    /// How the frame goes on from the last one of its motion; none of a drape alone.
+    pub(crate) steps: Option<StepsReport>,
     /// Length over rest length of the edges of the garment's polygons.
     pub(crate) stretch: Stretch,
     /// Times of this drape; of the last one, if it was repeated.
     pub(crate) seconds: DrapeSeconds,
     /// Times of all repetitions; none if there is but one.
     pub(crate) repeated: Option<RepeatedSeconds>,
+}
+
+/// How a frame of a motion goes on from the last one.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct StepsReport {
+    /// The farthest that a vertex of the cloth has come; 0 in the first frame.
+    pub(crate) cloth_m: f32,
+    /// The farthest that a vertex of the body has come.
+    pub(crate) body_m: f32,
+    /// Nodes on their way to where the frame alone has them.
+    pub(crate) held_back: usize,
+}
+
+impl StepsReport {
+    pub(crate) fn of(frame: &TakeFrame) -> Self {
+        Self {
+            cloth_m: frame.step,
+            body_m: frame.body_step,
+            held_back: frame.held_back,
+        }
+    }
 }
 
 /// The network that moved the warped garment.

@@ -13,6 +13,9 @@ pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Consol
     console.summary(&headline(report, folder));
     console.summary(&format_args!("  {}", result(&report.drapes)));
     console.summary(&format_args!("  {}", stretch(&report.drapes)));
+    if let Some(line) = steps(&report.drapes) {
+        console.summary(&format_args!("  {line}"));
+    }
     if is_converted(report) {
         console.summary(&format_args!("  {}", frames(report)));
     }
@@ -99,6 +102,20 @@ fn headline(report: &DrapeReport, folder: Option<&Path>) -> String {
             format!("draped `{garment}` on {count} bodies{method} into `{folder}` in {seconds}")
         }
     }
+}
+
+/// The largest step of the cloth from one frame of a motion to the next.
+fn steps(drapes: &[DrapeOutput]) -> Option<String> {
+    let largest = (drapes.iter())
+        .filter_map(|drape| Some((drape, drape.steps?)))
+        .max_by(|(_, a), (_, b)| a.cloth_m.total_cmp(&b.cloth_m));
+    let (drape, steps) = largest?;
+    Some(format!(
+        "largest step of the cloth {:.1} mm, into `{}`, where the body steps {:.1} mm",
+        1e3 * steps.cloth_m,
+        drape.output,
+        1e3 * steps.body_m
+    ))
 }
 
 fn result(drapes: &[DrapeOutput]) -> String {

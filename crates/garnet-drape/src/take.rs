@@ -1,0 +1,231 @@
+//! A take: frames of a motion, draped in order.
+//!
+//! Draped alone, cloth may lie on the one side of an arm in a frame and on the other in the next,
+//! or in another fold, though the body has hardly moved. In a take each frame goes on from the last
+//! one: its cloth is carried along with the body, and goes from there towards where the frame's own
+//! drape has it, by no more than a [`StepLimit`] a frame. What is carried stays on its side of the
+//! skin. Where nothing jumps, the frames are those that are draped alone, to the bit.
+
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use garnet_mesh::Point3;
+use garnet_skin::{PosedBody, Warp, blended_transforms};
+use garnet_untangle::{UntangleOptions, untangle};
+use nalgebra::{Isometry3, UnitQuaternion};
+use rayon::prelude::*;
+
+use crate::{Drape, Draper, Error};
+
+/// Nodes that one task handles. Results do not depend on it, nor on the number of threads.
+const CHUNK: usize = 1024;
+
+/// By how much cloth may go on, from one frame to the next, beyond being carried by the body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct StepLimit {
+    /// Where the body keeps still, in metres a frame. Lower is calmer, and cloth lags behind longer
+    /// where it has to come from one side of a limb to the other.
+    pub still: f32,
+    /// More than that, as a share of the step that the body makes there. Lower is calmer, and cloth
+    /// lags behind in fast motion.
+    pub share: f32,
+}
+
+impl Default for StepLimit {
+    fn default() -> Self {
+        Self {
+            still: 0.003,
+            share: 0.5,
+        }
+    }
+}
+
+impl StepLimit {
+    /// No limit: each frame is as it is alone.
+    pub const NONE: Self = Self {
+        still: f32::INFINITY,
+        share: 0.0,
+    };
+
+    /// The same with another step where the body keeps still, in metres a frame.
+    #[must_use]
+    pub fn with_still(self, still: f32) -> Self {
+        Self { still, ..self }
+    }
+
+    /// The limit where the body makes a step of `step` metres.
+    fn at(self, step: f32) -> f32 {
+        self.still + self.share * step
+    }
+}
+
+/// A frame of a take.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct TakeFrame {
+    /// The drape.
+    pub drape: Drape,
+    /// Nodes that have not come as far as the frame's own drape has them.
+    pub held_back: usize,
+    /// The farthest that a vertex has come since the last frame, in metres; 0 in the first.
+    pub step: f32,
+    /// The farthest that a vertex of the body has come, in metres; 0 in the first.
+    pub body_step: f32,
+}
+
+/// Drapes the frames of a motion in order, each from the last one.
+#[derive(Debug, Clone)]
+pub struct Take<'a> {
+    draper: &'a Draper,
+    limit: StepLimit,
+    last: Option<Last>,
+}
+
+/// The end of a frame.
+#[derive(Debug, Clone)]
+struct Last {
+    /// Positions of the cloth `[node]`, near the body at home, in metres.
+    cloth: Vec<Point3>,
+    carrier: Carrier,
+    /// Positions `[vertex]` of cloth and body where the target stands, in metres.
+    vertices: Vec<Point3>,
+    body: Vec<Point3>,
+}
+
+/// What carries cloth along with the body, near the body at home.
+#[derive(Debug, Clone)]
+struct Carrier {
+    /// The warp `[node]`, in metres.
+    warped: Vec<Point3>,
+    /// How the body turns the nodes `[node]`.
+    turns: Vec<UnitQuaternion<f32>>,
+}
+
+impl Carrier {
+    fn new(draper: &Draper, body: &PosedBody) -> Result<Self, Error> {
+        let cloth = draper.garment().cloth();
+        let transforms = blended_transforms(cloth.weights(), body.posed_from_rest());
+        Ok(Self {
+            warped: cloth.warped_nodes(body, Warp::Shape)?,
+            turns: transforms
+                .iter()
+                .map(|one: &Isometry3<f32>| one.rotation)
+                .collect(),
+        })
+    }
+}
+
+impl<'a> Take<'a> {
+    /// A take that has not begun.
+    pub fn new(draper: &'a Draper) -> Self {
+        Self {
+            draper,
+            limit: StepLimit::default(),
+            last: None,
+        }
+    }
+
+    /// The same with another limit.
+    #[must_use]
+    pub fn with_limit(self, limit: StepLimit) -> Self {
+        Self { limit, ..self }
+    }
+
+    /// Drapes the next frame.
+    ///
+    /// # Errors
+    ///
+    /// As [`Draper::drape_until`].
+    pub fn drape(&mut self, body: &PosedBody, stop: &AtomicBool) -> Result<TakeFrame, Error> {
+        let alone = self.draper.drape_until(body, stop)?;
+        self.go_on(body, alone)
+    }
+
+    /// The next frame, of which the draper has already made the drape `alone`: frames alone can be
+    /// made by several threads, what follows from one frame to the next has to be in order.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Skin`] or [`Error::Untangle`] if `body` is not of the body that the garment was
+    /// bound to.
+    ///
+    /// # Panics
+    ///
+    /// If `alone` has fewer positions than the garment.
+    pub fn go_on(&mut self, body: &PosedBody, alone: Drape) -> Result<TakeFrame, Error> {
+        let start = Instant::now();
+        let garment = self.draper.garment();
+        let weld = garment.cloth().weld();
+        let home = body.at_home(garment.body())?;
+        let carrier = Carrier::new(self.draper, home.body())?;
+        let goal = weld.gather(&home.from_target(alone.positions.clone()));
+        let mut frame = TakeFrame {
+            drape: alone,
+            held_back: 0,
+            step: 0.0,
+            body_step: 0.0,
+        };
+        let mut cloth = goal;
+        if let Some(last) = &self.last {
+            let (reached, held_back) = last.reached(&carrier, &cloth, self.limit);
+            frame.held_back = held_back;
+            if held_back > 0 {
+                let options = self.draper.options().untangle.unwrap_or_default();
+                let options = UntangleOptions {
+                    clearance: options.clearance,
+                    ..options.for_simulated()
+                };
+                let binding = garment.binding();
+                let freed = untangle(garment.cloth(), binding, home.body(), &reached, &options)?;
+                if self.draper.options().untangle.is_some() {
+                    cloth = freed.positions_nodes;
+                    frame.drape.is_trapped = weld.scatter(&freed.is_trapped);
+                    frame.drape.report = Some(freed.report);
+                } else {
+                    cloth = reached;
+                }
+                frame.drape.positions = home.to_target(weld.scatter(&cloth));
+            }
+            frame.step = farthest(&last.vertices, &frame.drape.positions);
+            frame.body_step = farthest(&last.body, body.skin().positions());
+        }
+        frame.drape.seconds.untangle += start.elapsed().as_secs_f64();
+        self.last = Some(Last {
+            cloth,
+            carrier,
+            vertices: frame.drape.positions.clone(),
+            body: body.skin().positions().to_vec(),
+        });
+        Ok(frame)
+    }
+}
+
+impl Last {
+    /// Where the cloth gets in the next frame on its way to `goal` `[node]`, and how many nodes do
+    /// not get there.
+    fn reached(&self, carrier: &Carrier, goal: &[Point3], limit: StepLimit) -> (Vec<Point3>, usize) {
+        let of_node = |node: usize| {
+            let turn = carrier.turns[node] * self.carrier.turns[node].inverse();
+            let (from, to) = (self.carrier.warped[node], carrier.warped[node]);
+            let carried = to + turn * (self.cloth[node] - from);
+            let way = goal[node] - carried;
+            let (length, most) = (way.norm(), limit.at((to - from).norm()));
+            if length <= most {
+                (goal[node], false)
+            } else {
+                (carried + way * (most / length), true)
+            }
+        };
+        let nodes = (0..goal.len()).into_par_iter().with_min_len(CHUNK);
+        let reached: Vec<(Point3, bool)> = nodes.map(of_node).collect();
+        let held_back = reached.iter().filter(|(_, is_held)| *is_held).count();
+        (reached.into_iter().map(|(place, _)| place).collect(), held_back)
+    }
+}
+
+/// The farthest that a point has come, in metres.
+fn farthest(from: &[Point3], to: &[Point3]) -> f32 {
+    let squared = from.iter().zip(to).map(|(a, b)| (b - a).norm_squared());
+    squared.fold(0.0, f32::max).sqrt()
+}
