@@ -35,7 +35,10 @@ fn steps(cloth: [&[Point3]; 2], body: [&PosedBody; 2]) -> (f32, f32) {
         let at = |body: &PosedBody, corner: u32| body.skin().positions()[corner as usize];
         let of_skin = corners.map(|corner| (at(body[1], corner) - at(body[0], corner)).norm());
         let of_cloth = (to - from).norm();
-        (of_cloth, of_cloth - 2.0 * of_skin.into_iter().fold(0.0, f32::max))
+        (
+            of_cloth,
+            of_cloth - 2.0 * of_skin.into_iter().fold(0.0, f32::max),
+        )
     };
     let pairs = cloth[0].iter().zip(cloth[1]).map(beyond);
     pairs.fold((0.0, f32::NEG_INFINITY), |(most, far), (step, beyond)| {
@@ -58,7 +61,11 @@ fn judged(
     for pose in poses {
         let posed = body.posed(&pose)?;
         let frame = take.drape(&posed, &stop)?;
-        let report = frame.drape.report.as_ref().ok_or("untangling was asked for")?;
+        let report = frame
+            .drape
+            .report
+            .as_ref()
+            .ok_or("untangling was asked for")?;
         assert_eq!(report.inside, 0);
         let positions = frame.drape.positions;
         if let Some((before, skin)) = &last {
@@ -74,7 +81,11 @@ fn judged(
 #[test]
 fn cloth_steps_no_farther_than_the_skin_next_to_it_lets_it() -> Result<(), Box<dyn Error>> {
     for (name, garment, poses) in [
-        ("arms on the shirt", shirt(), arms_down().collect::<Vec<_>>()),
+        (
+            "arms on the shirt",
+            shirt(),
+            arms_down().collect::<Vec<_>>(),
+        ),
         ("arms in the skirt", skirt(), arms_through_skirt().collect()),
     ] {
         let alone = judged(garment.clone(), poses.clone().into_iter(), StepLimit::NONE)?;
@@ -96,7 +107,10 @@ fn a_body_that_keeps_still_gives_the_drape_alone_to_the_bit() -> Result<(), Box<
     for _ in 0..3 {
         let frame = take.drape(&posed, &AtomicBool::new(false))?;
         assert_eq!(frame.drape.positions, alone.positions);
-        assert_eq!((frame.held_back, frame.step, frame.body_step), (0, 0.0, 0.0));
+        assert_eq!(
+            (frame.held_back, frame.step, frame.body_step),
+            (0, 0.0, 0.0)
+        );
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use garnet_mesh::Point3;
 use garnet_skin::{PosedBody, Warp, blended_transforms};
-use garnet_untangle::{UntangleOptions, untangle};
+use garnet_untangle::{UntangleOptions, Untangled, untangle};
 use nalgebra::{Isometry3, UnitQuaternion};
 use rayon::prelude::*;
 
@@ -19,6 +19,10 @@ use crate::{Drape, Draper, Error};
 
 /// Nodes that one task handles. Results do not depend on it, nor on the number of threads.
 const CHUNK: usize = 1024;
+
+/// A node that untangling moves farther than this was thrown, in metres. Less costs a second
+/// untangling in more frames.
+const FAR: f32 = 0.008;
 
 /// By how much cloth may go on, from one frame to the next, beyond being carried by the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -171,20 +175,15 @@ impl<'a> Take<'a> {
             let (reached, held_back) = last.reached(&carrier, &cloth, self.limit);
             frame.held_back = held_back;
             if held_back > 0 {
-                let options = self.draper.options().untangle.unwrap_or_default();
-                let options = UntangleOptions {
-                    clearance: options.clearance,
-                    ..options.for_simulated()
+                cloth = match self.draper.options().untangle {
+                    Some(options) => {
+                        let freed = self.freed(home.body(), &reached, options)?;
+                        frame.drape.is_trapped = weld.scatter(&freed.is_trapped);
+                        frame.drape.report = Some(freed.report);
+                        freed.positions_nodes
+                    }
+                    None => reached,
                 };
-                let binding = garment.binding();
-                let freed = untangle(garment.cloth(), binding, home.body(), &reached, &options)?;
-                if self.draper.options().untangle.is_some() {
-                    cloth = freed.positions_nodes;
-                    frame.drape.is_trapped = weld.scatter(&freed.is_trapped);
-                    frame.drape.report = Some(freed.report);
-                } else {
-                    cloth = reached;
-                }
                 frame.drape.positions = home.to_target(weld.scatter(&cloth));
             }
             frame.step = farthest(&last.vertices, &frame.drape.positions);
@@ -201,10 +200,45 @@ impl<'a> Take<'a> {
     }
 }
 
+impl Take<'_> {
+    /// The cloth at `reached` `[node]`, freed of penetrations without a jump if that can be.
+    ///
+    /// Cloth that was carried leaves by the skin nearest to it. Where that throws a node far, as
+    /// between two parts of the body that close on it, it leaves by the side that it belongs to.
+    fn freed(
+        &self,
+        body: &PosedBody,
+        reached: &[Point3],
+        options: UntangleOptions,
+    ) -> Result<Untangled, Error> {
+        let garment = self.draper.garment();
+        let (cloth, binding) = (garment.cloth(), garment.binding());
+        let carried = options.for_simulated();
+        let nearest = untangle(cloth, binding, body, reached, &carried)?;
+        let thrown = farthest(reached, &nearest.positions_nodes);
+        if thrown <= FAR {
+            return Ok(nearest);
+        }
+        let sided = UntangleOptions {
+            keeps_sides: false,
+            ..carried
+        };
+        let home = untangle(cloth, binding, body, reached, &sided)?;
+        let is_nearer = farthest(reached, &home.positions_nodes) < thrown;
+        let is_free = home.report.inside <= nearest.report.inside;
+        Ok(if is_nearer && is_free { home } else { nearest })
+    }
+}
+
 impl Last {
     /// Where the cloth gets in the next frame on its way to `goal` `[node]`, and how many nodes do
     /// not get there.
-    fn reached(&self, carrier: &Carrier, goal: &[Point3], limit: StepLimit) -> (Vec<Point3>, usize) {
+    fn reached(
+        &self,
+        carrier: &Carrier,
+        goal: &[Point3],
+        limit: StepLimit,
+    ) -> (Vec<Point3>, usize) {
         let of_node = |node: usize| {
             let turn = carrier.turns[node] * self.carrier.turns[node].inverse();
             let (from, to) = (self.carrier.warped[node], carrier.warped[node]);
@@ -220,7 +254,10 @@ impl Last {
         let nodes = (0..goal.len()).into_par_iter().with_min_len(CHUNK);
         let reached: Vec<(Point3, bool)> = nodes.map(of_node).collect();
         let held_back = reached.iter().filter(|(_, is_held)| *is_held).count();
-        (reached.into_iter().map(|(place, _)| place).collect(), held_back)
+        (
+            reached.into_iter().map(|(place, _)| place).collect(),
+            held_back,
+        )
     }
 }
 
