@@ -25,20 +25,19 @@ fn draper(garment: TriMesh, body: &Body) -> Result<Draper, Box<dyn Error>> {
     Ok(Draper::new(Garment::new(garment).bind(body)?))
 }
 
-/// The farthest that a vertex steps, in metres, and how far beyond twice the step of the skin next
-/// to it.
+/// The farthest that a vertex steps, in metres, and how far beyond four times the step of the skin
+/// that is next to it in one of the two frames: an arm may push it off the trunk.
 fn steps(cloth: [&[Point3]; 2], body: [&PosedBody; 2]) -> (f32, f32) {
-    let skin = body[0].skin();
+    let at = |side: usize, corner: u32| body[side].skin().positions()[corner as usize];
+    let of_skin = |side: usize, place: &Point3| {
+        let skin = body[side].skin();
+        let corners = skin.faces()[skin.closest(*place).face as usize];
+        let steps = corners.map(|corner| (at(1, corner) - at(0, corner)).norm());
+        steps.into_iter().fold(0.0, f32::max)
+    };
     let beyond = |(from, to): (&Point3, &Point3)| {
-        let closest = skin.closest(*from);
-        let corners = skin.faces()[closest.face as usize];
-        let at = |body: &PosedBody, corner: u32| body.skin().positions()[corner as usize];
-        let of_skin = corners.map(|corner| (at(body[1], corner) - at(body[0], corner)).norm());
-        let of_cloth = (to - from).norm();
-        (
-            of_cloth,
-            of_cloth - 2.0 * of_skin.into_iter().fold(0.0, f32::max),
-        )
+        let step = (to - from).norm();
+        (step, step - 4.0 * of_skin(0, from).max(of_skin(1, to)))
     };
     let pairs = cloth[0].iter().zip(cloth[1]).map(beyond);
     pairs.fold((0.0, f32::NEG_INFINITY), |(most, far), (step, beyond)| {
@@ -91,7 +90,7 @@ fn cloth_steps_no_farther_than_the_skin_next_to_it_lets_it() -> Result<(), Box<d
         let alone = judged(garment.clone(), poses.clone().into_iter(), StepLimit::NONE)?;
         let take = judged(garment, poses.into_iter(), StepLimit::default())?;
         println!("{name}: alone {alone:?}, in a take {take:?}");
-        assert!(take.1 < 0.008, "{name}: {take:?}");
+        assert!(take.1 < 0.005, "{name}: {take:?}");
         assert!(take.1 <= alone.1, "{name}: {take:?} {alone:?}");
     }
     Ok(())
