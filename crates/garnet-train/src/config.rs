@@ -61,6 +61,9 @@ pub struct TrainConfig {
     pub network: toml::Table,
 }
 
+/// A deformation is fitted as often as the square of this, at most.
+const MOST_FOLDS: f64 = 8.0;
+
 /// A number of a configuration, and the range that it has to be in.
 struct Number {
     field: &'static str,
@@ -208,6 +211,15 @@ impl TrainConfig {
         for number in self.numbers() {
             number.check(number.value)?;
         }
+        if self.pose_space.folds == 1 {
+            // A fold that is all that there is leaves nothing to learn from.
+            return Err(TrainError::Config {
+                field: "pose_space.folds",
+                value: 1.0,
+                min: 2.0,
+                max: MOST_FOLDS,
+            });
+        }
         self.loss.check()?;
         if self.loss.is_nothing() {
             return Err(TrainError::NoLoss);
@@ -220,7 +232,7 @@ impl TrainConfig {
 
     /// All numbers but those of the loss and of the network, which have ranges of their own. Any
     /// seed will do.
-    fn numbers(&self) -> [Number; 15] {
+    fn numbers(&self) -> [Number; 16] {
         let number = |field, value, min, max| Number {
             field,
             value,
@@ -241,6 +253,7 @@ impl TrainConfig {
             whole("pose_space.scenes", space.scenes, 1.0, 2e4),
             whole("pose_space.searched", space.searched, 1.0, 2e4),
             whole("pose_space.rounds", space.rounds, 0.0, 1e3),
+            whole("pose_space.folds", space.folds, 0.0, MOST_FOLDS),
             whole("pose_space.region_shapes", space.region_shapes, 1.0, 1024.0),
             whole(
                 "pose_space.region_searched",

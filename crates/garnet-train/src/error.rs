@@ -193,7 +193,7 @@ pub enum TrainError {
         path: PathBuf,
     },
     /// A network is to start from what knows the scenes of its training by heart.
-    #[error("`{name}` is told by networks, which cannot tell a scene as if they had not seen it")]
+    #[error("it is not known how `{name}` would have told the scenes of this data set if it had not seen them")]
     CannotLeaveOut {
         /// The deformation.
         name: String,
@@ -281,6 +281,15 @@ pub enum TrainError {
     /// A saved state is damaged or of another version.
     #[error("`{}` is no sound state of a training: {reason}", path.display())]
     State {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// What a deformation would have told of scenes that it had not seen is damaged or of another
+    /// version.
+    #[error("`{}` cannot be started from: {reason}", path.display())]
+    Starts {
         /// The file.
         path: PathBuf,
         /// What is wrong.

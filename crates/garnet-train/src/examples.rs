@@ -1,10 +1,10 @@
 //! The scenes of a split in memory.
 
 use garnet_data::Split;
-use garnet_net::PoseSpace;
 
+use crate::pose_space::{self, Beginning};
 use crate::subject::{Example, Subject};
-use crate::{Stage, TrainError, TrainEvent, pose_space};
+use crate::{Stage, TrainError, TrainEvent};
 
 /// Reads and warps all scenes of a split, and moves them by the pose-space deformation that a
 /// network starts from, if it starts from one.
@@ -12,7 +12,7 @@ pub(crate) fn examples(
     stage: &Stage,
     subject: &Subject,
     split: Split,
-    start: Option<&PoseSpace>,
+    start: Option<&Beginning>,
     observer: &mut dyn FnMut(TrainEvent),
 ) -> Result<Vec<Example>, TrainError> {
     let total = stage.num_scenes(split)?;
@@ -23,8 +23,8 @@ pub(crate) fn examples(
         observer(TrainEvent::Read { split, done, total });
         Ok(())
     })?;
-    if let Some(space) = start {
-        pose_space::start(space, stage, split, &mut examples)?;
+    if let Some(beginning) = start {
+        pose_space::start(beginning, stage, split, &mut examples)?;
     }
     Ok(examples)
 }

@@ -7,11 +7,12 @@ use std::sync::atomic::AtomicBool;
 use burn::tensor::Device;
 use garnet_data::Split;
 use garnet_drape::{GarmentPackage, Manifest, MeasuredCost, Package, Variant};
-use garnet_net::{Checkpoint, ModelHeader, Moment, PoseSpace, Precision, TrainedRange};
+use garnet_net::{Checkpoint, ModelHeader, Moment, Precision, TrainedRange};
 use serde::Serialize;
 
 use crate::evaluate::evaluate_until;
 use crate::examples::examples;
+use crate::pose_space::Beginning;
 use crate::state::State;
 use crate::subject::{Example, Subject};
 use crate::validate::validate;
@@ -115,7 +116,7 @@ pub(crate) struct Job<'a> {
     pub(crate) stage: &'a Stage,
     pub(crate) subject: &'a Subject,
     /// What the network starts from, if not from the warp alone.
-    pub(crate) start: Option<&'a PoseSpace>,
+    pub(crate) start: Option<&'a Beginning>,
     /// Whether it becomes the default, be it the best or not.
     pub(crate) makes_default: bool,
 }

@@ -112,7 +112,7 @@ pub fn train(
     };
     let subject = Subject::new(&stage, network, &job.config.loss)?;
     let start = pose_space::start_of(&job.package, &stage, &subject.config)?;
-    let start_name = start.as_ref().map(|start| start.checksum().to_owned());
+    let start_name = start.as_ref().map(|start| start.space.checksum().to_owned());
     if let Some(state) = &state
         && state.progress.pose_space != start_name
     {

@@ -92,10 +92,10 @@ fn advice(error: &TrainError) -> Option<String> {
                 .to_owned()
         }
         TrainError::MoreScenes { .. } => {
-            "`--more` is for `--variant arrival`, `falling` and `midway`, which networks tell; leave it out".to_owned()
+            "`--more` is for deformations that networks tell, such as `--kind falling`; leave it out".to_owned()
         }
         TrainError::CannotLeaveOut { .. } => {
-            "fit it with `told_by = \"scenes\"` under `[pose_space]` of its configuration".to_owned()
+            "fit it on this data set, with `folds` under `[pose_space]` of its configuration above 1".to_owned()
         }
         TrainError::NotKept { .. } => {
             "make the data set anew: those of earlier versions and imported ones have drapes alone; or fit \
@@ -111,6 +111,9 @@ fn advice(error: &TrainError) -> Option<String> {
         }
         TrainError::Scene { .. } | TrainError::NotFinite { .. } | TrainError::Count { .. } => {
             "the data set is damaged or was made by hand: simulate it anew".to_owned()
+        }
+        TrainError::Starts { .. } => {
+            "fit the deformation anew: it is written with it".to_owned()
         }
         TrainError::State { .. } => {
             "remove the file to begin anew; the package keeps its weights".to_owned()

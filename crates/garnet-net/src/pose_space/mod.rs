@@ -24,7 +24,7 @@ mod regions;
 pub use features::{Aspect, Feature, Features};
 pub use file::PoseSpaceHeader;
 pub(crate) use file::SCHEMA;
-pub use regions::{Image, Layer, Region, RegionMirror, Regions, silu};
+pub use regions::{Image, Layer, Region, RegionMirror, Regions, silu, told};
 
 use std::collections::BTreeMap;
 

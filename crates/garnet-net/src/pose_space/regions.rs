@@ -74,6 +74,20 @@ impl Layer {
     }
 }
 
+/// What layers tell of [inputs](Region::inputs): the share of each shape, in metres.
+pub fn told(layers: &[Layer], inputs: Vec<f32>) -> Vec<f32> {
+    let mut values = inputs;
+    for (number, layer) in layers.iter().enumerate() {
+        if number > 0 {
+            for value in &mut values {
+                *value = silu(*value);
+            }
+        }
+        values = layer.applied(&values);
+    }
+    values
+}
+
 /// The sigmoid linear unit (*Elfwing et al. 2018*).
 pub fn silu(x: f32) -> f32 {
     x / (1.0 + (-x).exp())
@@ -95,16 +109,7 @@ impl Region {
 
     /// The share of each shape, in metres.
     fn shares(&self, owners: &[usize], center: &[f32], numbers: &[f32]) -> Vec<f32> {
-        let mut values = self.inputs(owners, center, numbers);
-        for (number, layer) in self.layers.iter().enumerate() {
-            if number > 0 {
-                for value in &mut values {
-                    *value = silu(*value);
-                }
-            }
-            values = layer.applied(&values);
-        }
-        values
+        told(&self.layers, self.inputs(owners, center, numbers))
     }
 
     /// Adds the shapes, by their shares, to the offsets of the garment `[vertex][3]`.

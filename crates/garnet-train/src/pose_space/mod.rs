@@ -7,6 +7,7 @@
 //! mirror image, too. Or small networks tell the shares of the shapes of [regions](regions) of the
 //! garment.
 
+mod folds;
 mod mirror;
 mod offsets;
 mod principal;
@@ -15,8 +16,9 @@ mod regression;
 mod relevance;
 mod scenes;
 mod start;
+mod starts;
 
-pub(crate) use start::{start, start_of};
+pub(crate) use start::{Beginning, start, start_of};
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -24,7 +26,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_data::{Dataset, Split};
 use garnet_drape::GarmentPackage;
-use garnet_net::pose_space::PoseSpaceParts;
+use garnet_net::pose_space::{PoseSpaceParts, deformation_name};
 use garnet_net::{Moment, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
 
@@ -32,12 +34,16 @@ use crate::examples::examples;
 use crate::publish::{HasSplits, add_variant, choose_default, named, scored_variant, weights_file};
 use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate_drapes};
-use crate::{EpochRecord, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained};
+use crate::{
+    EpochRecord, SceneName, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained,
+    training_folder,
+};
 use mirror::GarmentMirror;
 use offsets::Offsets;
 use regression::{Places, Regression};
 use relevance::Relevance;
 use scenes::{chosen, left_out_with};
+use starts::Starts;
 
 /// Scenes that differ in pose or shape are needed to tell what comes of that.
 const LEAST_SCENES: usize = 2;
@@ -57,10 +63,12 @@ pub struct PoseSpaceConfig {
     /// Whether each scene counts as its mirror image, too, if left and right of body and garment
     /// are alike.
     pub mirror: bool,
-    /// What tells the shares of the shapes; by default networks tell where cloth arrives, and
-    /// scenes where it rests: networks that mend a drape need to know how it would have been told
-    /// without each scene.
-    pub told_by: Option<ToldBy>,
+    /// What tells the shares of the shapes.
+    pub told_by: ToldBy,
+    /// Folds of bodies, and as many of sequences of poses, that are left out in turn to find out
+    /// how `pose-space` would have told each scene without its body and its sequence: networks that
+    /// start from it learn from that. As many fits as their square; 0 for none.
+    pub folds: u32,
     /// Principal shapes of each region that networks tell.
     pub region_shapes: u32,
     /// Scenes by which it is found out how much each feature counts in a region, at most.
@@ -89,22 +97,13 @@ impl Default for PoseSpaceConfig {
             searched: 1000,
             rounds: 5,
             mirror: true,
-            told_by: None,
+            told_by: ToldBy::Networks,
+            folds: 3,
             region_shapes: 80,
             region_searched: 1000,
             hidden: 384,
             passes: 80,
         }
-    }
-}
-
-impl PoseSpaceConfig {
-    fn told_by(&self, moment: Moment) -> ToldBy {
-        self.told_by.unwrap_or(if moment.is_rest() {
-            ToldBy::Scenes
-        } else {
-            ToldBy::Networks
-        })
     }
 }
 
@@ -117,7 +116,7 @@ pub(crate) fn fit(
     stop: &AtomicBool,
 ) -> Result<Trained, TrainError> {
     stage.check_moment(moment)?;
-    let told_by = job.config.pose_space.told_by(moment);
+    let told_by = job.config.pose_space.told_by;
     check_more(job, stage, told_by)?;
     let name = &job.recipe.name;
     let mut network = job.config.network_config()?;
@@ -125,6 +124,7 @@ pub(crate) fn fit(
     let mut subject = Subject::new(stage, network, &job.config.loss)?;
     subject.moment = moment;
     let train = examples(stage, &subject, Split::Train, None, observer)?;
+    let mut left_out = Vec::new();
     let (mut space, num_train) = match told_by {
         ToldBy::Scenes => {
             let count = train.len();
@@ -140,7 +140,14 @@ pub(crate) fn fit(
                 samples.extend(regions::samples_of(number, &more));
             }
             check_enough(samples.len())?;
-            let space = of_regions(&job.config, stage, &samples, observer, stop)?;
+            let folds = match job.config.pose_space.folds {
+                count if count > 0 && *name == deformation_name(Moment::Rest) => {
+                    folds::folds(&samples, count as usize)
+                }
+                _ => Vec::new(),
+            };
+            let space;
+            (space, left_out) = of_regions(&job.config, stage, &samples, &folds, observer, stop)?;
             (space, samples.len())
         }
     };
@@ -151,7 +158,9 @@ pub(crate) fn fit(
     // What is measured are the numbers that the file will have.
     let bytes = space.to_bytes(&path, job.config.precision)?;
     let rounded = PoseSpace::from_bytes(&path, &bytes)?;
+    let scenes: Vec<SceneName> = train.iter().map(|example| example.scene).collect();
     drop(train);
+    let rounded = Beginning::of(rounded);
     let mut scored = |split: Split| match stage.num_scenes(split) {
         Ok(_) => {
             let started = examples(stage, &subject, split, Some(&rounded), observer)?;
@@ -168,6 +177,8 @@ pub(crate) fn fit(
         space.scores.extend(found.unwrap_or_default());
     }
     space.save(&path, job.config.precision)?;
+    let folder = training_folder(&job.package, name);
+    Starts::of(&space, &scenes, &left_out).save(&folder)?;
 
     let test = scores(&test);
     let error = test.map(|test| test.distance);
@@ -267,22 +278,24 @@ fn record(
     }))
 }
 
-/// The deformation of the regions of the garment.
+/// The deformation of the regions of the garment, and what [`regions::Fitted::left_out`] has.
 fn of_regions(
     config: &TrainConfig,
     stage: &Stage,
     samples: &[regions::Sample],
+    folds: &[folds::Fold],
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
-) -> Result<PoseSpace, TrainError> {
+) -> Result<(PoseSpace, Vec<Vec<f32>>), TrainError> {
     let (asked, seed) = (&config.pose_space, config.seed);
-    let regions = regions::fitted(asked, seed, stage, samples, observer, stop)?;
+    let fitted = regions::fitted(asked, seed, stage, samples, folds, observer, stop)?;
     let range = TrainedRange::of(samples.iter().map(|sample| &sample.parameters));
     let range = range.ok_or(TrainError::EmptySplit {
         split: Split::Train,
     })?;
     let garment = stage.template().graph.fingerprint();
-    Ok(PoseSpace::of_regions(regions, garment, range)?)
+    let space = PoseSpace::of_regions(fitted.regions, garment, range)?;
+    Ok((space, fitted.left_out))
 }
 
 /// Numbers as a file keeps them.

@@ -12,20 +12,37 @@ use super::mirror::GarmentMirror;
 use super::offsets::halves;
 use super::regression::{Places, Regression};
 use super::scenes::left_out_with;
+use super::starts::Starts;
 use crate::subject::Example;
-use crate::{Stage, TrainError};
+use crate::{Stage, TrainError, training_folder};
+
+/// A deformation that networks start from.
+pub(crate) struct Beginning {
+    pub(crate) space: PoseSpace,
+    /// What it would have told scenes of the training that it had not seen; none if it has not been
+    /// found out.
+    starts: Option<Starts>,
+}
+
+impl Beginning {
+    /// Of a deformation that is to tell no scenes of the training.
+    pub(super) const fn of(space: PoseSpace) -> Self {
+        let starts = None;
+        Self { space, starts }
+    }
+}
 
 /// The deformation of a package that a network starts from, if it starts from one.
 ///
 /// # Errors
 ///
 /// [`TrainError::NoStart`] if the package has none, [`TrainError::Checkpoint`] if it cannot be
-/// read.
+/// read, [`TrainError::Starts`] if what is beside it is damaged.
 pub(crate) fn start_of(
     package: &Path,
     stage: &Stage,
     network: &GarNetConfig,
-) -> Result<Option<PoseSpace>, TrainError> {
+) -> Result<Option<Beginning>, TrainError> {
     stage.check_moment(Moment::Rest)?;
     let Some(moment) = network.start.deformation() else {
         return Ok(None);
@@ -40,7 +57,8 @@ pub(crate) fn start_of(
     if expected != found {
         return Err(garnet_net::NetError::OtherGarment { expected, found }.into());
     }
-    Ok(Some(space))
+    let starts = Starts::load(&training_folder(package, name), &space)?;
+    Ok(Some(Beginning { space, starts }))
 }
 
 /// Moves the warps of examples to where a network will find them.
@@ -50,41 +68,61 @@ pub(crate) fn start_of(
 /// the training is therefore moved as a deformation would move it that knows neither its body nor
 /// its sequence of poses.
 pub(crate) fn start(
-    space: &PoseSpace,
+    beginning: &Beginning,
     stage: &Stage,
     split: Split,
     examples: &mut [Example],
 ) -> Result<(), TrainError> {
-    let left_out = match split {
-        Split::Train => Some(left_out(space, stage, examples)?),
-        Split::Valid | Split::Test => None,
-    };
-    for (row, example) in examples.iter_mut().enumerate() {
-        let mut shares = space.coefficients(&example.parameters)?;
-        if let Some(left_out) = &left_out {
-            for (shape, share) in shares.iter_mut().enumerate() {
-                *share = left_out[(row, shape)] as f32;
-            }
+    let Beginning { space, starts } = beginning;
+    let all = match (split, space.regions(), starts) {
+        (Split::Valid | Split::Test, ..) => {
+            let numbers = examples.iter().map(|example| &example.parameters);
+            let shares = numbers.map(|numbers| space.coefficients(numbers));
+            shares.collect::<Result<_, _>>()?
         }
+        (Split::Train, None, _) => left_out(space, stage, examples)?,
+        (Split::Train, Some(_), Some(starts)) => known(space, stage, starts, examples)?,
+        (Split::Train, Some(_), None) => return Err(cannot_leave_out(space)),
+    };
+    for (example, shares) in examples.iter_mut().zip(all) {
         let warped = &mut example.warped;
         warped.positions = space.moved(&warped.positions, &warped.rotations, &shares)?;
     }
     Ok(())
 }
 
-/// The shares `[scene, shape]` that scenes would have if their bodies and sequences had been left
+fn cannot_leave_out(space: &PoseSpace) -> TrainError {
+    let name = space.record["variant"].as_str().unwrap_or_default();
+    TrainError::CannotLeaveOut {
+        name: name.to_owned(),
+    }
+}
+
+/// The shares `[scene][shape]` that were found out when the deformation was fitted.
+fn known(
+    space: &PoseSpace,
+    stage: &Stage,
+    starts: &Starts,
+    examples: &[Example],
+) -> Result<Vec<Vec<f32>>, TrainError> {
+    // Scenes of another data set may have the same numbers.
+    let dataset = stage.dataset.manifest.fingerprint().to_string();
+    if space.record["dataset"].as_str() != Some(&dataset) {
+        return Err(cannot_leave_out(space));
+    }
+    let of_scene = |example: &Example| starts.of_scene(example.scene).map(<[f32]>::to_vec);
+    let all: Option<Vec<Vec<f32>>> = examples.iter().map(of_scene).collect();
+    all.ok_or_else(|| cannot_leave_out(space))
+}
+
+/// The shares `[scene][shape]` that scenes would have if their bodies and sequences had been left
 /// out of the fit.
 fn left_out(
     space: &PoseSpace,
     stage: &Stage,
     examples: &[Example],
-) -> Result<Mat<f64>, TrainError> {
-    let parts = (space.parts()).ok_or_else(|| TrainError::CannotLeaveOut {
-        name: space.record["variant"]
-            .as_str()
-            .unwrap_or_default()
-            .to_owned(),
-    })?;
+) -> Result<Vec<Vec<f32>>, TrainError> {
+    let parts = space.parts().ok_or_else(|| cannot_leave_out(space))?;
     let places = |numbers: &dyn Fn(&Example) -> Vec<f32>| -> Result<Mat<f64>, TrainError> {
         let scaled: Vec<Vec<f32>> = (examples.iter())
             .map(|example| parts.scaled(&numbers(example)))
@@ -106,7 +144,7 @@ fn left_out(
         Some(mirror) => mirror.parity.clone(),
         None => vec![1.0; space.num_shapes()],
     };
-    let known = |example: &Example| -> Vec<f64> {
+    let shares_of = |example: &Example| -> Vec<f64> {
         let (mut even, odd) = halves(example, mirror.as_ref());
         for (offset, mean) in even.iter_mut().zip(&parts.mean) {
             *offset -= mean;
@@ -119,11 +157,14 @@ fn left_out(
         };
         shapes.zip(&parity).map(share).collect()
     };
-    let rows: Vec<Vec<f64>> = examples.par_iter().map(known).collect();
+    let rows: Vec<Vec<f64>> = examples.par_iter().map(shares_of).collect();
     let shares = Mat::from_fn(rows.len(), space.num_shapes(), |row, shape| {
         rows[row][shape]
     });
     let all: Vec<&Example> = examples.iter().collect();
     let (regression, _) = Regression::surely(&places, &shares, &parity, space.ridge);
-    Ok(shares - regression.left_out(&left_out_with(&all)))
+    let told = shares - regression.left_out(&left_out_with(&all));
+    let row = |row: usize| (0..told.ncols()).map(move |shape| (row, shape));
+    let rows = (0..told.nrows()).map(|number| row(number).map(|at| told[at] as f32).collect());
+    Ok(rows.collect())
 }

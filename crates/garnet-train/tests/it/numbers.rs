@@ -7,13 +7,14 @@ use toml::{Table, Value};
 use crate::invented::{Invented, run, tiny};
 
 /// Fields that may be zero.
-const MAY_BE_ZERO: [&str; 24] = [
+const MAY_BE_ZERO: [&str; 25] = [
     "seed",
     "warm_up",
     "max_gradient",
     "patience",
     "save_every",
     "pose_space.rounds",
+    "pose_space.folds",
     "loss.vertex",
     "loss.penetration",
     "loss.normal",
@@ -147,6 +148,10 @@ fn what_never_ended_is_refused_with_its_range() {
             "`pose_space.passes` is `5000000000`, but has to be from 1 to 100000",
         ),
         (
+            "[pose_space]\nfolds = 1",
+            "`pose_space.folds` is `1`, but has to be from 2 to 8",
+        ),
+        (
             "epochs = -3",
             "`epochs` is `-3`, but has to be from 1 to 1000000",
         ),
@@ -180,7 +185,7 @@ fn the_least_of_each_number_is_fitted_with() {
             region_searched: 1,
             hidden: 1,
             passes: 1,
-            told_by: Some(told_by),
+            told_by,
             ..PoseSpaceConfig::default()
         };
         let config = TrainConfig {

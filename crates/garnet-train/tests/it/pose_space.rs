@@ -2,13 +2,13 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use garnet_data::{Dataset, DatasetManifest, Moment, Split};
+use garnet_data::{BodyRecord, Dataset, DatasetManifest, Moment, Split};
 use garnet_drape::GarmentPackage;
 use garnet_mesh::Vector3;
 use garnet_net::PoseSpace;
 use garnet_sim::FALLEN;
 use garnet_train::{
-    Candidate, Finish, PoseSpaceConfig, Precision, Stage, ToldBy, TrainConfig, TrainError,
+    Candidate, Finish, PoseSpaceConfig, Precision, Stage, StagedScene, ToldBy, TrainConfig, TrainError,
     TrainEvent, TrainJob, evaluate, train,
 };
 
@@ -20,10 +20,10 @@ const ARRIVAL: &str = "arrival";
 const FALLING: &str = "falling";
 const MIDWAY: &str = "midway";
 
-/// Arrivals that scenes tell.
+/// What scenes tell.
 fn by_scenes() -> TrainConfig {
     let pose_space = PoseSpaceConfig {
-        told_by: Some(ToldBy::Scenes),
+        told_by: ToldBy::Scenes,
         ..PoseSpaceConfig::default()
     };
     TrainConfig {
@@ -32,7 +32,7 @@ fn by_scenes() -> TrainConfig {
     }
 }
 
-/// Arrivals that small networks tell.
+/// What small networks tell.
 fn by_networks(passes: u32) -> TrainConfig {
     let pose_space = PoseSpaceConfig {
         region_shapes: 4,
@@ -87,15 +87,101 @@ fn networks_tell_arrivals_of_several_data_sets() {
     assert!(space.parts().is_none());
     let moved = space.regions().unwrap();
     assert_eq!(moved.num_vertices(), space.num_vertices());
-    // What networks predict knows its scenes by heart.
-    let mut by_heart = by_networks(2);
-    by_heart.pose_space.told_by = Some(ToldBy::Networks);
-    run(&invented.job(POSE_SPACE, by_heart)).unwrap();
-    let error = run(&invented.job("mine", started(1))).unwrap_err();
+}
+
+/// One after the other: the start of networks, and how often regions were learned.
+fn fitted_in_folds(invented: &Invented, folds: u32) -> Vec<(u32, u32)> {
+    let mut config = by_networks(40);
+    config.pose_space.folds = folds;
+    let mut learned = Vec::new();
+    let mut observer = |event| {
+        if let TrainEvent::RegionLearned { pass, passes, .. } = event {
+            learned.push((pass, passes));
+        }
+    };
+    let job = invented.job(POSE_SPACE, config);
+    train(&job, &mut observer, &false.into()).unwrap();
+    learned
+}
+
+#[test]
+fn a_network_starts_where_networks_would_have_told_scenes_that_they_had_not_seen() {
+    let invented = Invented::new();
+    // Two bodies, two sequences: four folds.
+    let mut shard = invented.read(Split::Train);
+    let other = BodyRecord {
+        number: 1,
+        ..shard.bodies[0].clone()
+    };
+    shard.bodies.push(other);
+    for scene in &mut shard.scenes {
+        scene.body = u32::from(scene.pose > 2);
+        scene.sequence = format!("bend {}", scene.pose % 2);
+    }
+    invented.write(&shard);
+    let learned = fitted_in_folds(&invented, 2);
+    assert_eq!(learned.last(), Some(&(5 * 40, 5 * 40)));
+    let starts = "training/pose-space/starts.safetensors";
+    let bytes = [starts, "pose-space.safetensors"].map(|file| invented.bytes(file));
+    fitted_in_folds(&invented, 2);
+    let again = [starts, "pose-space.safetensors"].map(|file| invented.bytes(file));
+    assert!(bytes == again, "the same numbers come out again");
+
+    // A network starts farther off in the training than what knows the scenes by heart.
+    let mut terms = Vec::new();
+    let mut observer = |event| {
+        if let TrainEvent::Began(began) = event {
+            terms = began.terms;
+        }
+    };
+    let mut whole = invented.job("mine", started(1));
+    whole.config.accumulate = 6;
+    train(&whole, &mut observer, &false.into()).unwrap();
+    let left_out = terms[0].value;
+    let space = PoseSpace::load(&invented.package().join("pose-space.safetensors")).unwrap();
+    let by_heart = mean_square(&invented, &space);
+    println!("{left_out:.2e} left out, {by_heart:.2e} by heart");
+    assert!(left_out > 1.5 * by_heart, "{left_out} and {by_heart}");
+
+    // Other scenes, another fit and a damaged file are told.
+    let path = invented.package().join(starts);
+    let mut damaged = bytes[0].clone();
+    let last = damaged.len() - 1;
+    damaged[last] ^= 1;
+    std::fs::write(&path, damaged).unwrap();
+    let error = run(&invented.job("other", started(1))).unwrap_err();
+    assert!(matches!(error, TrainError::Starts { .. }), "{error}");
+    assert_eq!(fitted_in_folds(&invented, 0).last(), Some(&(40, 40)));
+    assert!(!path.exists());
+    std::fs::write(&path, &bytes[0]).unwrap();
+    let error = run(&invented.job("other", started(1))).unwrap_err();
     assert!(
         matches!(error, TrainError::CannotLeaveOut { .. }),
         "{error}"
     );
+}
+
+/// Of the distance of the scenes of the training from what a deformation tells, in units of 0.1 m.
+fn mean_square(invented: &Invented, space: &PoseSpace) -> f64 {
+    let sums = std::sync::Mutex::new((0.0, 0.0));
+    let take = |scene: StagedScene| {
+        let worn = &scene.worn;
+        let warped = scene.warped(garnet_skin::Warp::Shape, &scene.posed)?;
+        let numbers = worn.body.pose_and_shape(&scene.posed);
+        let shares = space.coefficients(&numbers).unwrap();
+        let places = space.moved(&warped.positions, &warped.rotations, &shares);
+        let mut sums = sums.lock().unwrap();
+        for (place, draped) in places.unwrap().iter().zip(&scene.draped) {
+            sums.0 += f64::from(100.0 * (place - draped).norm_squared());
+            sums.1 += 1.0;
+        }
+        Ok(())
+    };
+    stage(invented)
+        .for_each(Split::Train, take, &mut |()| Ok(()))
+        .unwrap();
+    let (sum, count) = sums.into_inner().unwrap();
+    sum / count
 }
 
 #[test]
@@ -127,7 +213,7 @@ fn cloth_that_has_not_settled_is_no_drape() {
 #[test]
 fn a_fit_that_is_stopped_while_scenes_settle_is_in_its_package() {
     let invented = Invented::new();
-    let job = invented.job(POSE_SPACE, TrainConfig::default());
+    let job = invented.job(POSE_SPACE, by_scenes());
     let stop = AtomicBool::new(false);
     let mut why = None;
     let mut observer = |event| match event {
@@ -149,10 +235,10 @@ fn a_fit_that_is_stopped_while_scenes_settle_is_in_its_package() {
 #[test]
 fn scenes_of_one_data_set_tell_drapes() {
     let invented = Invented::new();
-    for name in [POSE_SPACE, "local"] {
+    for (name, config) in [(POSE_SPACE, by_scenes()), ("local", tiny(1))] {
         let job = TrainJob {
             more: vec![invented.dataset()],
-            ..invented.job(name, tiny(1))
+            ..invented.job(name, config)
         };
         let error = run(&job).unwrap_err();
         assert!(matches!(error, TrainError::MoreScenes { .. }), "{error}");
@@ -180,7 +266,7 @@ fn one_scene_tells_no_deformation() {
     shard.scenes.truncate(1);
     invented.write(&shard);
     for (name, config) in [
-        (POSE_SPACE, TrainConfig::default()),
+        (POSE_SPACE, by_scenes()),
         (ARRIVAL, by_networks(2)),
     ] {
         let told = run(&invented.job(name, config)).unwrap_err().to_string();
@@ -195,7 +281,7 @@ fn what_was_not_validated_has_no_scores() {
     let mut shard = invented.read(Split::Valid);
     shard.scenes.clear();
     invented.write(&shard);
-    let fitted = run(&invented.job(POSE_SPACE, TrainConfig::default())).unwrap();
+    let fitted = run(&invented.job(POSE_SPACE, by_scenes())).unwrap();
     assert!(fitted.valid.is_none() && fitted.test.is_some());
     let space = PoseSpace::load(&fitted.weights).unwrap();
     assert!(!space.scores.contains_key("valid.distance_m"));
@@ -240,7 +326,7 @@ fn arrivals_are_learned_where_the_data_set_has_them() {
     assert_eq!(variant.settled_error, settled);
 
     // The same data tell the rest, and what is most of the way there.
-    let rest = run(&invented.job(POSE_SPACE, TrainConfig::default())).unwrap();
+    let rest = run(&invented.job(POSE_SPACE, by_scenes())).unwrap();
     let falling = run(&invented.job(FALLING, by_scenes())).unwrap();
     let all = [&fitted.weights, &rest.weights, &falling.weights];
     let [arrives, rests, falls] = all.map(|weights| {
@@ -374,7 +460,7 @@ fn a_ripple_that_grows_with_the_pose_is_found() {
             errors.push(left_out);
         }
     };
-    let job = invented.job(POSE_SPACE, TrainConfig::default());
+    let job = invented.job(POSE_SPACE, by_scenes());
     let fitted = train(&job, &mut observer, &false.into()).unwrap();
     let config = &job.config.pose_space;
     assert_eq!(errors.len(), config.rounds as usize + 1);
@@ -409,7 +495,7 @@ fn a_ripple_that_grows_with_the_pose_is_found() {
     // Half of the bits are enough for most of the numbers.
     let half = TrainConfig {
         precision: Precision::F16,
-        ..TrainConfig::default()
+        ..by_scenes()
     };
     let halved = run(&invented.job(POSE_SPACE, half)).unwrap();
     assert!((halved.best.valid.distance - valid).abs() < 5e-5);
@@ -428,7 +514,7 @@ fn a_network_goes_on_from_where_the_deformation_ends() {
     assert!(matches!(error, TrainError::NoStart { .. }), "{error}");
 
     // One shape that is known badly leaves something to learn.
-    let mut coarse = TrainConfig::default();
+    let mut coarse = by_scenes();
     coarse.pose_space.rounds = 0;
     let fitted = run(&invented.job(POSE_SPACE, coarse)).unwrap();
     let mut began = None;
@@ -453,7 +539,7 @@ fn a_network_goes_on_from_where_the_deformation_ends() {
     assert!((found.distance - expected.distance).abs() < 1e-9);
 
     // Another deformation is not the one that it was trained on.
-    let mut other = TrainConfig::default();
+    let mut other = by_scenes();
     other.pose_space.shapes = 1;
     run(&invented.job(POSE_SPACE, other)).unwrap();
     let found = evaluate(

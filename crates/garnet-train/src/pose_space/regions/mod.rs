@@ -14,9 +14,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
 use faer::Mat;
-use garnet_net::pose_space::{Feature, Features, Region, RegionMirror, Regions};
+use garnet_net::pose_space::{Feature, Features, Region, RegionMirror, Regions, told};
 use rayon::prelude::*;
 
+use super::folds::Fold;
 use super::mirror::GarmentMirror;
 use super::principal::principal_of;
 use super::scenes::evenly;
@@ -49,20 +50,34 @@ struct Ground<'a> {
     searched: Vec<usize>,
 }
 
-/// Fits the regions of a garment.
+/// What a fit comes to.
+pub(super) struct Fitted {
+    pub(super) regions: Regions,
+    /// The share of each shape, in metres, as fits tell it that have not seen the sample
+    /// `[sample][shape]`: of all regions, and with a mirror of their images. Zeros for samples that
+    /// no fold is for.
+    pub(super) left_out: Vec<Vec<f32>>,
+}
+
+/// Fits the regions of a garment, and once more for each fold.
+///
+/// Folds keep shapes, relevance and mean, which are of all samples: it is the networks that know
+/// drapes by heart.
 pub(super) fn fitted(
     asked: &PoseSpaceConfig,
     seed: u64,
     stage: &Stage,
     samples: &[Sample],
+    folds: &[Fold],
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
-) -> Result<Regions, TrainError> {
+) -> Result<Fitted, TrainError> {
     let mirror = asked.mirror.then(|| GarmentMirror::of(stage)).flatten();
     let layout = layout::Layout::of(stage, mirror.is_some());
     let mut ground = Ground::new(layout.features, samples, mirror.as_ref(), asked)?;
     let mean = ground.centered();
     let of = layout.shares.len() as u32;
+    let passes = asked.passes * (1 + folds.len() as u32);
     let (teller, told) = mpsc::channel();
     let regions = std::thread::scope(|scope| {
         let work = || {
@@ -73,13 +88,14 @@ pub(super) fn fitted(
                     // Nobody listens any more only after a panic.
                     teller.send((region, told)).is_ok() && !stop.load(Ordering::Relaxed)
                 };
-                ground.region(asked, share, seed.wrapping_add(u64::from(region)), tell)
+                let seed = seed.wrapping_add(u64::from(region));
+                ground.region(asked, share, seed, folds, tell)
             });
-            regions.collect::<Vec<Region>>()
+            regions.collect::<Vec<(Region, Vec<Vec<f32>>)>>()
         };
         let worker = scope.spawn(work);
         for (region, told) in told {
-            observer(told.event(asked, region, of));
+            observer(told.event([asked.rounds, passes], region, of));
         }
         worker.join()
     });
@@ -90,16 +106,29 @@ pub(super) fn fitted(
     let Ground {
         features, center, ..
     } = ground;
-    Ok(Regions {
+    // The images of all regions follow after all regions.
+    let sides = 1 + usize::from(mirror.is_some());
+    let of_sample = |sample: usize| -> Vec<f32> {
+        let sides = (0..sides).map(|side| side * samples.len() + sample);
+        let rows = sides.flat_map(|row| regions.iter().map(move |(_, told)| &told[row]));
+        rows.flatten().copied().collect()
+    };
+    let left_out = if folds.is_empty() {
+        Vec::new()
+    } else {
+        (0..samples.len()).map(of_sample).collect()
+    };
+    let regions = Regions {
         features,
         center,
         mean,
-        regions,
+        regions: regions.into_iter().map(|(region, _)| region).collect(),
         mirror: mirror.map(|mirror| RegionMirror {
             numbers: mirror.numbers().clone(),
             images: mirror.images().to_vec(),
         }),
-    })
+    };
+    Ok(Fitted { regions, left_out })
 }
 
 /// How far a region is.
@@ -111,20 +140,20 @@ enum Told {
 }
 
 impl Told {
-    fn event(self, asked: &PoseSpaceConfig, region: u32, regions: u32) -> TrainEvent {
+    fn event(self, [rounds, passes]: [u32; 2], region: u32, regions: u32) -> TrainEvent {
         match self {
             Self::Searched(round, left_out) => TrainEvent::RegionSearched {
                 region,
                 regions,
                 round,
-                rounds: asked.rounds,
+                rounds,
                 left_out,
             },
             Self::Learned(pass, loss) => TrainEvent::RegionLearned {
                 region,
                 regions,
                 pass,
-                passes: asked.passes,
+                passes,
                 loss,
             },
         }
@@ -175,8 +204,9 @@ impl<'a> Ground<'a> {
         asked: &PoseSpaceConfig,
         share: &[f32],
         seed: u64,
+        folds: &[Fold],
         tell: &mut dyn FnMut(Told) -> bool,
-    ) -> Region {
+    ) -> (Region, Vec<Vec<f32>>) {
         let vertices: Vec<u32> = (0..share.len() as u32)
             .filter(|&vertex| share[vertex as usize] > LEAST_SHARE)
             .collect();
@@ -216,20 +246,43 @@ impl<'a> Ground<'a> {
         let inputs: Vec<Vec<f32>> = (self.numbers.iter())
             .map(|numbers| region.inputs(&self.owners, &self.center, numbers))
             .collect();
-        let lesson = network::Lesson {
-            inputs: &inputs,
-            shares: &found.shares,
-            hidden: asked.hidden as usize,
-            passes: asked.passes,
-            seed,
+        let mut learned = |scenes: &[usize], number: u32| {
+            let lesson = network::Lesson {
+                inputs: &inputs,
+                shares: &found.shares,
+                scenes,
+                hidden: asked.hidden as usize,
+                passes: asked.passes,
+                seed: seed.wrapping_add(u64::from(number) << 32),
+            };
+            let before = number * asked.passes;
+            lesson.learned(&mut |pass, loss| tell(Told::Learned(before + pass, loss)))
         };
-        region.layers = lesson.learned(&mut |pass, loss| tell(Told::Learned(pass, loss)));
+        let all: Vec<usize> = (0..inputs.len()).collect();
+        region.layers = learned(&all, 0);
+        let count = self.samples.len();
+        let mut left_out = vec![vec![0.0; found.shares.ncols()]; inputs.len()];
+        for (number, fold) in (1..).zip(folds) {
+            let with_images = |samples: &[usize]| -> Vec<usize> {
+                let images = (0..inputs.len()).step_by(count.max(1));
+                let rows = images.flat_map(|first| samples.iter().map(move |row| first + row));
+                rows.collect()
+            };
+            // Of what nothing is known nothing is told but the mean.
+            if fold.learned.is_empty() {
+                continue;
+            }
+            let layers = learned(&with_images(&fold.learned), number);
+            for row in with_images(&fold.told) {
+                left_out[row] = told(&layers, inputs[row].clone());
+            }
+        }
         // A vertex is moved by as much as it counts.
         let rows = 3 * roots.len();
         for (place, number) in region.shapes.iter_mut().enumerate() {
             *number *= roots[place % rows / 3];
         }
-        region
+        (region, left_out)
     }
 }
 

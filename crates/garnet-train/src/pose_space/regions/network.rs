@@ -51,6 +51,8 @@ pub(super) struct Lesson<'a> {
     pub(super) inputs: &'a [Vec<f32>],
     /// What it is to tell `[scene, shape]`, in metres.
     pub(super) shares: &'a Mat<f64>,
+    /// The scenes that it learns from.
+    pub(super) scenes: &'a [usize],
     /// Numbers of each layer in the middle.
     pub(super) hidden: usize,
     /// Times that each scene is seen.
@@ -78,7 +80,7 @@ impl Lesson<'_> {
     /// nearer by it. `go_on` is told the passes that are done and the mean of that distance over
     /// the root mean square of the shares.
     pub(super) fn learned(&self, go_on: &mut dyn FnMut(u32, f64) -> bool) -> Vec<Layer> {
-        let (num_scenes, num_shapes) = (self.inputs.len(), self.shares.ncols());
+        let (num_scenes, num_shapes) = (self.scenes.len(), self.shares.ncols());
         let num_inputs = self.inputs.first().map_or(0, Vec::len);
         let device = Device::flex().autodiff();
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
@@ -92,7 +94,8 @@ impl Lesson<'_> {
         let mut network = Network {
             layers: layers.collect(),
         };
-        let count = (num_scenes * num_shapes).max(1) as f64;
+        // Of all scenes, whichever are learned from: it is a unit, not what they tell.
+        let count = (self.inputs.len() * num_shapes).max(1) as f64;
         let unit = (self.shares.squared_norm_l2() / count)
             .sqrt()
             .max(f64::MIN_POSITIVE);
@@ -100,7 +103,7 @@ impl Lesson<'_> {
         let root_of_shapes = (num_shapes.max(1) as f64).sqrt();
         let steps_a_pass = num_scenes.div_ceil(BATCH);
         let num_steps = steps_a_pass * self.passes as usize;
-        let mut order: Vec<usize> = (0..num_scenes).collect();
+        let mut order = self.scenes.to_vec();
         let mut step = 0;
         for pass in 0..self.passes {
             order.shuffle(&mut random);
@@ -184,9 +187,11 @@ mod tests {
             let [a, b] = at(scene).map(f64::from);
             0.01 * [a * b, a - b][shape]
         });
+        let all: Vec<usize> = (0..200).collect();
         let lesson = Lesson {
             inputs: &inputs,
             shares: &shares,
+            scenes: &all,
             hidden: 32,
             passes: 300,
             seed: 3,
