@@ -9,7 +9,7 @@ use garnet_mesh::Point3;
 use garnet_sim::Moment;
 use garnet_skin::Warp;
 
-use crate::pose_space::{PoseSpaceHeader, SCHEMA, deformation_name};
+use crate::pose_space::{PoseSpaceHeader, deformation_name, is_pose_space};
 use crate::{
     CheckpointError, CheckpointHeader, Cost, GarNetConfig, GarmentGraph, NetError, PoseSpace,
     SceneInput, TrainedRange, weight_file,
@@ -53,7 +53,7 @@ impl ModelFile {
         let bytes = weight_file::read(path)?;
         Ok(Self {
             path: path.to_path_buf(),
-            content: if weight_file::schema(path, &bytes)? == SCHEMA {
+            content: if is_pose_space(&weight_file::schema(path, &bytes)?) {
                 Content::PoseSpace(Box::new(PoseSpace::from_bytes(path, &bytes)?))
             } else {
                 network::check(path)?;
@@ -87,7 +87,7 @@ impl ModelHeader {
         let path = path.as_ref();
         let bytes = weight_file::read(path)?;
         let mut files = vec![path.to_path_buf()];
-        if weight_file::schema(path, &bytes)? == SCHEMA {
+        if is_pose_space(&weight_file::schema(path, &bytes)?) {
             let header = weight_file::parse::<PoseSpaceHeader>(path, &bytes)?.header;
             return Ok(Self {
                 checksum: header.checksum,

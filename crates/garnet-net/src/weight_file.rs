@@ -21,10 +21,22 @@ const KEY: &str = "garnet";
 /// How a text without its checksum says so.
 const UNSIGNED: &str = r#""checksum":"""#;
 
+/// How the name of the scales ends that belong to a tensor of 8 bits.
+const SCALE: &str = ".scale";
+
+/// The largest number of 8 bits.
+const MOST: f32 = 127.0;
+
 /// What a kind of file says about itself.
 pub(crate) trait Header: Serialize + DeserializeOwned {
-    /// The schema that this version reads and writes.
+    /// The schema of files whose numbers are stored as they are.
     const SCHEMA: &'static str;
+
+    /// The schema of files with tensors of 8 bits.
+    const PACKED: &'static str;
+
+    /// The schema of the file.
+    fn schema(&mut self) -> &mut String;
 
     /// Checksum of the text without it, and of names and numbers.
     fn checksum(&mut self) -> &mut String;
@@ -40,34 +52,92 @@ pub(crate) struct Parsed<'a, H> {
     tensors: SafeTensors<'a>,
 }
 
-impl Precision {
-    pub(crate) const fn dtype(self) -> Dtype {
-        match self {
-            Self::F32 => Dtype::F32,
-            Self::F16 => Dtype::F16,
-        }
-    }
+/// A tensor on its way into a file.
+#[derive(Debug)]
+pub(crate) struct Stored {
+    pub(crate) name: String,
+    shape: Vec<usize>,
+    dtype: Dtype,
+    bytes: Vec<u8>,
+}
 
-    /// A number as it comes back from a file.
+impl Stored {
+    /// As safetensors takes it.
+    pub(crate) fn view(&self, path: &Path) -> Result<TensorView<'_>, CheckpointError> {
+        let view = TensorView::new(self.dtype, self.shape.clone(), &self.bytes);
+        view.map_err(|source| not_safetensors(path, source))
+    }
+}
+
+impl Precision {
+    /// A number that stands alone, as it comes back from a file; those of 8 bits come in rows, and
+    /// have 16 bits alone.
     pub fn rounded(self, number: f32) -> f32 {
         match self {
             Self::F32 => number,
-            Self::F16 => f16::from_f32(number).to_f32(),
+            Self::F16 | Self::I8 => f16::from_f32(number).to_f32(),
         }
     }
 
-    /// Numbers as they are stored.
-    pub(crate) fn stored(self, numbers: &[f32]) -> Vec<u8> {
+    /// That of numbers for which 8 bits are too few.
+    pub(crate) const fn of_places(self) -> Self {
         match self {
-            Self::F32 => (numbers.iter())
-                .flat_map(|number| number.to_le_bytes())
-                .collect(),
-            Self::F16 => {
-                let halves = numbers.iter().map(|&number| f16::from_f32(number));
-                halves.flat_map(f16::to_le_bytes).collect()
-            }
+            Self::F32 => Self::F32,
+            Self::F16 | Self::I8 => Self::F16,
         }
     }
+
+    /// Numbers as they are stored: a tensor, and if it is of 8 bits its scales. What is no matrix
+    /// is not stored in 8 bits, but in 32.
+    pub(crate) fn stored(self, name: String, shape: Vec<usize>, numbers: &[f32]) -> Vec<Stored> {
+        let single = |name, shape, numbers: &[f32]| Stored {
+            name,
+            shape,
+            dtype: Dtype::F32,
+            bytes: (numbers.iter()).flat_map(|n| n.to_le_bytes()).collect(),
+        };
+        match self {
+            Self::F16 => {
+                let halves = numbers.iter().map(|&number| f16::from_f32(number));
+                vec![Stored {
+                    name,
+                    shape,
+                    dtype: Dtype::F16,
+                    bytes: halves.flat_map(f16::to_le_bytes).collect(),
+                }]
+            }
+            Self::I8 if shape.len() > 1 && !numbers.is_empty() => {
+                let row = numbers.len() / shape[0];
+                let (bytes, scales): (Vec<Vec<u8>>, Vec<f32>) =
+                    numbers.chunks_exact(row).map(packed).unzip();
+                let scale = single(name.clone() + SCALE, vec![shape[0]], &scales);
+                let tensor = Stored {
+                    name,
+                    shape,
+                    dtype: Dtype::I8,
+                    bytes: bytes.concat(),
+                };
+                vec![tensor, scale]
+            }
+            Self::F32 | Self::I8 => vec![single(name, shape, numbers)],
+        }
+    }
+}
+
+/// A row in 8 bits, and what its numbers are multiplied by: none, of a row that has a number that
+/// is none.
+fn packed(row: &[f32]) -> (Vec<u8>, f32) {
+    let most = row.iter().fold(0.0_f32, |most, number| most.max(number.abs()));
+    if !row.iter().all(|number| number.is_finite()) {
+        return (vec![0; row.len()], f32::NAN);
+    }
+    let scale = most / MOST;
+    if scale == 0.0 {
+        return (vec![0; row.len()], 0.0);
+    }
+    let byte = |number: &f32| (number / scale).round().clamp(-MOST, MOST) as i8;
+    let bytes = row.iter().flat_map(|number| byte(number).to_le_bytes());
+    (bytes.collect(), scale)
 }
 
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, CheckpointError> {
@@ -103,6 +173,8 @@ pub(crate) fn to_bytes<H: Header>(
 ) -> Result<Vec<u8>, CheckpointError> {
     views.sort_unstable_by_key(|(name, _)| *name);
     (views.iter()).try_for_each(|(name, view)| check(path, name, view))?;
+    let is_packed = views.iter().any(|(_, view)| view.dtype() == Dtype::I8);
+    *header.schema() = if is_packed { H::PACKED } else { H::SCHEMA }.to_owned();
     let text = |header: &H| {
         serde_json::to_string(header).map_err(|source| CheckpointError::Metadata {
             path: path.to_path_buf(),
@@ -157,7 +229,7 @@ pub(crate) fn parse<'a, H: Header>(
         expected: H::SCHEMA,
     };
     // The schema comes first: the rest of another version need not be understood.
-    if schema_in(&any) != H::SCHEMA {
+    if ![H::SCHEMA, H::PACKED].contains(&schema_in(&any)) {
         return Err(other(schema_in(&any).to_owned()));
     }
     let header: H = serde_json::from_value(any).map_err(|source| CheckpointError::Metadata {
@@ -199,6 +271,17 @@ pub(crate) fn checked<'a, H: Header>(
         });
     }
     (views.iter()).try_for_each(|(name, view)| check(path, name, view))?;
+    let is_packed = header.schema() == H::PACKED;
+    for (name, view) in &views {
+        if view.dtype() == Dtype::I8 && !(is_packed && has_scales(&tensors, name, view)) {
+            return Err(CheckpointError::Tensor {
+                path: path.to_path_buf(),
+                name: (*name).to_owned(),
+                found: "of 8 bits".to_owned(),
+                expected: format!("a scale for each row, in a file of schema `{}`", H::PACKED),
+            });
+        }
+    }
     Ok((header, tensors))
 }
 
@@ -221,12 +304,13 @@ fn check(path: &Path, name: &str, view: &TensorView<'_>) -> Result<(), Checkpoin
             .all(f32::is_finite),
         // Looked at as they are: there are millions.
         Dtype::F16 => halves(bytes).all(f16::is_finite),
+        Dtype::I8 => true,
         other => {
             return Err(CheckpointError::Tensor {
                 path: path.to_path_buf(),
                 name: name.to_owned(),
                 found: format!("of type {other:?}"),
-                expected: "F32 or F16".to_owned(),
+                expected: "F32, F16 or I8".to_owned(),
             });
         }
     };
@@ -238,8 +322,19 @@ fn check(path: &Path, name: &str, view: &TensorView<'_>) -> Result<(), Checkpoin
     })
 }
 
-/// The numbers of a tensor; none of another type than weights have.
-pub(crate) fn numbers(view: &TensorView<'_>) -> Option<Vec<f32>> {
+/// Whether a tensor of 8 bits has a scale for each row.
+fn has_scales(tensors: &SafeTensors<'_>, name: &str, view: &TensorView<'_>) -> bool {
+    let scales = tensors.tensor(&(name.to_owned() + SCALE));
+    let expected = view.shape().first().copied();
+    view.shape().len() > 1
+        && scales.is_ok_and(|scales| {
+            scales.dtype() == Dtype::F32 && Some(scales.data().len() / 4) == expected
+        })
+}
+
+/// The numbers of a tensor of a file that was [checked]; none if there is no such.
+pub(crate) fn numbers(tensors: &SafeTensors<'_>, name: &str) -> Option<Vec<f32>> {
+    let view = tensors.tensor(name).ok()?;
     let bytes = view.data();
     let single = |&number: &[u8; 4]| f32::from_le_bytes(number);
     match view.dtype() {
@@ -248,10 +343,86 @@ pub(crate) fn numbers(view: &TensorView<'_>) -> Option<Vec<f32>> {
             let halves: Vec<f16> = halves(bytes).collect();
             Some(halves.to_f32_vec())
         }
+        Dtype::I8 => {
+            let scales = tensors.tensor(&(name.to_owned() + SCALE)).ok()?;
+            let scales = scales.data().as_chunks().0.iter().map(single);
+            let row = bytes.len() / view.shape().first().copied()?.max(1);
+            let rows = bytes.chunks_exact(row.max(1)).zip(scales);
+            let numbers = rows.flat_map(|(row, scale)| {
+                let whole = |&byte: &u8| f32::from(i8::from_le_bytes([byte]));
+                row.iter().map(move |byte| scale * whole(byte))
+            });
+            Some(numbers.collect())
+        }
         _ => None,
     }
 }
 
+/// The bytes of a file that was [checked] with its matrices of 8 bits in 32, without scales; none
+/// if it has none of 8 bits.
+#[cfg(feature = "burn")]
+pub(crate) fn widened(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, CheckpointError> {
+    let failed = |source| not_safetensors(path, source);
+    let tensors = SafeTensors::deserialize(bytes).map_err(failed)?;
+    let is_packed = |name: &str| {
+        let view = tensors.tensor(name);
+        view.is_ok_and(|view| view.dtype() == Dtype::I8)
+    };
+    if !tensors.names().into_iter().any(|name| is_packed(name)) {
+        return Ok(None);
+    }
+    let mut wide = Vec::new();
+    for (name, view) in tensors.iter() {
+        if name.strip_suffix(SCALE).is_some_and(is_packed) {
+            continue;
+        }
+        let numbers = numbers(&tensors, name).unwrap_or_default();
+        wide.extend(Precision::F32.stored(name.to_owned(), view.shape().to_vec(), &numbers));
+    }
+    let views = wide.iter().map(|stored| Ok((&stored.name, stored.view(path)?)));
+    let views: Vec<_> = views.collect::<Result<_, CheckpointError>>()?;
+    safetensors::serialize(views, None).map(Some).map_err(failed)
+}
+
 fn halves(bytes: &[u8]) -> impl Iterator<Item = f16> {
     (bytes.as_chunks().0.iter()).map(|&number| f16::from_le_bytes(number))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eight_bits_are_off_by_half_a_step_at_most() {
+        let numbers: Vec<f32> = (0..60).map(|n| (n as f32 * 1.7).sin() * 10_f32.powi(n / 20)).collect();
+        let stored = Precision::I8.stored("m".to_owned(), vec![3, 4, 5], &numbers);
+        let names: Vec<&str> = stored.iter().map(|stored| stored.name.as_str()).collect();
+        assert_eq!(names, ["m", "m.scale"]);
+        let path = Path::new("m.safetensors");
+        let views = stored.iter().map(|stored| (&stored.name, stored.view(path).unwrap()));
+        let bytes = safetensors::serialize(views, None).unwrap();
+        let tensors = SafeTensors::deserialize(&bytes).unwrap();
+        let back = super::numbers(&tensors, "m").unwrap();
+        for (row, back) in numbers.chunks(20).zip(back.chunks(20)) {
+            let most = row.iter().fold(0.0_f32, |most, number| most.max(number.abs()));
+            for (number, back) in row.iter().zip(back) {
+                // Half a step, and the rounding of the product.
+                assert!((number - back).abs() <= most * (0.5 / MOST + 1e-6));
+            }
+        }
+        // What came back is stored as it is.
+        let again = Precision::I8.stored("m".to_owned(), vec![3, 4, 5], &back);
+        assert_eq!(again[0].bytes, stored[0].bytes);
+    }
+
+    #[test]
+    fn rows_of_nothing_and_numbers_that_are_none_are_told_apart() {
+        assert_eq!(packed(&[0.0, -0.0]), (vec![0, 0], 0.0));
+        assert!(packed(&[1.0, f32::NAN]).1.is_nan());
+        assert!(packed(&[1.0, f32::INFINITY]).1.is_nan());
+        // Too small for a step of their own.
+        assert_eq!(packed(&[1e-45, 0.0]), (vec![0, 0], 0.0));
+        let bias = Precision::I8.stored("b".to_owned(), vec![3], &[0.25; 3]);
+        assert!(bias.len() == 1 && bias[0].dtype == Dtype::F32);
+    }
 }

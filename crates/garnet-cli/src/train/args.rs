@@ -59,7 +59,7 @@ pub(crate) struct TrainArgs {
         allow_negative_numbers = true
     )]
     seed: Option<u64>,
-    /// Store the weights in so many bits: f32, or f16 for half the file.
+    /// Store the weights in so many bits: f32, f16 for half the file, or i8 for a quarter.
     #[arg(long, value_name = "BITS", value_parser = precision, conflicts_with = "resume")]
     precision: Option<Precision>,
     /// Start from these weights, in their size.
@@ -67,7 +67,7 @@ pub(crate) struct TrainArgs {
     pub(super) from: Option<PathBuf>,
     /// Learn from the training bodies of this data set, too.
     ///
-    /// For kinds that predict cloth on its way; with another seed, and of `garnet dataset --until`
+    /// For kinds of deformations; with another seed, and of `garnet dataset --until`
     /// that moment or later. May be given several times.
     #[arg(long, value_name = "DATASET")]
     more: Vec<PathBuf>,
@@ -91,7 +91,7 @@ A configuration names what differs from the defaults:
   learning_rate = 3e-3
   schedule = \"cosine\"       # or constant, steps
   accumulate = 1            # scenes a step
-  precision = \"f32\"         # of the weights in the package, or f16
+  precision = \"f32\"         # of the weights in the package, or f16, i8
   patience = 0              # stop after so many epochs without a better one
   [loss]                    # weights of the terms
   normal = 0.3
@@ -102,7 +102,8 @@ fn precision(text: &str) -> Result<Precision, String> {
     match text {
         "f32" => Ok(Precision::F32),
         "f16" => Ok(Precision::F16),
-        _ => Err("expected f32 or f16".to_owned()),
+        "i8" => Ok(Precision::I8),
+        _ => Err("expected f32, f16 or i8".to_owned()),
     }
 }
 

@@ -64,8 +64,8 @@ impl Checkpoint {
     pub fn to_bytes(&self, path: &Path, precision: Precision) -> Result<Vec<u8>, CheckpointError> {
         let tensors = tensors::collected(&self.model, precision);
         let mut views = Vec::new();
-        for (name, tensor) in &tensors {
-            views.push((name.as_str(), tensor.view(path, precision)?));
+        for tensor in &tensors {
+            views.push((tensor.name.as_str(), tensor.view(path)?));
         }
         let mut header = CheckpointHeader {
             schema: SCHEMA.to_owned(),

@@ -10,45 +10,29 @@ use burn::store::{
     ApplyError, FloatCastAdapter, ModuleSnapshot, SafetensorsStore, SafetensorsStoreError,
     burn_pack,
 };
-use burn::tensor::{Bytes, DType, Shape};
-use safetensors::tensor::TensorView;
+use burn::tensor::DType;
 
 use super::Precision;
-use crate::weight_file::not_safetensors;
+use crate::weight_file::{self, Stored, not_safetensors};
 use crate::{CheckpointError, GarNet};
 
-/// Numbers of a tensor on its way into a file.
-pub(super) struct Stored {
-    shape: Shape,
-    bytes: Bytes,
-}
-
-impl Stored {
-    /// As safetensors takes them.
-    pub(super) fn view(
-        &self,
-        path: &Path,
-        precision: Precision,
-    ) -> Result<TensorView<'_>, CheckpointError> {
-        let view = TensorView::new(precision.dtype(), self.shape.to_vec(), &self.bytes);
-        view.map_err(|source| not_safetensors(path, source))
-    }
-}
-
-/// The weights of a network by name.
-pub(super) fn collected(model: &GarNet, precision: Precision) -> BTreeMap<String, Stored> {
-    let dtype = match precision {
-        Precision::F32 => DType::F32,
-        Precision::F16 => DType::F16,
-    };
+/// The weights of a network in the order of their names.
+pub(super) fn collected(model: &GarNet, precision: Precision) -> Vec<Stored> {
     let read = |tensor: burn_pack::Tensor| {
         let parts = tensor.into_parts();
         let (name, _, shape, _, bytes) = parts.expect("the weights of a network can be read");
-        (name, Stored { shape, bytes })
+        let numbers: Vec<f32> = (bytes.as_chunks().0.iter())
+            .map(|&number| f32::from_le_bytes(number))
+            .collect();
+        (name, (shape.to_vec(), numbers))
     };
-    let adapter = Box::new(FloatCastAdapter::to(dtype));
+    let adapter = Box::new(FloatCastAdapter::to(DType::F32));
     let tensors = model.collect(None, Some(adapter), false);
-    tensors.into_iter().map(read).collect()
+    let tensors: BTreeMap<_, _> = tensors.into_iter().map(read).collect();
+    let stored = |(name, (shape, numbers)): (String, (Vec<usize>, Vec<f32>))| {
+        precision.stored(name, shape, &numbers)
+    };
+    tensors.into_iter().flat_map(stored).collect()
 }
 
 /// Puts the tensors of a file, which are checked, into a network.
@@ -57,6 +41,7 @@ pub(super) fn collected(model: &GarNet, precision: Precision) -> BTreeMap<String
 /// numbers of parameters, by which an optimizer knows them, and their derivatives are those of the
 /// network.
 pub(super) fn fill(model: &mut GarNet, path: &Path, bytes: Vec<u8>) -> Result<(), CheckpointError> {
+    let bytes = weight_file::widened(path, &bytes)?.unwrap_or(bytes);
     // The store is told to go on, for it then says what is wrong tensor by tensor, not in one text.
     let mut store = SafetensorsStore::from_bytes(Some(bytes))
         .with_from_adapter(FloatCastAdapter::to(DType::F32))

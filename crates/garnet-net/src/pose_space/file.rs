@@ -7,7 +7,6 @@ use std::path::Path;
 use garnet_mesh::write_atomically;
 use garnet_sim::Moment;
 use safetensors::SafeTensors;
-use safetensors::tensor::TensorView;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -15,11 +14,19 @@ use super::{
     Exchange, Features, Layer, Mirror, PoseSpace, PoseSpaceParts, Region, RegionMirror, Regions,
     Told,
 };
-use crate::weight_file::{self, Header, not_safetensors};
+use crate::weight_file::{self, Header};
 use crate::{CheckpointError, Precision, TrainedRange, UNIT};
 
-/// The schema that this version reads and writes.
-pub(crate) const SCHEMA: &str = "garnet-pose-space/2";
+/// The schema of files whose numbers are stored as they are.
+const SCHEMA: &str = "garnet-pose-space/2";
+
+/// The schema of files with shapes and weights of 8 bits, which earlier versions do not read.
+const PACKED: &str = "garnet-pose-space/3";
+
+/// Whether a schema is that of a pose-space deformation.
+pub(crate) fn is_pose_space(schema: &str) -> bool {
+    [SCHEMA, PACKED].contains(&schema)
+}
 
 /// What the file of a pose-space deformation says about itself.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -73,6 +80,11 @@ const IMAGES: &str = "images";
 
 impl Header for PoseSpaceHeader {
     const SCHEMA: &'static str = SCHEMA;
+    const PACKED: &'static str = PACKED;
+
+    fn schema(&mut self) -> &mut String {
+        &mut self.schema
+    }
 
     fn checksum(&mut self) -> &mut String {
         &mut self.checksum
@@ -99,17 +111,11 @@ impl PoseSpace {
             Told::ByRegions(regions) => of_regions(regions, precision),
         };
         let stored: Vec<_> = (tensors.into_iter())
-            .map(|(name, shape, numbers, precision)| {
-                (name, shape, precision.dtype(), precision.stored(&numbers))
-            })
+            .flat_map(|(name, shape, numbers, precision)| precision.stored(name, shape, &numbers))
             .collect();
         let mut views = Vec::with_capacity(stored.len());
-        for (name, shape, dtype, bytes) in &stored {
-            let view = TensorView::new(*dtype, shape.clone(), bytes);
-            views.push((
-                name.as_str(),
-                view.map_err(|source| not_safetensors(path, source))?,
-            ));
+        for tensor in &stored {
+            views.push((tensor.name.as_str(), tensor.view(path)?));
         }
         let mut header = PoseSpaceHeader {
             schema: SCHEMA.to_owned(),
@@ -187,7 +193,7 @@ fn of_scenes(parts: &PoseSpaceParts, precision: Precision) -> Vec<Stored<'_>> {
             "centers",
             vec![num_scenes, num_numbers],
             &parts.centers,
-            precision,
+            precision.of_places(),
         ),
         (
             "weights",
@@ -292,9 +298,7 @@ impl Reading<'_> {
     }
 
     fn part(&self, name: &str) -> Result<Vec<f32>, CheckpointError> {
-        let view = self.tensors.tensor(name).ok();
-        let numbers = view.and_then(|view| weight_file::numbers(&view));
-        numbers.ok_or_else(|| CheckpointError::Tensor {
+        weight_file::numbers(&self.tensors, name).ok_or_else(|| CheckpointError::Tensor {
             path: self.path.to_path_buf(),
             name: name.to_owned(),
             found: "missing".to_owned(),
@@ -413,6 +417,15 @@ mod tests {
         space.save(&path, Precision::F16).unwrap();
         assert_eq!(PoseSpace::load(&path).unwrap(), space);
         assert!(!space.checksum().is_empty());
+
+        // Eight bits have a schema of their own, and come back as what they were written from.
+        space.save(&path, Precision::I8).unwrap();
+        let packed = PoseSpace::load(&path).unwrap();
+        assert_eq!(packed, space);
+        let bytes = std::fs::read(&path).unwrap();
+        assert_eq!(weight_file::schema(&path, &bytes).unwrap(), PACKED);
+        assert_eq!(packed.clone().to_bytes(&path, Precision::I8).unwrap(), bytes);
+        space.save(&path, Precision::F16).unwrap();
 
         let regions = super::super::regions::tests::small();
         let (garment, range) = (space.garment, space.range.clone());

@@ -23,7 +23,7 @@ mod regions;
 
 pub use features::{Aspect, Feature, Features};
 pub use file::PoseSpaceHeader;
-pub(crate) use file::SCHEMA;
+pub(crate) use file::is_pose_space;
 pub use regions::{Image, Layer, Region, RegionMirror, Regions, silu, told};
 
 use std::collections::BTreeMap;
