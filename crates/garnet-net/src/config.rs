@@ -171,6 +171,17 @@ pub struct PoolingConfig {
     pub downscale: usize,
 }
 
+/// Mean and spread of each number that a network is told, over the scenes of its training: it is
+/// told how many spreads a number is from the mean. A spread of zero leaves the number out.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InputScaling {
+    /// Of the parameters of shape and pose `[number][2]`.
+    pub parameters: Vec<[f32; 2]>,
+    /// Of what vertices bring along `[feature][2]`.
+    pub vertices: Vec<[f32; 2]>,
+}
+
 /// All that determines the shape of a `GarNet`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -196,6 +207,24 @@ pub struct GarNetConfig {
     /// Mean edge length of the template, in metres: differences of coordinates are divided by it
     /// where mesh convolutions weigh neighbors.
     pub mean_edge_length: f32,
+    /// By which inputs are put on a like scale; none takes them as they are, as the paper does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scaling: Option<InputScaling>,
+}
+
+impl InputScaling {
+    /// Puts numbers on a like scale, row by row of as many as there are scales.
+    pub(crate) fn apply(scales: &[[f32; 2]], numbers: &mut [f32]) {
+        for row in numbers.chunks_exact_mut(scales.len().max(1)) {
+            for (number, &[mean, spread]) in row.iter_mut().zip(scales) {
+                *number = if spread > 0.0 {
+                    (*number - mean) / spread
+                } else {
+                    0.0
+                };
+            }
+        }
+    }
 }
 
 impl GarNetConfig {
@@ -258,7 +287,36 @@ impl GarNetConfig {
         count("num_body_parameters", self.num_body_parameters, least, 4096)?;
         count("body.points", self.body.points, 0, 1 << 20)?;
         length("body.reach", self.body.reach, 0.0)?;
-        length("mean_edge_length", self.mean_edge_length, 1e-6)
+        length("mean_edge_length", self.mean_edge_length, 1e-6)?;
+        let Some(scaling) = &self.scaling else {
+            return Ok(());
+        };
+        let expected = if self.has_body_parameters() {
+            self.num_body_parameters
+        } else {
+            0
+        };
+        let found = scaling.parameters.len();
+        count("scaling.parameters", found, expected, expected)?;
+        let (found, expected) = (scaling.vertices.len(), self.num_vertex_features());
+        count("scaling.vertices", found, expected, expected)?;
+        let scales = scaling.parameters.iter().chain(&scaling.vertices);
+        for &[mean, spread] in scales {
+            for (field, value, min) in [
+                ("scaling mean", f64::from(mean), -1e6),
+                ("scaling spread", f64::from(spread), 0.0),
+            ] {
+                if !(min..=1e6).contains(&value) {
+                    return Err(NetError::Config {
+                        field,
+                        value,
+                        min,
+                        max: 1e6,
+                    });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Whether the garment stream has mesh convolutions.

@@ -66,6 +66,8 @@ mod reference_stage;
 #[cfg(feature = "burn")]
 mod scene;
 mod scene_input;
+#[cfg(feature = "burn")]
+mod scene_scaling;
 mod trained_range;
 mod weight_file;
 
@@ -75,8 +77,8 @@ pub use body_sampling::BodySampling;
 pub use checkpoint::Checkpoint;
 pub use checkpoint::{CheckpointHeader, Precision};
 pub use config::{
-    BodyStreamConfig, Frame, GarNetConfig, GarmentStreamConfig, PoolingConfig, Start, StnConfig,
-    UNIT, Variant, VertexInput,
+    BodyStreamConfig, Frame, GarNetConfig, GarmentStreamConfig, InputScaling, PoolingConfig, Start,
+    StnConfig, UNIT, Variant, VertexInput,
 };
 pub use cost::Cost;
 pub use error::{CheckpointError, NetError};
@@ -96,4 +98,6 @@ pub use reference_stage::ReferenceStage;
 #[cfg(feature = "burn")]
 pub use scene::{Scene, SceneNeighbors};
 pub use scene_input::SceneInput;
+#[cfg(feature = "burn")]
+pub use scene_scaling::ScalingSums;
 pub use trained_range::TrainedRange;

@@ -162,6 +162,7 @@ impl GarNetConfig {
         self.start = Start::Shape;
         self.frame = Frame::Skin;
         self.body.normals = true;
+        self.body.parameters = vec![self.body.global; 2];
         self.garment.inputs = vec![
             VertexInput::Template,
             VertexInput::BodyOffset,
@@ -210,6 +211,7 @@ impl GarNetConfig {
             num_sewing_parameters: 0,
             num_body_parameters: 0,
             mean_edge_length: 0.01,
+            scaling: None,
         }
     }
 }

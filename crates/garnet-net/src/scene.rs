@@ -8,7 +8,8 @@ use garnet_mesh::{MAX_COORDINATE, Point3, Vector3};
 use nalgebra::{Matrix3, UnitQuaternion};
 
 use crate::{
-    BodySampling, Frame, GarNetConfig, GarmentGraph, NetError, SceneInput, UNIT, VertexInput,
+    BodySampling, Frame, GarNetConfig, GarmentGraph, InputScaling, NetError, SceneInput, UNIT,
+    VertexInput,
 };
 
 /// The arrays of a scene, in the root frame and in units of 0.1 m.
@@ -129,6 +130,13 @@ impl Scene {
         }
         self.parameters.clear();
         self.parameters.extend_from_slice(input.parameters);
+        if let Some(scaling) = config
+            .scaling
+            .as_ref()
+            .filter(|_| config.has_body_parameters())
+        {
+            InputScaling::apply(&scaling.parameters, &mut self.parameters);
+        }
         self.body_points.clear();
         self.body_normals.clear();
         let used: Vec<Point3> = (sampling.used().iter())
@@ -246,6 +254,9 @@ impl Scene {
                 }
             }
             self.features.extend_from_slice(garment.sewing_parameters());
+        }
+        if let Some(scaling) = &config.scaling {
+            InputScaling::apply(&scaling.vertices, &mut self.features);
         }
     }
 

@@ -127,7 +127,9 @@ impl Precision {
 /// A row in 8 bits, and what its numbers are multiplied by: none, of a row that has a number that
 /// is none.
 fn packed(row: &[f32]) -> (Vec<u8>, f32) {
-    let most = row.iter().fold(0.0_f32, |most, number| most.max(number.abs()));
+    let most = row
+        .iter()
+        .fold(0.0_f32, |most, number| most.max(number.abs()));
     if !row.iter().all(|number| number.is_finite()) {
         return (vec![0; row.len()], f32::NAN);
     }
@@ -379,9 +381,13 @@ pub(crate) fn widened(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Chec
         let numbers = numbers(&tensors, name).unwrap_or_default();
         wide.extend(Precision::F32.stored(name.to_owned(), view.shape().to_vec(), &numbers));
     }
-    let views = wide.iter().map(|stored| Ok((&stored.name, stored.view(path)?)));
+    let views = wide
+        .iter()
+        .map(|stored| Ok((&stored.name, stored.view(path)?)));
     let views: Vec<_> = views.collect::<Result<_, CheckpointError>>()?;
-    safetensors::serialize(views, None).map(Some).map_err(failed)
+    safetensors::serialize(views, None)
+        .map(Some)
+        .map_err(failed)
 }
 
 fn halves(bytes: &[u8]) -> impl Iterator<Item = f16> {
@@ -394,17 +400,23 @@ mod tests {
 
     #[test]
     fn eight_bits_are_off_by_half_a_step_at_most() {
-        let numbers: Vec<f32> = (0..60).map(|n| (n as f32 * 1.7).sin() * 10_f32.powi(n / 20)).collect();
+        let numbers: Vec<f32> = (0..60)
+            .map(|n| (n as f32 * 1.7).sin() * 10_f32.powi(n / 20))
+            .collect();
         let stored = Precision::I8.stored("m".to_owned(), vec![3, 4, 5], &numbers);
         let names: Vec<&str> = stored.iter().map(|stored| stored.name.as_str()).collect();
         assert_eq!(names, ["m", "m.scale"]);
         let path = Path::new("m.safetensors");
-        let views = stored.iter().map(|stored| (&stored.name, stored.view(path).unwrap()));
+        let views = stored
+            .iter()
+            .map(|stored| (&stored.name, stored.view(path).unwrap()));
         let bytes = safetensors::serialize(views, None).unwrap();
         let tensors = SafeTensors::deserialize(&bytes).unwrap();
         let back = super::numbers(&tensors, "m").unwrap();
         for (row, back) in numbers.chunks(20).zip(back.chunks(20)) {
-            let most = row.iter().fold(0.0_f32, |most, number| most.max(number.abs()));
+            let most = row
+                .iter()
+                .fold(0.0_f32, |most, number| most.max(number.abs()));
             for (number, back) in row.iter().zip(back) {
                 // Half a step, and the rounding of the product.
                 assert!((number - back).abs() <= most * (0.5 / MOST + 1e-6));

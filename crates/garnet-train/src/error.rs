@@ -193,7 +193,9 @@ pub enum TrainError {
         path: PathBuf,
     },
     /// A network is to start from what knows the scenes of its training by heart.
-    #[error("it is not known how `{name}` would have told the scenes of this data set if it had not seen them")]
+    #[error(
+        "it is not known how `{name}` would have told the scenes of this data set if it had not seen them"
+    )]
     CannotLeaveOut {
         /// The deformation.
         name: String,

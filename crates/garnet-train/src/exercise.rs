@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use burn::optim::{AdamConfig, ModuleOptimizer};
+use burn::optim::ModuleOptimizer;
 use burn::tensor::Device;
 use garnet_data::Split;
 use garnet_mesh::{Point3, TriMesh, vertex_normals};
@@ -12,6 +12,7 @@ use garnet_skin::WarpedGarment;
 use nalgebra::{Isometry3, UnitQuaternion};
 
 use crate::lesson::lesson;
+use crate::state::optimizer;
 use crate::subject::{Example, Subject};
 use crate::{SceneName, TrainConfig, TrainError};
 
@@ -81,10 +82,11 @@ impl Exercise {
             parameters: vec![0.0; subject.config.num_body_parameters],
             draped: draped.to_vec(),
             neighbors: OnceLock::new(),
+            mirrored_neighbors: OnceLock::new(),
         };
         Ok(Self {
             model: subject.config.init(config.seed, &device)?,
-            optimizer: AdamConfig::new().init(),
+            optimizer: optimizer(config),
             learning_rate: config.learning_rate,
             subject,
             example,

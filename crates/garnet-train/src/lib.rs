@@ -49,6 +49,7 @@ mod gallery;
 mod gradients;
 mod lesson;
 mod measure;
+mod mirrored;
 mod network_input;
 mod percentiles;
 mod pose_space;
@@ -63,6 +64,7 @@ mod state;
 mod subject;
 mod trainer;
 mod validate;
+mod weights_mean;
 
 pub use config::{Choice, TrainConfig};
 pub use curves::{Curve, Curves};

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 use burn::module::{Module, ModuleVisitor, Param};
-use burn::optim::{AdamConfig, ModuleOptimizer, OptimizerRecord};
+use burn::optim::{AdamConfig, AdamWConfig, ModuleOptimizer, OptimizerRecord};
 use burn::store::RecordError;
 use burn::tensor::{Bytes, Device, Tensor};
 use burn_pack::{DType, Reader};
@@ -28,6 +28,9 @@ const UNSIGNED: &str = r#""checksum":"""#;
 
 /// The parts of a file: what the optimizer knows, and two weight files.
 const PARTS: [&str; 3] = ["adam", "best", "model"];
+
+/// One more weight file, where the mean of weights is taken.
+const MEAN: &str = "mean";
 
 /// Where a training is, apart from its numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -108,6 +111,8 @@ pub(crate) struct State {
     /// The best model so far.
     pub(crate) best: GarNet,
     pub(crate) optimizer: ModuleOptimizer,
+    /// The mean of the weights over the steps, if it is taken.
+    pub(crate) mean: Option<GarNet>,
 }
 
 /// The file of a state in the folder of a training.
@@ -137,9 +142,11 @@ impl State {
         let (model, best) = (weights(&self.model)?, weights(&self.best)?);
         let adam = canonical(&self.optimizer);
         let adam = adam.map_err(|error| unsound(error.to_string()))?;
-        let parts: [&[u8]; 3] = [&adam, &best, &model];
+        let mean = self.mean.as_ref().map(weights).transpose()?;
+        let mut parts: Vec<&[u8]> = vec![&adam, &best, &model];
+        parts.extend(mean.as_deref());
         let mut views = Vec::new();
-        for (name, bytes) in PARTS.into_iter().zip(parts) {
+        for (name, &bytes) in PARTS.into_iter().chain([MEAN]).zip(&parts) {
             let view = TensorView::new(Dtype::U8, vec![bytes.len()], bytes);
             views.push((name, view.map_err(|error| unsound(error.to_string()))?));
         }
@@ -149,7 +156,7 @@ impl State {
         };
         let text = serde_json::to_string(&unsigned);
         let text = text.map_err(|error| unsound(error.to_string()))?;
-        let text = text.replacen(UNSIGNED, &signed(checksum(&text, parts)), 1);
+        let text = text.replacen(UNSIGNED, &signed(checksum(&text, &parts)), 1);
         let bytes = safetensors::serialize(views, Some(HashMap::from([(KEY.to_owned(), text)])));
         let bytes = bytes.map_err(|error| unsound(error.to_string()))?;
         Ok(write_atomically(&path, |writer| writer.write_all(&bytes))?)
@@ -159,22 +166,43 @@ impl State {
     pub(crate) fn load(folder: &Path, device: &Device) -> Result<Self, TrainError> {
         let path = state_file(folder);
         let bytes = read(&path)?;
-        let (progress, [adam, best, model]) = sound(&path, &bytes)?;
+        let (progress, parts) = sound(&path, &bytes)?;
         let unsound = |reason: String| TrainError::State {
             path: path.clone(),
             reason,
         };
         let weights = |bytes: &[u8]| Checkpoint::from_bytes(&path, bytes.to_vec(), device);
-        let (model, best) = (weights(model)?.model, weights(best)?.model);
-        if model.config() != best.config() {
-            return Err(unsound("its two networks differ".to_owned()));
+        let (model, best) = (weights(parts[2])?.model, weights(parts[1])?.model);
+        let mean = match parts.get(3) {
+            Some(mean) => Some(weights(mean)?.model),
+            None => None,
+        };
+        let all = [Some(&best), mean.as_ref()];
+        if all
+            .into_iter()
+            .flatten()
+            .any(|other| other.config() != model.config())
+        {
+            return Err(unsound("its networks differ".to_owned()));
         }
+        if mean.is_some() != (progress.config.mean_of_weights > 0.0) {
+            return Err(unsound(
+                "it has no mean of weights, or one too many".to_owned(),
+            ));
+        }
+        let optimizer = optimizer(&progress.config);
         Ok(Self {
-            optimizer: optimizer_of(&model, adam).map_err(unsound)?,
+            optimizer: optimizer_of(optimizer, &model, parts[0]).map_err(unsound)?,
+            mean,
             progress,
             model,
             best,
         })
+    }
+
+    /// The network that is validated.
+    pub(crate) fn judged(&self) -> &GarNet {
+        self.mean.as_ref().unwrap_or(&self.model)
     }
 
     /// What a file tells of its progress, if there is one.
@@ -190,17 +218,51 @@ impl State {
     /// The first state of a training from these weights.
     pub(crate) fn new(progress: Progress, model: GarNet) -> Self {
         Self {
+            optimizer: optimizer(&progress.config),
+            mean: (progress.config.mean_of_weights > 0.0).then(|| model.clone()),
             progress,
             best: model.clone(),
             model,
-            optimizer: adam(),
         }
     }
 }
 
-/// Adam with the constants of its authors (*Kingma and Ba 2015*).
-fn adam() -> ModuleOptimizer {
-    AdamConfig::new().init()
+/// Adam (*Kingma and Ba 2015*), or where weights shrink AdamW (*Loshchilov and Hutter 2019*).
+pub(crate) fn optimizer(config: &TrainConfig) -> ModuleOptimizer {
+    let epsilon = config.epsilon as f32;
+    if config.weight_decay > 0.0 {
+        let optimizer = AdamWConfig::new().with_epsilon(epsilon);
+        return optimizer
+            .with_weight_decay(config.weight_decay as f32)
+            .init();
+    }
+    AdamConfig::new().with_epsilon(epsilon).init()
+}
+
+/// What states of before said nothing of, as it was then.
+fn completed(any: &mut serde_json::Value) {
+    let Some(config) = any
+        .get_mut("config")
+        .and_then(serde_json::Value::as_object_mut)
+    else {
+        return;
+    };
+    if config.contains_key("weight_decay") {
+        return;
+    }
+    let before = serde_json::json!({
+        "weight_decay": 0.0,
+        "epsilon": 1e-5,
+        "mean_of_weights": 0.0,
+        "mirror": false,
+        "standardize": false,
+    });
+    config.extend(before.as_object().cloned().unwrap_or_default());
+    let space = config.get_mut("pose_space");
+    let space = space.and_then(serde_json::Value::as_object_mut);
+    if let Some(space) = space.filter(|space| space["told_by"].is_null()) {
+        space.remove("told_by");
+    }
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, TrainError> {
@@ -211,7 +273,7 @@ fn read(path: &Path) -> Result<Vec<u8>, TrainError> {
 }
 
 /// What a file tells of its progress and its parts, if they are those that were written.
-fn sound<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Progress, [&'a [u8]; 3]), TrainError> {
+fn sound<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Progress, Vec<&'a [u8]>), TrainError> {
     let unsound = |reason: String| TrainError::State {
         path: path.to_path_buf(),
         reason,
@@ -220,26 +282,28 @@ fn sound<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Progress, [&'a [u8]; 3]), 
         SafeTensors::read_metadata(bytes).map_err(|error| unsound(error.to_string()))?;
     let text = metadata.metadata().as_ref().and_then(|map| map.get(KEY));
     let text = text.ok_or_else(|| unsound(format!("it has no `{KEY}` in its metadata")))?;
-    let any: serde_json::Value =
+    let mut any: serde_json::Value =
         serde_json::from_str(text).map_err(|error| unsound(error.to_string()))?;
     let schema = any.get("schema").and_then(serde_json::Value::as_str);
     if schema != Some(SCHEMA) {
         let found = schema.unwrap_or("none");
         return Err(unsound(format!("its schema is `{found}`, not `{SCHEMA}`")));
     }
+    completed(&mut any);
     let progress: Progress =
         serde_json::from_value(any).map_err(|error| unsound(error.to_string()))?;
     let tensors = SafeTensors::deserialize(bytes);
     let tensors = tensors.map_err(|error| unsound(error.to_string()))?;
-    let mut parts = [&bytes[..0]; 3];
-    for (part, name) in parts.iter_mut().zip(PARTS) {
+    let mut parts = Vec::new();
+    for name in PARTS {
         let view = tensors.tensor(name);
-        *part = view.map_err(|error| unsound(error.to_string()))?.data();
+        parts.push(view.map_err(|error| unsound(error.to_string()))?.data());
     }
+    parts.extend(tensors.tensor(MEAN).ok().map(|view| view.data()));
     if !progress.checksum.is_empty() {
         let found = checksum(
             &text.replacen(&signed(&progress.checksum), UNSIGNED, 1),
-            parts,
+            &parts,
         );
         if found.to_string() != progress.checksum {
             let expected = &progress.checksum;
@@ -261,9 +325,11 @@ fn signed(checksum: impl std::fmt::Display) -> String {
 }
 
 /// Of the unsigned text and of the parts.
-fn checksum(text: &str, parts: [&[u8]; 3]) -> Fingerprint {
-    let sums = parts.map(|part| Fingerprint::of_bytes(part).to_string());
-    Fingerprint::of_bytes((text.to_owned() + &sums.concat()).as_bytes())
+fn checksum(text: &str, parts: &[&[u8]]) -> Fingerprint {
+    let sums = parts
+        .iter()
+        .map(|part| Fingerprint::of_bytes(part).to_string());
+    Fingerprint::of_bytes((text.to_owned() + &sums.collect::<String>()).as_bytes())
 }
 
 /// The bytes of what an optimizer knows, weight by weight in the order of their names: the
@@ -276,7 +342,11 @@ fn canonical(optimizer: &ModuleOptimizer) -> Result<Bytes, RecordError> {
 ///
 /// What is told of weights that the model does not have, or in another form, would be left out
 /// without a word, or end the program.
-fn optimizer_of(model: &GarNet, bytes: &[u8]) -> Result<ModuleOptimizer, String> {
+fn optimizer_of(
+    new: ModuleOptimizer,
+    model: &GarNet,
+    bytes: &[u8],
+) -> Result<ModuleOptimizer, String> {
     let mut shapes = Shapes::default();
     model.visit(&mut shapes);
     let ours = || Bytes::from_bytes_vec(bytes.to_vec());
@@ -301,7 +371,7 @@ fn optimizer_of(model: &GarNet, bytes: &[u8]) -> Result<ModuleOptimizer, String>
             return Err(format!("`{name}` is of no weight of the network"));
         }
     }
-    let optimizer = adam().from_bytes(ours());
+    let optimizer = new.from_bytes(ours());
     let optimizer = optimizer.map_err(|error| error.to_string())?;
     let told = OptimizerRecord::from_bytes(ours()).and_then(OptimizerRecord::into_bytes);
     let told = told.map_err(|error| error.to_string())?;
@@ -364,7 +434,25 @@ mod tests {
         for field in ["first_terms", "checksum"] {
             before.as_object_mut().unwrap().remove(field);
         }
-        let found: Progress = serde_json::from_value(before).unwrap();
+        let found: Progress = serde_json::from_value(before.clone()).unwrap();
         assert_eq!(found, progress);
+        // They were trained as was usual then.
+        let config = before["config"].as_object_mut().unwrap();
+        for field in [
+            "weight_decay",
+            "epsilon",
+            "mean_of_weights",
+            "mirror",
+            "standardize",
+        ] {
+            config.remove(field).unwrap();
+        }
+        config["pose_space"]["told_by"] = serde_json::Value::Null;
+        completed(&mut before);
+        let found: Progress = serde_json::from_value(before).unwrap();
+        let config = found.config;
+        let usual = (config.weight_decay, config.epsilon, config.mean_of_weights);
+        assert_eq!(usual, (0.0, 1e-5, 0.0));
+        assert!(!config.mirror && !config.standardize);
     }
 }

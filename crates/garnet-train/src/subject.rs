@@ -43,6 +43,8 @@ pub(crate) struct Example {
     pub(crate) draped: Vec<Point3>,
     /// Found when the scene is first prepared: the search takes longer than all other preparation.
     pub(crate) neighbors: OnceLock<Option<SceneNeighbors>>,
+    /// The same of its mirror image.
+    pub(crate) mirrored_neighbors: OnceLock<Option<SceneNeighbors>>,
 }
 
 /// An example as a step of training takes it.
@@ -106,6 +108,7 @@ impl Subject {
             parameters: worn.body.pose_and_shape(&posed),
             draped: staged.cloth_at(self.moment)?.into_owned(),
             neighbors: OnceLock::new(),
+            mirrored_neighbors: OnceLock::new(),
         })
     }
 

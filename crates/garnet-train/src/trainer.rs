@@ -11,23 +11,27 @@ use garnet_data::{Dataset, Split};
 use garnet_drape::GarmentPackage;
 use garnet_mesh::Fingerprint;
 use garnet_net::losses::LossValue;
-use garnet_net::{Checkpoint, GarNet, GarNetConfig};
+use garnet_net::{Checkpoint, GarNet, GarNetConfig, InputScaling, ScalingSums};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::examples::examples;
 use crate::lesson::lesson;
+use crate::mirrored::SceneMirror;
 use crate::run_log::RunLog;
 use crate::state::{EpochSums, FirstTerm, Progress, State, state_file};
 use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate};
 use crate::{
     Began, Choice, EpochRecord, Recipe, Stage, TrainConfig, TrainError, TrainEvent, Trained,
-    gradients, kind_name, pose_space, publish,
+    gradients, kind_name, pose_space, publish, weights_mean,
 };
 
 /// Scenes whose terms are told before the first step.
 const FIRST_SCENES: usize = 8;
+
+/// Scenes that tell how much inputs change, at most.
+const SCALING_SCENES: usize = 500;
 
 /// So many scenes in a row without a step, and a training has diverged.
 const MAX_SKIPPED: u32 = 20;
@@ -110,9 +114,11 @@ pub fn train(
         (None, Some(base)) => base.checkpoint.model.config().clone(),
         (None, None) => new_network(&job.config, &stage)?,
     };
-    let subject = Subject::new(&stage, network, &job.config.loss)?;
+    let mut subject = Subject::new(&stage, network, &job.config.loss)?;
     let start = pose_space::start_of(&job.package, &stage, &subject.config)?;
-    let start_name = start.as_ref().map(|start| start.space.checksum().to_owned());
+    let start_name = start
+        .as_ref()
+        .map(|start| start.space.checksum().to_owned());
     if let Some(state) = &state
         && state.progress.pose_space != start_name
     {
@@ -122,6 +128,10 @@ pub fn train(
     if let Some(other) = other {
         let base = other.path.display().to_string();
         return Err(TrainError::OtherStart { base });
+    }
+    let train = examples(&stage, &subject, Split::Train, start.as_ref(), observer)?;
+    if state.is_none() && base.is_none() && job.config.standardize {
+        subject.config.scaling = Some(scaling(&subject, &train)?);
     }
     let state = if let Some(state) = state {
         state
@@ -135,12 +145,12 @@ pub fn train(
         progress.pose_space = start_name;
         State::new(progress, model)
     };
-    let train = examples(&stage, &subject, Split::Train, start.as_ref(), observer)?;
     let valid = examples(&stage, &subject, Split::Valid, start.as_ref(), observer)?;
     fs::create_dir_all(&folder).map_err(|source| TrainError::folder(&folder, source))?;
     let mut trainer = Trainer {
         stage: &stage,
         subject: &subject,
+        mirror: job.config.mirror.then(|| SceneMirror::of(&stage)).flatten(),
         train,
         valid,
         device,
@@ -179,6 +189,15 @@ fn new_network(config: &TrainConfig, stage: &Stage) -> Result<GarNetConfig, Trai
         network.num_sewing_parameters = stage.num_sewing_parameters()?;
     }
     Ok(network)
+}
+
+/// Mean and spread of what a network is told of the scenes of the training.
+fn scaling(subject: &Subject, train: &[Example]) -> Result<InputScaling, TrainError> {
+    let mut sums = ScalingSums::default();
+    for example in train.iter().step_by(train.len().div_ceil(SCALING_SCENES)) {
+        sums.add(&subject.prepared(example)?.scene);
+    }
+    Ok(sums.scaling())
 }
 
 /// Refuses to overwrite a training that is under way, and to go on with none.
@@ -265,6 +284,8 @@ fn base_of(job: &TrainJob, stage: &Stage, device: &Device) -> Result<Option<Base
 struct Trainer<'a> {
     stage: &'a Stage,
     subject: &'a Subject,
+    /// Shows every other scene, if there is one.
+    mirror: Option<SceneMirror>,
     train: Vec<Example>,
     valid: Vec<Example>,
     device: Device,
@@ -280,7 +301,7 @@ impl Trainer<'_> {
     /// Validates what there is before the first step, and tells what it starts from.
     fn begin(&mut self, observer: &mut dyn FnMut(TrainEvent)) -> Result<(), TrainError> {
         if self.state.progress.epochs.is_empty() {
-            let found = validate(self.stage, self.subject, &self.state.model, &self.valid)?;
+            let found = validate(self.stage, self.subject, self.state.judged(), &self.valid)?;
             self.state.progress.epochs.push(EpochRecord {
                 epoch: 0,
                 learning_rate: 0.0,
@@ -370,8 +391,9 @@ impl Trainer<'_> {
         patience > 0 && progress.epoch > best + patience
     }
 
-    /// The scenes of an epoch in a random order that depends on seed and epoch alone.
-    fn order(&self) -> Vec<usize> {
+    /// The scenes of an epoch in a random order that depends on seed and epoch alone, and whether
+    /// each is seen as a mirror shows it.
+    fn order(&self) -> Vec<(usize, bool)> {
         let progress = &self.state.progress;
         let mut random = ChaCha8Rng::seed_from_u64(progress.config.seed);
         random.set_stream(u64::from(progress.epoch));
@@ -379,7 +401,9 @@ impl Trainer<'_> {
         for last in (1..order.len()).rev() {
             order.swap(last, random.random_range(0..=last));
         }
-        order
+        let mut is_mirrored = || self.mirror.is_some() && random.random_range(0..2) == 1;
+        let seen = order.into_iter().map(|scene| (scene, is_mirrored()));
+        seen.collect()
     }
 
     fn epoch(
@@ -398,7 +422,7 @@ impl Trainer<'_> {
         let mut since_saved = 0;
         while self.state.progress.scene < order.len() {
             let scenes = order[self.state.progress.scene..].iter().take(batch);
-            let scenes: Vec<usize> = scenes.copied().collect();
+            let scenes: Vec<(usize, bool)> = scenes.copied().collect();
             let rate = rate(self.state.progress.step);
             self.step(&scenes, rate, observer)?;
             let progress = &mut self.state.progress;
@@ -421,7 +445,7 @@ impl Trainer<'_> {
     /// One step of the optimizer on some scenes.
     fn step(
         &mut self,
-        scenes: &[usize],
+        scenes: &[(usize, bool)],
         rate: f64,
         observer: &mut dyn FnMut(TrainEvent),
     ) -> Result<(), TrainError> {
@@ -430,11 +454,18 @@ impl Trainer<'_> {
         let share = 1.0 / scenes.len() as f32;
         let total = u64::from(self.state.progress.config.epochs) * self.train.len() as u64;
         let epoch = self.state.progress.epoch;
-        for (number, &scene) in scenes.iter().enumerate() {
-            let example = &self.train[scene];
+        for (number, &(scene, is_mirrored)) in scenes.iter().enumerate() {
+            let own = &self.train[scene];
+            let mirror = self.mirror.as_ref().filter(|_| is_mirrored);
+            let image = mirror.map(|mirror| mirror.mirrored(own));
+            let example = image.as_ref().unwrap_or(own);
             let model = &self.state.model;
             let sums = &mut self.state.progress.sums;
-            match lesson(self.subject, example, model, &self.device, share)? {
+            let found = lesson(self.subject, example, model, &self.device, share)?;
+            if let Some(known) = image.as_ref().and_then(|image| image.neighbors.get()) {
+                own.mirrored_neighbors.get_or_init(|| known.clone());
+            }
+            match found {
                 Ok(lesson) => {
                     self.skipped_in_a_row = 0;
                     is_empty = false;
@@ -486,6 +517,16 @@ impl Trainer<'_> {
         }
         let model = self.state.model.clone();
         self.state.model = self.state.optimizer.step(rate, model, gradients);
+        let State {
+            mean,
+            model,
+            progress,
+            ..
+        } = &mut self.state;
+        if let Some(old) = mean.take() {
+            let share = weights_mean::share(progress.config.mean_of_weights, progress.step);
+            *mean = Some(weights_mean::moved(old, model, share));
+        }
     }
 
     fn finish_epoch(
@@ -494,7 +535,7 @@ impl Trainer<'_> {
         observer: &mut dyn FnMut(TrainEvent),
     ) -> Result<(), TrainError> {
         let Validation { scores, loss } =
-            validate(self.stage, self.subject, &self.state.model, &self.valid)?;
+            validate(self.stage, self.subject, self.state.judged(), &self.valid)?;
         let progress = &mut self.state.progress;
         let choice = progress.config.choose_by;
         let figure = |record: &EpochRecord| match choice {
@@ -528,7 +569,7 @@ impl Trainer<'_> {
         progress.scene = 0;
         progress.epochs.push(record.clone());
         if record.is_best {
-            self.state.best = self.state.model.clone();
+            self.state.best = self.state.judged().clone();
         }
         self.save()?;
         self.log.epochs(&self.state.progress.epochs)?;

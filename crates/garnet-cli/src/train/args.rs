@@ -116,7 +116,10 @@ impl TrainArgs {
         let mut config = match &self.config {
             Some(path) => TrainConfig::read(path).map_err(advised)?,
             None if self.resume && saved.is_file() => TrainConfig::read(&saved).map_err(advised)?,
-            None => TrainConfig::default(),
+            None => match &self.preset {
+                Some(preset) => TrainConfig::of_preset(preset),
+                None => TrainConfig::default(),
+            },
         };
         // What was saved has all that the name asks for.
         let is_saved = self.resume && self.config.is_none();

@@ -36,7 +36,7 @@ use penetration::{Front, penetration_loss};
 use physics::{fold_loss, gravity_loss, strain_loss};
 use rayleigh::{Neighborhoods, rayleigh_loss};
 use uniform_curvature::uniform_curvature_loss;
-use vertex::vertex_loss;
+use vertex::{distance_loss, vertex_loss};
 
 /// Neighborhood sizes of the Rayleigh quotients.
 const RAYLEIGH_SIZES: [usize; 3] = [8, 16, 32];
@@ -178,6 +178,7 @@ impl Losses {
         };
         match term {
             Term::Vertex => vertex_loss(places, &target.places, gradient),
+            Term::Distance => distance_loss(places, &target.places, gradient),
             Term::Penetration => {
                 let tolerance = f64::from(self.config.penetration_tolerance / UNIT);
                 penetration_loss(places, &target.places, fronts, tolerance, gradient)

@@ -424,7 +424,10 @@ mod tests {
         assert_eq!(packed, space);
         let bytes = std::fs::read(&path).unwrap();
         assert_eq!(weight_file::schema(&path, &bytes).unwrap(), PACKED);
-        assert_eq!(packed.clone().to_bytes(&path, Precision::I8).unwrap(), bytes);
+        assert_eq!(
+            packed.clone().to_bytes(&path, Precision::I8).unwrap(),
+            bytes
+        );
         space.save(&path, Precision::F16).unwrap();
 
         let regions = super::super::regions::tests::small();

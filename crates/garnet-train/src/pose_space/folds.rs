@@ -51,9 +51,8 @@ pub(super) fn folds(samples: &[Sample], count: usize) -> Vec<Fold> {
             (body.is_none() || other_body != body)
                 && (sequence.is_none() || other_sequence != sequence)
         };
-        let is_told = |&number: &usize| {
-            own(&samples[number]).is_some() && places[number] == (body, sequence)
-        };
+        let is_told =
+            |&number: &usize| own(&samples[number]).is_some() && places[number] == (body, sequence);
         Fold {
             learned: (0..samples.len()).filter(is_known).collect(),
             told: (0..samples.len()).filter(is_told).collect(),

@@ -1,6 +1,6 @@
 //! What a scene tells of its mirror image.
 
-use garnet_mesh::Point3;
+use garnet_mesh::{Point3, TriMesh};
 use garnet_net::pose_space::{Exchange, Image, Mirror};
 use garnet_skin::Symmetry;
 use rayon::prelude::*;
@@ -16,32 +16,37 @@ const ON: f32 = 0.01;
 
 /// How the left of a garment lies on its right.
 #[derive(Debug, Clone)]
-pub(super) struct GarmentMirror {
+pub(crate) struct GarmentMirror {
     /// For each vertex the triangle on which its mirror image lies, and the weights of its corners.
     images: Vec<Image>,
     numbers: Exchange,
 }
 
+/// For each vertex the triangle on which its mirror image lies, and the weights of its corners;
+/// none of a mesh whose left and right differ.
+pub(crate) fn images_on(mesh: &TriMesh, symmetry: &Symmetry) -> Option<Vec<Image>> {
+    let surface = garnet_knn::Surface::new(mesh);
+    let image = |place: &Point3| {
+        let found = surface.closest(symmetry.point(place));
+        let triangle = mesh.faces()[found.face as usize];
+        (triangle, found.barycentric, found.distance_squared.sqrt())
+    };
+    let images: Vec<_> = mesh.positions().par_iter().map(image).collect();
+    let on = images.iter().filter(|(_, _, distance)| *distance <= ON);
+    if (on.count() as f64) < SHARE_ON * images.len() as f64 {
+        return None;
+    }
+    let without_distance = |(triangle, weights, _)| (triangle, weights);
+    Some(images.into_iter().map(without_distance).collect())
+}
+
 impl GarmentMirror {
     /// Of the garment and the body of a package; none if left and right of them differ.
-    pub(super) fn of(stage: &Stage) -> Option<Self> {
+    pub(crate) fn of(stage: &Stage) -> Option<Self> {
         let template = stage.template();
         let symmetry = template.body.skeleton().symmetry()?;
-        let mesh = template.garment.mesh();
-        let surface = garnet_knn::Surface::new(mesh);
-        let image = |place: &Point3| {
-            let found = surface.closest(symmetry.point(place));
-            let triangle = mesh.faces()[found.face as usize];
-            (triangle, found.barycentric, found.distance_squared.sqrt())
-        };
-        let images: Vec<_> = mesh.positions().par_iter().map(image).collect();
-        let on = images.iter().filter(|(_, _, distance)| *distance <= ON);
-        if (on.count() as f64) < SHARE_ON * images.len() as f64 {
-            return None;
-        }
-        let without_distance = |(triangle, weights, _)| (triangle, weights);
         Some(Self {
-            images: images.into_iter().map(without_distance).collect(),
+            images: images_on(template.garment.mesh(), &symmetry)?,
             numbers: Exchange(template.body.mirrored_numbers(&symmetry)),
         })
     }
@@ -61,12 +66,12 @@ impl GarmentMirror {
     }
 
     /// For each vertex the triangle on which its mirror image lies, and the weights of its corners.
-    pub(super) fn images(&self) -> &[Image] {
+    pub(crate) fn images(&self) -> &[Image] {
         &self.images
     }
 
     /// How numbers of pose and shape are exchanged.
-    pub(super) fn numbers(&self) -> &Exchange {
+    pub(crate) fn numbers(&self) -> &Exchange {
         &self.numbers
     }
 

@@ -18,6 +18,7 @@ mod scenes;
 mod start;
 mod starts;
 
+pub(crate) use mirror::{GarmentMirror, images_on};
 pub(crate) use start::{Beginning, start, start_of};
 
 use std::collections::BTreeMap;
@@ -38,7 +39,6 @@ use crate::{
     EpochRecord, SceneName, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained,
     training_folder,
 };
-use mirror::GarmentMirror;
 use offsets::Offsets;
 use regression::{Places, Regression};
 use relevance::Relevance;

@@ -127,8 +127,7 @@ impl Starts {
     }
 
     fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        let (_, metadata) =
-            SafeTensors::read_metadata(bytes).map_err(|error| error.to_string())?;
+        let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|error| error.to_string())?;
         let text = metadata.metadata().as_ref().and_then(|map| map.get(KEY));
         let text = text.ok_or_else(|| format!("it has no `{KEY}` in its metadata"))?;
         let header: Header = serde_json::from_str(text).map_err(|error| error.to_string())?;
@@ -167,7 +166,9 @@ impl Starts {
                 .map(f32::from_le_bytes)
                 .collect();
             if !row.iter().all(|number| number.is_finite()) {
-                return Err(format!("pose {pose} of body {body} has a share that is none"));
+                return Err(format!(
+                    "pose {pose} of body {body} has a share that is none"
+                ));
             }
             all.insert((body, pose), row);
         }

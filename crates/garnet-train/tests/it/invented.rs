@@ -156,6 +156,9 @@ pub(crate) fn tiny(epochs: u32) -> TrainConfig {
     TrainConfig {
         preset: "tiny".to_owned(),
         epochs,
+        accumulate: 1,
+        mean_of_weights: 0.0,
+        mirror: false,
         learning_rate: 5e-3,
         warm_up: 0,
         max_gradient: 0.0,

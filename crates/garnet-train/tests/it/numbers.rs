@@ -7,15 +7,18 @@ use toml::{Table, Value};
 use crate::invented::{Invented, run, tiny};
 
 /// Fields that may be zero.
-const MAY_BE_ZERO: [&str; 25] = [
+const MAY_BE_ZERO: [&str; 28] = [
     "seed",
     "warm_up",
     "max_gradient",
     "patience",
+    "weight_decay",
+    "mean_of_weights",
     "save_every",
     "pose_space.rounds",
     "pose_space.folds",
     "loss.vertex",
+    "loss.distance",
     "loss.penetration",
     "loss.normal",
     "loss.bending",

@@ -8,8 +8,8 @@ use garnet_mesh::Vector3;
 use garnet_net::PoseSpace;
 use garnet_sim::FALLEN;
 use garnet_train::{
-    Candidate, Finish, PoseSpaceConfig, Precision, Stage, StagedScene, ToldBy, TrainConfig, TrainError,
-    TrainEvent, TrainJob, evaluate, train,
+    Candidate, Finish, PoseSpaceConfig, Precision, Stage, StagedScene, ToldBy, TrainConfig,
+    TrainError, TrainEvent, TrainJob, evaluate, train,
 };
 
 use crate::invented::{Invented, rippled, run, tiny};
@@ -265,10 +265,7 @@ fn one_scene_tells_no_deformation() {
     let mut shard = invented.read(Split::Train);
     shard.scenes.truncate(1);
     invented.write(&shard);
-    for (name, config) in [
-        (POSE_SPACE, by_scenes()),
-        (ARRIVAL, by_networks(2)),
-    ] {
+    for (name, config) in [(POSE_SPACE, by_scenes()), (ARRIVAL, by_networks(2))] {
         let told = run(&invented.job(name, config)).unwrap_err().to_string();
         let expected = "the data set has 1 scene in its split `train`, at least 2 are needed";
         assert_eq!(told, expected);

@@ -33,7 +33,7 @@ fn a_tiny_network_is_better_than_the_warp_on_poses_that_it_has_not_seen() {
     assert_eq!((losses.len(), trained.epochs), (60, 60));
     assert!(last < 0.2 * first, "{first} to {last}");
     assert!(start > 5e-3 && valid < 0.5 * start, "{start} and {valid}");
-    assert_eq!(began.terms.len(), 12);
+    assert_eq!(began.terms.len(), 13);
 
     // The network is in the package, with its scores.
     let manifest = GarmentPackage::read_manifest(&invented.package()).unwrap();
@@ -69,6 +69,8 @@ fn an_interrupted_training_gives_the_same_numbers() {
     let config = TrainConfig {
         accumulate: 2,
         max_gradient: 0.5,
+        mean_of_weights: 0.9,
+        mirror: true,
         ..tiny(3)
     };
     run(&straight.job("local", config.clone())).unwrap();
