@@ -13,7 +13,7 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use crate::motion::{
-    Direction, Figure, Motion, Retarget, RetargetError, RetargetOptions, Role, Side,
+    Direction, Figure, Motion, Retarget, RetargetError, RetargetOptions, Role, Side, StartAt,
     world_rotations,
 };
 
@@ -135,7 +135,11 @@ fn stance(own: &Body, other: &Skeleton) -> Result<Vec<Point3>, RetargetError> {
         frame_time: None,
         notes: Vec::new(),
     };
-    let pose = Retarget::new(&motion, skeleton, &RetargetOptions::default())?.pose(0)?;
+    let options = RetargetOptions {
+        start_at: StartAt::Origin,
+        ..RetargetOptions::default()
+    };
+    let pose = Retarget::new(&motion, skeleton, &options)?.pose(0)?;
     let rotations = world_rotations(skeleton, &pose);
     let figures = [
         Figure::new(skeleton, "the body of the garment")?,

@@ -15,6 +15,7 @@ mod garment;
 mod hints;
 mod info;
 mod machine;
+mod motion;
 mod output;
 mod parse;
 mod render;

@@ -41,9 +41,9 @@ pub use pose_json::read_pose;
 pub use read_rig::{PartsNote, ReadRig, RigOptions, read_rig, read_rig_with};
 pub use rig_npz::{WriteRigError, read_rig_npz, rig_npz, write_rig_npz};
 pub use scene::{
-    Aim, Frame, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource, Posing,
-    RestSource, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem, SceneUnits, Target,
-    is_rig, largest_distance, read_mesh, rig_beside,
+    Aim, Frame, MotionOptions, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource,
+    Posing, RestSource, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem, SceneUnits,
+    Target, is_rig, largest_distance, read_mesh, rig_beside,
 };
 pub use scene_json::SceneJson;
 pub use units::{guess_body_unit, guess_garment_units, guess_up_axis};

@@ -9,7 +9,7 @@ use std::{
 use clap::Args;
 use garnet::{
     body::{
-        motion::{Ground, ReadOptions, RetargetOptions, put_on_ground},
+        motion::{Ground, ReadOptions, RetargetOptions, StartAt, put_on_ground},
         poses::{GaitCycle, PoseSampler, Poser, SelfContact, SeparationOptions, key_poses},
         shape::{BodyParameters, Measure, ParametricBody},
     },
@@ -140,7 +140,11 @@ fn poses_of(
             let take = Take::read(file, &ReadOptions::default())?;
             let step = take.num_frames().div_ceil(COLUMNS * ROWS).max(1);
             let range = format!("::{step}").parse()?;
-            let found = take.poses(poser.skeleton(), range, &RetargetOptions::default())?;
+            let options = RetargetOptions {
+                start_at: StartAt::Origin,
+                ..RetargetOptions::default()
+            };
+            let found = take.poses(poser.skeleton(), range, &options)?;
             let name = |index: usize| format!("{} {}", file_stem(file), index * step);
             poses.extend(
                 found

@@ -54,6 +54,20 @@ pub enum RetargetError {
         /// How many frames there are.
         num_frames: usize,
     },
+    /// Seconds were asked for, and the motion does not tell how long its frames take.
+    #[error("`{range}` needs the time from frame to frame, which the motion does not tell")]
+    NoFrameTime {
+        /// The range.
+        range: String,
+    },
+    /// A step was asked for where the motion is played anew at another rate.
+    #[error(
+        "the range of frames `{range}` has a step, and another number of frames a second is asked for"
+    )]
+    StepOfSamples {
+        /// The range.
+        range: String,
+    },
     /// A pose is impossible.
     #[error(transparent)]
     Skin(#[from] SkinError),
@@ -84,7 +98,11 @@ impl RetargetError {
             Self::MissingJoints { whose, .. }
             | Self::Apart { whose, .. }
             | Self::NoLegs { whose } => *whose != THE_MOTION,
-            Self::FrameOutOfRange { .. } | Self::NoFrames { .. } | Self::Skin(_) => false,
+            Self::FrameOutOfRange { .. }
+            | Self::NoFrames { .. }
+            | Self::NoFrameTime { .. }
+            | Self::StepOfSamples { .. }
+            | Self::Skin(_) => false,
         }
     }
 }
@@ -96,7 +114,7 @@ pub(super) const THE_MOTION: &str = "the motion";
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{text}` is no range of frames; expected `FRAME` or `FIRST:END[:STEP]`, counted from 0, \
-     without the frame END, STEP at least 1"
+     without the frame END, STEP at least 1; or seconds, as in `1.5s:3s`"
 )]
 pub struct FrameRangeError {
     /// The text.

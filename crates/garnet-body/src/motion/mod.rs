@@ -8,8 +8,10 @@
 mod clip;
 mod error;
 mod figure;
+mod flips;
 mod frames;
 mod ground;
+mod hinges;
 mod joint_names;
 mod joint_search;
 mod joint_tree;
@@ -24,4 +26,4 @@ pub use ground::{Ground, lowest_points, put_on_ground};
 pub use joint_names::{Role, Side, role_names};
 pub use retarget::{Retarget, RetargetOptions, StartAt};
 pub(crate) use rotation::Direction;
-pub use rotation::{smallest_rotation, world_rotations};
+pub use rotation::{pose_between, smallest_rotation, world_rotations};

@@ -1,4 +1,4 @@
-//! Retargeting: the motion of one skeleton on another, by the directions of the bones.
+//! Retargeting: the motion of one skeleton on another, with the full orientation of each joint.
 //!
 //! Copying local angles is wrong as soon as the rest poses differ: the zero pose of the CMU
 //! skeleton is a T-pose with the legs splayed by 20 degrees. Here the rest pose of the target is
@@ -11,7 +11,8 @@
 //! ```
 //!
 //! `d` are directions of bones at rest, `W` rotations from rest to pose in the world. `W_source`
-//! brings its twist along. `C_j` is a last smallest rotation onto the source's bone in the world:
+//! brings its twist along; where rest poses differ, the hinges of elbows and knees settle the turn
+//! of `A_j` about the bone. `C_j` is a last smallest rotation onto the source's bone in the world:
 //! the identity, unless joints in between (a second bone of the forearm) bend on their own.
 //! Trunk, neck, head and collarbones are not bent into each other: where rigs put those joints is a
 //! matter of taste (the CMU collarbone rises by 20 degrees at rest), and both rest poses stand
@@ -22,17 +23,19 @@ use garnet_skin::{Pose, Skeleton, Vector3};
 use super::{
     Figure, Motion, RetargetError, Role, Side,
     error::THE_MOTION,
+    flips::Flips,
+    hinges::turn_about_bone,
     rotation::{Direction, Rotation, local_rotations, smallest_rotation, unit, world_rotations},
 };
 
 /// Where the figure stands, seen from above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum StartAt {
-    /// The first frame of the motion stands over the origin.
-    #[default]
-    Origin,
     /// Where the motion has it, scaled by the length of the legs.
+    #[default]
     Motion,
+    /// The first frame of the motion stands over the origin.
+    Origin,
     /// Every frame stands over the origin.
     OriginAlways,
 }
@@ -42,6 +45,9 @@ pub enum StartAt {
 pub struct RetargetOptions {
     /// Where the figure stands.
     pub start_at: StartAt,
+    /// Leave joints that the recording turns over from one frame to the next as they are recorded,
+    /// instead of turning them within a fifth of a second.
+    pub keep_flips: bool,
 }
 
 /// A motion's skeleton fitted to another, ready to carry frames over.
@@ -58,6 +64,10 @@ pub struct Retarget<'a> {
     origin: Direction,
     start_at: StartAt,
     knuckles: [Vec<usize>; 2],
+    flips: Flips,
+    /// Joints of the target that no role names and that the source has by the same name, with the
+    /// joint there and `A_j`.
+    namesakes: Vec<(usize, usize, Rotation)>,
     notes: Vec<String>,
 }
 
@@ -89,9 +99,20 @@ impl<'a> Retarget<'a> {
         if source_figure.trunk().len() == 1 {
             notes.push("the motion has no spine: the trunk stays straight".to_owned());
         }
+        let flips = if options.keep_flips {
+            Flips::default()
+        } else {
+            Flips::find(motion)
+        };
+        notes.extend(flips.note(motion));
+        let alignments = alignments(motion, &source_figure, &target_figure, trunk_alignment);
+        let figures = [&source_figure, &target_figure];
+        let skeletons = [&motion.skeleton, target];
         let mut retarget = Self {
-            alignments: alignments(&source_figure, &target_figure, trunk_alignment),
-            knuckles: Side::BOTH.map(|side| knuckles(&motion.skeleton, &source_figure, side)),
+            namesakes: namesakes(skeletons, figures, &alignments, trunk_alignment),
+            alignments,
+            flips,
+            knuckles: Side::BOTH.map(|side| knuckles(skeletons, &source_figure, side)),
             scale: target_figure.leg_length() / source_figure.leg_length(),
             motion,
             target_skeleton: target,
@@ -127,9 +148,11 @@ impl<'a> Retarget<'a> {
     /// [`RetargetError::FrameOutOfRange`] or [`RetargetError::Skin`].
     pub fn pose(&self, frame: usize) -> Result<Pose, RetargetError> {
         let num_frames = self.motion.frames.len();
-        let Some(source_pose) = self.motion.frames.get(frame) else {
+        let Some(recorded) = self.motion.frames.get(frame) else {
             return Err(RetargetError::FrameOutOfRange { frame, num_frames });
         };
+        let mended = self.flips.mended(self.motion, frame);
+        let source_pose = mended.as_ref().unwrap_or(recorded);
         let world = self.target_world_rotations(source_pose)?;
         let pelvis = self.pelvis_position(source_pose)?;
         let above_origin = match self.start_at {
@@ -205,6 +228,9 @@ impl<'a> Retarget<'a> {
             }
             wanted[to] = Some(rotation);
         }
+        for &(from, to, alignment) in &self.namesakes {
+            wanted[to] = Some(source_world[from] * alignment);
+        }
 
         let mut world = vec![Rotation::identity(); num_joints];
         for &index in self.target_skeleton.parents_first() {
@@ -260,12 +286,16 @@ impl<'a> Retarget<'a> {
     }
 }
 
-/// The joints at the far ends of the bones of a palm, where a rig has such bones.
-fn knuckles(skeleton: &Skeleton, figure: &Figure, side: Side) -> Vec<usize> {
+/// The joints at the far ends of the bones of a palm, where a rig has such bones and the target has
+/// none of these names, which take part in the motion themselves.
+fn knuckles([skeleton, target]: [&Skeleton; 2], figure: &Figure, side: Side) -> Vec<usize> {
     let wrist = figure.joint(Role::Wrist(side));
     let joints = skeleton.joints();
     let is_palm = |joint: usize| {
-        joints[joint].parent == wrist && joints[joint].name.to_ascii_lowercase().contains("carpal")
+        let name = &joints[joint].name;
+        joints[joint].parent == wrist
+            && name.to_ascii_lowercase().contains("carpal")
+            && target.find(name).is_none()
     };
     let hangs_on_palm = |&joint: &usize| joints[joint].parent.is_some_and(is_palm);
     (0..joints.len()).filter(hangs_on_palm).collect()
@@ -311,7 +341,58 @@ fn middles(figure: &Figure, chain: &[usize]) -> Vec<f64> {
         .collect()
 }
 
-fn alignments(source: &Figure, target: &Figure, trunk: Rotation) -> Vec<(Role, Rotation)> {
+/// Joints that no role names (fingers, jaw, eyes), by their names in both skeletons, with the
+/// alignment of the limb that they hang on.
+fn namesakes(
+    [source, target]: [&Skeleton; 2],
+    [source_figure, target_figure]: [&Figure; 2],
+    alignments: &[(Role, Rotation)],
+    trunk: Rotation,
+) -> Vec<(usize, usize, Rotation)> {
+    let is_known = |figure: &Figure, joint: usize| {
+        let has_role = |role: &Role| figure.joint(*role) == Some(joint);
+        figure.trunk().contains(&joint)
+            || figure.neck().contains(&joint)
+            || Role::ALL.iter().any(has_role)
+    };
+    let mut found = Vec::new();
+    for (to, joint) in target.joints().iter().enumerate() {
+        let Some(from) = source.find(&joint.name) else {
+            continue;
+        };
+        if is_known(target_figure, to) || is_known(source_figure, from) {
+            continue;
+        }
+        // Only what hangs on the figure: nothing above the pelvis is anybody's to turn.
+        let mut parent = joint.parent;
+        let limb = loop {
+            let Some(above) = parent else { break None };
+            if is_known(target_figure, above) {
+                let role =
+                    |(role, _): &&(Role, Rotation)| target_figure.joint(*role) == Some(above);
+                break Some(
+                    alignments
+                        .iter()
+                        .find(role)
+                        .map_or(trunk, |(_, rotation)| *rotation),
+                );
+            }
+            parent = target.joints()[above].parent;
+        };
+        found.extend(limb.map(|alignment| (from, to, alignment)));
+    }
+    found
+}
+
+fn alignments(
+    motion: &Motion,
+    source: &Figure,
+    target: &Figure,
+    trunk: Rotation,
+) -> Vec<(Role, Rotation)> {
+    let hinged = |role: Role, alignment: Rotation| {
+        turn_about_bone(motion, source, target, role, &trunk, &alignment) * alignment
+    };
     let aligned = |role: Role, parent: Rotation| {
         let bones = source.bone(role).zip(target.bone(role));
         let bent = bones.and_then(|(to, from)| {
@@ -322,9 +403,9 @@ fn alignments(source: &Figure, target: &Figure, trunk: Rotation) -> Vec<(Role, R
     };
     let mut alignments = vec![(Role::Head, trunk)];
     for side in Side::BOTH {
-        let upper_arm = aligned(Role::Shoulder(side), trunk);
+        let upper_arm = hinged(Role::Shoulder(side), aligned(Role::Shoulder(side), trunk));
         let forearm = aligned(Role::Elbow(side), upper_arm);
-        let thigh = aligned(Role::Hip(side), trunk);
+        let thigh = hinged(Role::Hip(side), aligned(Role::Hip(side), trunk));
         let shank = aligned(Role::Knee(side), thigh);
         // Feet stand flat at rest, whatever the legs do.
         let foot = aligned(Role::Ankle(side), trunk);

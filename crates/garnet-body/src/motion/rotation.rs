@@ -24,6 +24,18 @@ pub fn smallest_rotation(from: &Vector3<f64>, to: &Vector3<f64>) -> Option<UnitQ
     Some(Rotation::from_axis_angle(&axis, std::f64::consts::PI))
 }
 
+/// The pose at a share of the way from one to another: turns by the shorter way, and the shift
+/// along a line.
+pub fn pose_between(from: &Pose, to: &Pose, share: f32) -> Pose {
+    let rotations = from.rotations.iter().zip(&to.rotations);
+    Pose {
+        root_translation: from.root_translation.lerp(&to.root_translation, share),
+        rotations: rotations
+            .map(|(from, to)| from.try_slerp(to, share, 1e-6).unwrap_or(*to))
+            .collect(),
+    }
+}
+
 /// The unit vector along `vector`; nothing for one that is too short or not finite.
 pub(crate) fn unit(vector: &Direction) -> Option<Direction> {
     let length = vector.norm();

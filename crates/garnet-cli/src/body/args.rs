@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
+
+use crate::motion::MotionArgs;
 use garnet::{
     body::shape::{BodyParameters, Measure},
     io::PoseSource,
@@ -54,11 +56,10 @@ pub(crate) struct BodyArgs {
         allow_negative_numbers = true
     )]
     pub(crate) seed: u64,
-    /// A pose of the library, or a file: pose JSON, BVH, or npz as in AMASS.
-    #[arg(long, help_heading = POSES, value_name = "NAME|FILE[:FRAMES]")]
+    /// A pose of the library, or a file: pose JSON, BVH, npz as in AMASS, or GLB with an animation.
+    #[arg(long, help_heading = POSES, value_name = "NAME|FILE[:CLIP][:FRAMES]")]
     pub(crate) pose: Option<PoseSource>,
-    /// A motion, whose lowest frame stands on the ground: BVH, npz as in AMASS, or pose JSON with
-    /// frames.
+    /// A motion: BVH, npz as in AMASS, GLB with an animation, or pose JSON with frames.
     #[arg(long, help_heading = POSES, value_name = "FILE", conflicts_with = "pose")]
     pub(crate) motion: Option<PathBuf>,
     /// Frames of the motion, from 0, without END [default: all].
@@ -71,6 +72,8 @@ pub(crate) struct BodyArgs {
         allow_negative_numbers = true
     )]
     pub(crate) frames: Option<garnet::body::motion::FrameRange>,
+    #[command(flatten)]
+    pub(crate) placing: MotionArgs,
     /// Write the coarse level of the built-in body, of a quarter of its vertices.
     #[arg(long, hide_short_help = true, conflicts_with = "own")]
     pub(crate) coarse: bool,

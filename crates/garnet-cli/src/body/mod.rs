@@ -62,12 +62,16 @@ pub(crate) fn run(args: &BodyArgs, console: &Console) -> anyhow::Result<ExitStat
         output::write(&args.output.join("measures.csv"), table.as_bytes())?;
     } else {
         let outputs = Outputs::new(args, is_folder, None);
-        write_subject(&subject(args)?, source.as_ref(), &outputs, &mut report).map_err(
-            |error| match error.downcast::<PoseError>() {
-                Ok(error) => error.of_rig(&rig_of(args)).into(),
-                Err(error) => error,
-            },
-        )?;
+        write_subject(
+            &subject(args)?,
+            (source.as_ref(), args),
+            &outputs,
+            &mut report,
+        )
+        .map_err(|error| match error.downcast::<PoseError>() {
+            Ok(error) => error.of_rig(&rig_of(args)).into(),
+            Err(error) => error,
+        })?;
     }
     report.seconds = start.elapsed().as_secs_f64();
     publish(&report, args, console)?;
@@ -222,7 +226,7 @@ fn sample(
         let built: Vec<anyhow::Result<Subject>> = batch.par_iter().map(build).collect();
         for (&number, subject) in batch.iter().zip(built) {
             let outputs = Outputs::new(args, true, Some(number));
-            write_subject(&subject?, source, &outputs, report)?;
+            write_subject(&subject?, (source, args), &outputs, report)?;
             bar.inc(1);
         }
     }
@@ -233,12 +237,12 @@ fn sample(
 /// Poses a body and writes it.
 fn write_subject(
     subject: &Subject,
-    source: Option<&PoseSource>,
+    (source, args): (Option<&PoseSource>, &BodyArgs),
     outputs: &Outputs<'_>,
     report: &mut BodyReport,
 ) -> anyhow::Result<()> {
     let Posing { poses, notes } = match source {
-        Some(source) => source.read(&subject.body)?,
+        Some(source) => source.read(&subject.body, &args.placing.options())?,
         None => Posing::default(),
     };
     let of_tape = subject.tape.iter().filter(|_| outputs.number.is_none());
@@ -331,6 +335,7 @@ fn coarse_rig(body: &Body) -> anyhow::Result<Rig> {
 fn pose_source(args: &BodyArgs) -> Option<PoseSource> {
     let motion = args.motion.as_ref().map(|path| PoseSource {
         path: path.clone(),
+        clip: None,
         frames: Some(args.frames.unwrap_or(FrameRange::ALL)),
         up: None,
     });

@@ -13,6 +13,7 @@ use garnet::{
 
 use crate::{
     failure::{Hint, refused},
+    motion::MotionArgs,
     output,
     parse::{millimetres, milliseconds, settle_frames, tolerance},
     rig_args::{PoseUp, RigArgs},
@@ -98,8 +99,9 @@ pub(crate) struct InputArgs {
     #[arg(long, value_name = "OBJ")]
     rest_body: Option<PathBuf>,
     /// Pose the rest body, instead of taking the pose from BODY: a pose file, a frame of a motion
-    /// (BVH, npz as in AMASS, pose JSON), several as FIRST:END:STEP, or a pose of the library.
-    #[arg(long, value_name = "FILE[:FRAMES]|NAME")]
+    /// (BVH, npz as in AMASS, GLB, pose JSON), several as FIRST:END:STEP, in seconds as 1s:2.5s, or
+    /// a pose of the library.
+    #[arg(long, value_name = "FILE[:CLIP][:FRAMES]|NAME")]
     pose: Option<PoseSource>,
     /// Axis that points up in the motion of `--pose`.
     #[arg(
@@ -109,6 +111,8 @@ pub(crate) struct InputArgs {
         default_value = "auto"
     )]
     pose_up: PoseUp,
+    #[command(flatten)]
+    motion: MotionArgs,
     #[command(flatten)]
     rig_args: RigArgs,
     /// Unit of the files: m, dm, cm, mm or auto; or two, of garment and bodies: `cm,m`.
@@ -130,7 +134,8 @@ or the rig beside BODY is of another topology; `<rest body>.rig.npz` beside the 
 The garment of a package is brought to a human body of any other topology. Without --pose, the pose and shape of BODY are \
 recovered from its vertices, which must be those of the rest body.
 
-Motions are carried over by the names of the joints. A pose file is JSON: {\"schema\": \"garnet.pose/1\", \"joints\": {\"left_knee\": [0.5, 0, 0, \
+Motions are carried over by the names of the joints, with the turn of each; they go where the recording has them, \
+scaled by the length of the legs, unless --ground or --in-place say otherwise. A pose file is JSON: {\"schema\": \"garnet.pose/1\", \"joints\": {\"left_knee\": [0.5, 0, 0, \
 0.866025]}, \"root_translation\": [0, 0, 0]}, rotations as [x, y, z, w] about the axes of the \
 world at rest; with \"frames\", a list of such poses.";
 
@@ -426,6 +431,7 @@ impl InputArgs {
             ..pose
         });
         scene.rig_options = self.rig_args.options();
+        scene.motion = self.motion.options();
         scene.units = self.units;
         scene.up = self.up.axis();
         let files = SourceFiles { package, scene };

@@ -21,7 +21,7 @@ use garnet::{
     Body, BoundGarment, Drape, Garment, Point3, PosedBody, TriMesh, Warp,
     data::SceneReport,
     drape::{Refit, Take},
-    io::{self, Frame, PoseSource, RestSource, Target},
+    io::{self, Frame, MotionOptions, PoseSource, RestSource, Target},
     mesh::edge_stretch,
     package::Moment,
 };
@@ -94,6 +94,7 @@ struct Bound {
     rest: RestSource,
     targets: Vec<Target>,
     pose: Option<PoseSource>,
+    motion: MotionOptions,
     warnings: Vec<Warning>,
 }
 
@@ -108,6 +109,7 @@ impl Bound {
             body,
             targets,
             pose,
+            motion,
             notes: _,
         } = prepared;
         let unusual = || unusual(&garment, &body);
@@ -143,6 +145,7 @@ impl Bound {
             rest,
             targets,
             pose,
+            motion,
         })
     }
 }
@@ -397,9 +400,12 @@ fn report_of(
         },
         pose: bound.pose.as_ref().map(|pose| PoseReport {
             path: shown(&pose.path),
-            frame: pose
-                .frames
-                .map_or(0, garnet::body::motion::FrameRange::first),
+            clip: pose.clip.clone(),
+            frame: (pose.frames).map_or(Some(0), garnet::body::motion::FrameRange::first),
+            frames: pose.frames.map(|frames| frames.to_string()),
+            on_ground: bound.motion.on_ground,
+            in_place: bound.motion.in_place,
+            fps: bound.motion.fps,
         }),
         method,
         network,

@@ -6,7 +6,7 @@ use anyhow::Context;
 use garnet::{
     Body, Garment, TriMesh,
     drape::Refit,
-    io::{Frame, ObjFile, PoseSource, RestSource, Scene, Target},
+    io::{Frame, MotionOptions, ObjFile, PoseSource, RestSource, Scene, Target},
     package::GarmentPackage,
 };
 
@@ -24,6 +24,8 @@ pub(crate) struct Prepared {
     pub(crate) body: Body,
     pub(crate) targets: Vec<Target>,
     pub(crate) pose: Option<PoseSource>,
+    /// Where its motion goes.
+    pub(crate) motion: MotionOptions,
     /// What was taken for granted while poses were read.
     pub(crate) notes: Vec<String>,
 }
@@ -32,7 +34,12 @@ impl Prepared {
     /// Reads the files and brings them together.
     pub(crate) fn read(source: &Source) -> anyhow::Result<Self> {
         match source {
-            Source::Scene(path) => Ok(Self::of(Scene::read(path)?, None, None)),
+            Source::Scene(path) => Ok(Self::of(
+                Scene::read(path)?,
+                None,
+                None,
+                MotionOptions::default(),
+            )),
             Source::Files(source) => {
                 let mut scene = Scene::load(&source.scene)?;
                 if let Some(folder) = &source.package {
@@ -42,12 +49,18 @@ impl Prepared {
                     Some(own) => Some(refitted(source, &mut scene, &own)?),
                     None => None,
                 };
-                Ok(Self::of(scene, refit, source.scene.pose.clone()))
+                let files = &source.scene;
+                Ok(Self::of(scene, refit, files.pose.clone(), files.motion))
             }
         }
     }
 
-    fn of(scene: Scene, refit: Option<Refit>, pose: Option<PoseSource>) -> Self {
+    fn of(
+        scene: Scene,
+        refit: Option<Refit>,
+        pose: Option<PoseSource>,
+        motion: MotionOptions,
+    ) -> Self {
         Self {
             garment_file: scene.garment.file,
             garment_frame: scene.garment.frame,
@@ -57,6 +70,7 @@ impl Prepared {
             body: scene.body,
             targets: scene.targets,
             pose,
+            motion,
             notes: scene.notes.iter().map(ToString::to_string).collect(),
         }
     }

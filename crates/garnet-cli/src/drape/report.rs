@@ -96,7 +96,20 @@ pub(crate) struct BodyReport {
 #[derive(Debug, Serialize)]
 pub(crate) struct PoseReport {
     pub(crate) path: String,
-    pub(crate) frame: usize,
+    /// The animation of a GLB file, if it was named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) clip: Option<String>,
+    /// The first frame; none if it is told in seconds.
+    pub(crate) frame: Option<usize>,
+    /// The range of frames, if one was named.
+    pub(crate) frames: Option<String>,
+    /// Whether a motion was stood on y = 0; if not, its heights are those of the recording.
+    pub(crate) on_ground: bool,
+    /// Whether a motion was kept above the origin; if not, it is where the recording has it, scaled
+    /// by the length of the legs.
+    pub(crate) in_place: bool,
+    /// Frames a second that it was played anew with.
+    pub(crate) fps: Option<f64>,
 }
 
 /// One draped garment.

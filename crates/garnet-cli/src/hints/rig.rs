@@ -12,7 +12,7 @@ pub(super) fn for_motion(problem: &MotionProblem) -> Option<&'static str> {
     match problem {
         MotionProblem::Io(source) => for_io(source),
         _ => Some(
-            "motions are BVH, npz with `poses` as in AMASS, or pose JSON; a file that ends early was \
+            "motions are BVH, npz with `poses` as in AMASS, GLB with an animation, or pose JSON; a file that ends early was \
              not copied whole",
         ),
     }
@@ -35,6 +35,8 @@ pub(super) fn for_retarget(error: &RetargetError) -> Option<&'static str> {
         RetargetError::FrameOutOfRange { .. } | RetargetError::NoFrames { .. } => {
             Some("`garnet info` tells how many frames a motion has")
         }
+        RetargetError::NoFrameTime { .. } => Some("count in frames, and leave out `--fps`"),
+        RetargetError::StepOfSamples { .. } => Some("leave out the step, or `--fps`"),
         RetargetError::MissingJoints { .. } if error.is_of_body() => Some(
             "poses of the library and motions find joints by the names that SMPL, CMU, MakeHuman, Mixamo and \
              Blender give them: rename those of the rig, or write a pose file for its own names",

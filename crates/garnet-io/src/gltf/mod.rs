@@ -4,6 +4,7 @@
 //! every number in such a file may lead out of bounds.
 
 mod accessor;
+mod animation;
 mod base64;
 mod container;
 mod nodes;
@@ -15,6 +16,7 @@ mod skeletons;
 mod vertices;
 mod vrm;
 
+pub(super) use animation::read_clip;
 pub(super) use container::MAGIC;
 pub use parts::{LeftOut, RigPart};
 pub use problem::GltfProblem;

@@ -91,7 +91,8 @@ pub(super) fn name(root: &Root, node: usize) -> String {
     name.unwrap_or_else(|| format!("node_{node}"))
 }
 
-fn local_transform(node: &Node) -> Matrix4<f64> {
+/// The transform of a node in its parent.
+pub(super) fn local_transform(node: &Node) -> Matrix4<f64> {
     if let Some(matrix) = node.matrix {
         return Matrix4::from_column_slice(&matrix.map(f64::from));
     }

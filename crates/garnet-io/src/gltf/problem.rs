@@ -33,6 +33,20 @@ pub enum GltfProblem {
     /// No node has a mesh and a skin.
     #[error("no mesh has a skin")]
     NoSkin,
+    /// There is no such animation.
+    #[error("{}", no_clip(wanted.as_deref(), found))]
+    NoClip {
+        /// The name that was asked for.
+        wanted: Option<String>,
+        /// The names that there are.
+        found: Vec<String>,
+    },
+    /// An animation cannot be read.
+    #[error("the animation: {what}")]
+    Animation {
+        /// What is wrong with it.
+        what: &'static str,
+    },
     /// Something names a part that does not exist.
     #[error("{user} names {part} {index}, but there are {count}")]
     OutOfRange {
@@ -94,4 +108,14 @@ pub enum GltfProblem {
 fn listed(names: &[String]) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     quoted.join(", ")
+}
+
+fn no_clip(wanted: Option<&str>, found: &[String]) -> String {
+    match (wanted, found.is_empty()) {
+        (_, true) => "it has no animation".to_owned(),
+        (Some(wanted), false) => {
+            format!("it has no clip `{wanted}`; its clips are {}", listed(found))
+        }
+        (None, false) => "no clip was named".to_owned(),
+    }
 }

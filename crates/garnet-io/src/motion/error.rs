@@ -28,8 +28,14 @@ pub enum MotionProblem {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The content is none of the known formats.
-    #[error("the file is no motion (BVH, npz with `poses`, or pose JSON)")]
+    #[error("the file is no motion (BVH, npz with `poses`, GLB with an animation, or pose JSON)")]
     UnknownFormat,
+    /// A clip is named of a file that has none.
+    #[error("the file has no clips, and `{clip}` is named")]
+    NoClips {
+        /// The name.
+        clip: String,
+    },
     /// A word stands where another is expected.
     #[error("line {line}: found `{found}`, expected {expected}")]
     Unexpected {

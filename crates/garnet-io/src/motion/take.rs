@@ -13,7 +13,7 @@ use garnet_skin::{Pose, Skeleton, SkinError};
 use serde::{Deserialize, de::IgnoredAny};
 
 use super::{MotionError, MotionProblem, bvh, smpl};
-use crate::{FileError, read_pose};
+use crate::{FileError, gltf, read_pose};
 
 /// A file with poses: a motion with its own skeleton, or pose JSON for the skeleton it is read for.
 ///
@@ -81,14 +81,28 @@ struct FramesJson {
 }
 
 impl Take {
-    /// Reads a BVH file, an npz archive in the layout of AMASS or pose JSON, told by their content.
+    /// Reads a BVH file, an npz archive in the layout of AMASS, the first animation of a GLB or glTF
+    /// file, or pose JSON, told by their content.
     ///
     /// # Errors
     ///
     /// [`MotionError`] with the line of what does not parse.
     pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self, MotionError> {
+        Self::read_clip(path, None, options)
+    }
+
+    /// The same of a clip of a GLB or glTF file, by its name; the first one without it.
+    ///
+    /// # Errors
+    ///
+    /// [`MotionError`] with the line of what does not parse, or the clips that there are.
+    pub fn read_clip(
+        path: impl AsRef<Path>,
+        clip: Option<&str>,
+        options: &ReadOptions,
+    ) -> Result<Self, MotionError> {
         let path = path.as_ref();
-        let content = content(path, options);
+        let content = content(path, clip, options);
         match content {
             Ok(content) => Ok(Self {
                 path: path.to_path_buf(),
@@ -145,7 +159,7 @@ impl Take {
         range: FrameRange,
         options: &RetargetOptions,
     ) -> Result<Vec<Pose>, TakeError> {
-        let frames = range.of(self.num_frames());
+        let frames = range.of(self.num_frames(), self.frame_time());
         self.poses_of(
             skeleton,
             &frames.map_err(|problem| self.wrong(problem))?,
@@ -189,10 +203,11 @@ impl Take {
         contact: &SelfContact,
         frames: &[usize],
         options: &SeparationOptions,
+        of_motion: &RetargetOptions,
     ) -> Result<Vec<Turns>, TakeError> {
         let skeleton = contact.body().skeleton();
         let poses_of = |frames: &[usize]| {
-            let poses = self.poses_of(skeleton, frames, &RetargetOptions::default());
+            let poses = self.poses_of(skeleton, frames, of_motion);
             poses.map_err(Eased::Take)
         };
         let timing = Timing {
@@ -215,8 +230,23 @@ impl Take {
     }
 }
 
-fn content(path: &Path, options: &ReadOptions) -> Result<Content, MotionProblem> {
+fn content(
+    path: &Path,
+    clip: Option<&str>,
+    options: &ReadOptions,
+) -> Result<Content, MotionProblem> {
     let bytes = fs::read(path)?;
+    if bytes.starts_with(gltf::MAGIC) || is_gltf(path) {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let motion = gltf::read_clip(&bytes, folder, clip, options);
+        let motion = motion.map_err(|problem| MotionProblem::File(Box::new(problem)))?;
+        return Ok(Content::Motion(Box::new(motion)));
+    }
+    if let Some(clip) = clip {
+        return Err(MotionProblem::NoClips {
+            clip: clip.to_owned(),
+        });
+    }
     if bytes.starts_with(b"PK") {
         return Ok(Content::Motion(Box::new(smpl::read(path, options)?)));
     }
@@ -235,4 +265,10 @@ fn content(path: &Path, options: &ReadOptions) -> Result<Content, MotionProblem>
     }
     let text = String::from_utf8_lossy(bytes);
     Ok(Content::Motion(Box::new(bvh::parse(&text, options)?)))
+}
+
+/// Whether a file is called as glTF in text is.
+fn is_gltf(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"))
 }

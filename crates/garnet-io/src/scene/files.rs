@@ -8,7 +8,7 @@ use garnet_skin::Rig;
 use rayon::prelude::*;
 
 use super::{
-    PoseSource, SceneError, SceneProblem, is_rig,
+    MotionOptions, PoseSource, SceneError, SceneProblem, is_rig,
     read_mesh::{ShownMesh, read_mesh_with},
     rig_search::{built_in, rig_beside, rig_of},
 };
@@ -39,6 +39,8 @@ pub struct SceneFiles {
     pub rig_options: RigOptions,
     /// The poses that the rest body takes, in place of those of the bodies.
     pub pose: Option<PoseSource>,
+    /// Where a motion of those poses goes, and how fast.
+    pub motion: MotionOptions,
     /// Units of the OBJ files, where they are not to be detected.
     pub units: SceneUnits,
     /// The axis of the OBJ files that points up; the longer of y and z of the rest body without it.

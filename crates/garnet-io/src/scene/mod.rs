@@ -25,7 +25,7 @@ pub use error::{SceneError, SceneProblem};
 pub use files::{SceneFiles, SceneUnits};
 pub use frame::Frame;
 pub use own_body::OwnBody;
-pub use pose::{NamedPose, PoseError, PoseNote, PoseProblem, PoseSource, Posing};
+pub use pose::{MotionOptions, NamedPose, PoseError, PoseNote, PoseProblem, PoseSource, Posing};
 pub use read_mesh::{is_rig, read_mesh};
 pub use rest_body::largest_distance;
 pub use rig_search::rig_beside;
@@ -294,7 +294,7 @@ impl Scene {
             degrees,
         }));
         let (targets, of_poses) = match &files.pose {
-            Some(pose) => posed_targets(pose, &body, &bodies, &frames, &rig_path)?,
+            Some(pose) => posed_targets((pose, &files.motion), &body, &bodies, &frames, &rig_path)?,
             None => (mesh_targets(bodies, &body.rest, &frames)?, Vec::new()),
         };
         notes.extend(of_poses);
@@ -414,7 +414,7 @@ fn mesh_targets(
 }
 
 fn posed_targets(
-    source: &PoseSource,
+    (source, of_motion): (&PoseSource, &MotionOptions),
     bodies: &RestBodies,
     given: &[BodyFile],
     frames: &Frames,
@@ -445,7 +445,8 @@ fn posed_targets(
         }
     }
     let posed = bodies.zero.as_ref().map_or(rest, |zero| &zero.body);
-    let Posing { poses, notes } = source.read(posed).map_err(|error| error.of_rig(rig))?;
+    let posing = source.read(posed, of_motion);
+    let Posing { poses, notes } = posing.map_err(|error| error.of_rig(rig))?;
     let mut targets = Vec::with_capacity(poses.len());
     for named in poses {
         let aim = match &bodies.zero {

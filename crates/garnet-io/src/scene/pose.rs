@@ -1,14 +1,15 @@
 //! Poses that are named: one of the library, a frame of a file, or several frames.
 
 use std::{
+    collections::BTreeSet,
     fmt,
     path::{Path, PathBuf},
 };
 
 use garnet_body::{
     motion::{
-        FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, lowest_points,
-        put_on_ground,
+        FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, StartAt, lowest_points,
+        pose_between, put_on_ground,
     },
     poses::{BodyAngles, Poser, SelfContact, SeparationOptions, key_pose, turn},
     shape::tape_measures,
@@ -21,15 +22,44 @@ use crate::{MotionError, PartsNote, Take, TakeError};
 
 /// Where poses come from: a name of the library, or a file and the frames in it.
 ///
-/// From a text it is `NAME`, `FILE`, `FILE:FRAME` or `FILE:FIRST:END[:STEP]`.
+/// From a text it is `NAME`, `FILE`, `FILE:FRAME` or `FILE:FIRST:END[:STEP]`; of a GLB or glTF file
+/// `FILE:CLIP` and the like, too.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PoseSource {
     /// The file, or the name.
     pub path: PathBuf,
+    /// The animation in a GLB or glTF file; the first without it.
+    pub clip: Option<String>,
     /// The frames in the file, from 0; the first without it.
     pub frames: Option<FrameRange>,
     /// The axis that points up in a motion; detected without it.
     pub up: Option<UpAxis>,
+}
+
+/// Where a motion goes, and how fast.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MotionOptions {
+    /// Stand it on y = 0: the lowest vertex of a single frame, or of the whole motion.
+    pub on_ground: bool,
+    /// Keep it above the origin, whatever its path.
+    pub in_place: bool,
+    /// Play it anew with so many frames a second.
+    pub fps: Option<f64>,
+    /// Leave joints that the recording turns over from one frame to the next as they are.
+    pub keep_flips: bool,
+}
+
+impl MotionOptions {
+    fn retarget(self) -> RetargetOptions {
+        RetargetOptions {
+            start_at: if self.in_place {
+                StartAt::OriginAlways
+            } else {
+                StartAt::Motion
+            },
+            keep_flips: self.keep_flips,
+        }
+    }
 }
 
 /// A pose and what to call it.
@@ -245,6 +275,7 @@ impl From<&str> for PoseSource {
     fn from(text: &str) -> Self {
         let whole = Self {
             path: text.into(),
+            clip: None,
             frames: None,
             up: None,
         };
@@ -254,6 +285,15 @@ impl From<&str> for PoseSource {
         let colons = text.match_indices(':').filter(|&(place, _)| place > 0);
         let mut split = colons.map(|(place, _)| (&text[..place], &text[place + 1..]));
         let on_disk = split.clone().find(|(path, _)| Path::new(path).is_file());
+        if let Some((path, rest)) = on_disk.filter(|(path, _)| has_clips(Path::new(path))) {
+            let (clip, frames) = clip_and_frames(rest);
+            return Self {
+                path: path.into(),
+                clip,
+                frames,
+                up: None,
+            };
+        }
         let found = match on_disk {
             Some((path, frames)) => frames.parse().ok().map(|frames| (path, frames)),
             None => split.find_map(|(path, frames)| Some((path, frames.parse().ok()?))),
@@ -261,11 +301,34 @@ impl From<&str> for PoseSource {
         match found {
             Some((path, frames)) => Self {
                 path: path.into(),
+                clip: None,
                 frames: Some(frames),
                 up: None,
             },
             None => whole,
         }
+    }
+}
+
+/// Whether a file may hold several motions that have names.
+fn has_clips(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default();
+    ["glb", "gltf", "vrm"]
+        .into_iter()
+        .any(|known| extension.eq_ignore_ascii_case(known))
+}
+
+/// `CLIP`, `FRAMES` or `CLIP:FRAMES`; what reads as frames are frames.
+fn clip_and_frames(text: &str) -> (Option<String>, Option<FrameRange>) {
+    if let Ok(frames) = text.parse() {
+        return (None, Some(frames));
+    }
+    let colons = text.match_indices(':').filter(|&(place, _)| place > 0);
+    let mut split = colons.map(|(place, _)| (&text[..place], &text[place + 1..]));
+    let found = split.find_map(|(clip, frames)| Some((clip, frames.parse().ok()?)));
+    match found {
+        Some((clip, frames)) => (Some(clip.to_owned()), Some(frames)),
+        None => (Some(text.to_owned()), None),
     }
 }
 
@@ -316,37 +379,50 @@ impl PoseSource {
 
     /// The poses, on a body.
     ///
-    /// Those of motions are carried over to its skeleton and put on the ground.
+    /// Those of motions are carried over to its skeleton, and are where the motion has them unless
+    /// the options say otherwise.
     ///
     /// # Errors
     ///
     /// [`PoseError`]: a name or frames that there are not, a file that cannot be read, or a body
     /// that is no human figure.
-    pub fn read(&self, body: &Body) -> Result<Posing, PoseError> {
+    pub fn read(&self, body: &Body, of_motion: &MotionOptions) -> Result<Posing, PoseError> {
         self.check()?;
         let name = self.path.to_string_lossy();
         if let (false, Some(pose)) = (self.path.exists(), key_pose(&name)) {
             return of_library(&name, &pose.angles, body);
         }
+        self.read_take(body, of_motion)
+    }
+
+    /// The poses of a file.
+    fn read_take(&self, body: &Body, of_motion: &MotionOptions) -> Result<Posing, PoseError> {
         let skeleton = body.skeleton();
-        let options = ReadOptions {
+        let of_file = ReadOptions {
             up: self.up,
             ..ReadOptions::default()
         };
-        let take = Take::read(&self.path, &options)?;
+        let take = Take::read_clip(&self.path, self.clip.as_deref(), &of_file)?;
         let range = self.frames.unwrap_or(FrameRange::single(0));
-        let options = RetargetOptions::default();
-        let frames = range.of(take.num_frames())?;
-        let of_motion = take.notes(skeleton).into_iter();
-        let mut notes: Vec<PoseNote> = of_motion.map(PoseNote::Motion).collect();
-        let mut poses = take.poses_of(skeleton, &frames, &options)?;
+        let options = of_motion.retarget();
+        let moments = Moments::new(range, &take, of_motion.fps)?;
+        let notes = take.notes(skeleton).into_iter();
+        let mut notes: Vec<PoseNote> = notes.map(PoseNote::Motion).collect();
+        let mut poses = take.poses_of(skeleton, &moments.frames, &options)?;
         let is_motion = take.motion().is_some();
         if is_motion && tape_measures(body).is_some() {
-            notes.extend(keep_apart(body, &take, &frames, &mut poses)?);
+            notes.extend(keep_apart(
+                body,
+                &take,
+                &moments.frames,
+                &options,
+                &mut poses,
+            )?);
         }
-        if is_motion && range.is_single() {
+        let mut poses = moments.of(poses);
+        if is_motion && of_motion.on_ground && range.is_single() {
             put_on_ground(body, &mut poses, Ground::EachPose)?;
-        } else if is_motion {
+        } else if is_motion && of_motion.on_ground {
             // Where the ground is does not depend on which frames are asked for.
             let step = take.num_frames().div_ceil(GROUND_FRAMES);
             let clip = take.poses(skeleton, FrameRange::every(step), &options)?;
@@ -363,12 +439,13 @@ impl PoseSource {
                 num_frames,
             });
         }
-        let named = frames
-            .into_iter()
+        let stem = stem(&self.path);
+        let named = moments
+            .names()
             .zip(poses)
-            .map(|(frame, pose)| NamedPose {
-                label: format!("{}:{frame}", self.path.display()),
-                stem: format!("{}_{frame:04}", stem(&self.path)),
+            .map(|((label, number), pose)| NamedPose {
+                label: format!("{}:{label}", self.path.display()),
+                stem: format!("{stem}_{number:04}"),
                 pose,
             });
         Ok(Posing {
@@ -378,12 +455,74 @@ impl PoseSource {
     }
 }
 
+/// Frames of a motion, or places between them.
+struct Moments {
+    /// The frames that are needed, ascending where there are places between.
+    frames: Vec<usize>,
+    /// The places, in frames from the first one, if the motion is played anew, and the seconds
+    /// from frame to frame.
+    between: Option<(Vec<f64>, f64)>,
+}
+
+impl Moments {
+    fn new(range: FrameRange, take: &Take, fps: Option<f64>) -> Result<Self, PoseError> {
+        let (num_frames, frame_time) = (take.num_frames(), take.frame_time());
+        let Some(fps) = fps else {
+            return Ok(Self {
+                frames: range.of(num_frames, frame_time)?,
+                between: None,
+            });
+        };
+        let places = range.samples(num_frames, frame_time, fps)?;
+        let around = places
+            .iter()
+            .flat_map(|place| [place.floor() as usize, place.ceil() as usize]);
+        let frames: BTreeSet<usize> = around.filter(|&frame| frame < num_frames).collect();
+        Ok(Self {
+            frames: frames.into_iter().collect(),
+            between: Some((places, frame_time.unwrap_or_default())),
+        })
+    }
+
+    /// The poses at the places, of those in the frames.
+    fn of(&self, poses: Vec<Pose>) -> Vec<Pose> {
+        let Some((places, _)) = &self.between else {
+            return poses;
+        };
+        let at = |frame: usize| &poses[self.frames.partition_point(|&other| other < frame)];
+        let pose = |place: &f64| {
+            let before = place.floor();
+            let share = (place - before) as f32;
+            if share < 1e-6 {
+                return at(before as usize).clone();
+            }
+            pose_between(at(before as usize), at(place.ceil() as usize), share)
+        };
+        places.iter().map(pose).collect()
+    }
+
+    /// What each is called in messages, and its number in names of files: that of the frame, or
+    /// how many places are before it.
+    fn names(&self) -> Box<dyn Iterator<Item = (String, usize)> + '_> {
+        match &self.between {
+            None => Box::new(self.frames.iter().map(|frame| (frame.to_string(), *frame))),
+            Some((places, seconds)) => {
+                let times = places
+                    .iter()
+                    .map(move |place| format!("{:.4}s", place * seconds));
+                Box::new(times.zip(0..))
+            }
+        }
+    }
+}
+
 /// Turns arms of a built-in body away from what they run into in frames of a motion, and tells of
 /// it. Other bodies go as the motion says: they may have to match what another program makes of it.
 fn keep_apart(
     body: &Body,
     take: &Take,
     frames: &[usize],
+    of_motion: &RetargetOptions,
     poses: &mut [Pose],
 ) -> Result<Option<PoseNote>, PoseError> {
     let contact = SelfContact::new(body)?;
@@ -392,7 +531,7 @@ fn keep_apart(
         legs_give_way: false,
         ..SeparationOptions::default()
     };
-    let easing = take.easing(&contact, frames, &options)?;
+    let easing = take.easing(&contact, frames, &options, of_motion)?;
     let largest = |turns: &[Vector3]| turns.iter().map(Vector3::norm).fold(0.0, f32::max);
     let largest: Vec<f32> = easing.iter().map(|turns| largest(turns)).collect();
     for (pose, turns) in poses.iter_mut().zip(&easing) {
@@ -468,7 +607,26 @@ mod tests {
         );
         assert_eq!(split("a:b/walk.json"), ("a:b/walk.json".into(), None));
         assert_eq!(split(":3"), (":3".into(), None));
+        assert_eq!(
+            split("walk.bvh:0.5s:3s"),
+            ("walk.bvh".into(), Some("0.5s:3s:1".to_owned()))
+        );
         assert!(PoseSource::from("walk.bvh:0:9").is_several());
         assert!(!PoseSource::from("walk.bvh:9").is_several());
+    }
+
+    #[test]
+    fn clips_precede_frames() {
+        let split = |text: &str| {
+            let (clip, frames) = clip_and_frames(text);
+            (clip, frames.map(|frames| frames.to_string()))
+        };
+        assert_eq!(split("Walk"), (Some("Walk".to_owned()), None));
+        assert_eq!(split("3:9"), (None, Some("3:9:1".to_owned())));
+        assert_eq!(
+            split("a:b:0:9"),
+            (Some("a:b".to_owned()), Some("0:9:1".to_owned()))
+        );
+        assert_eq!(split("run.001"), (Some("run.001".to_owned()), None));
     }
 }

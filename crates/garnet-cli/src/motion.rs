@@ -1,0 +1,42 @@
+//! Where a motion goes, and how fast: arguments of `drape`, `simulate` and `body`.
+
+use clap::Args;
+use garnet::io::MotionOptions;
+
+/// Arguments about motions.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub(crate) struct MotionArgs {
+    /// Stand a motion on the floor (y = 0): a single frame, or the lowest of all frames; without
+    /// it, heights are those of the recording.
+    #[arg(long)]
+    pub(crate) ground: bool,
+    /// Keep a motion above the origin; without it, it goes where the recording goes, scaled by the
+    /// length of the legs.
+    #[arg(long)]
+    pub(crate) in_place: bool,
+    /// Play a motion anew with so many frames a second.
+    #[arg(long, value_name = "N", value_parser = fps, allow_negative_numbers = true)]
+    pub(crate) fps: Option<f64>,
+    /// Leave joints that a recording turns over from one frame to the next as they are, instead of
+    /// turning them within a fifth of a second.
+    #[arg(long, hide_short_help = true)]
+    pub(crate) keep_flips: bool,
+}
+
+impl MotionArgs {
+    pub(crate) fn options(self) -> MotionOptions {
+        MotionOptions {
+            on_ground: self.ground,
+            in_place: self.in_place,
+            fps: self.fps,
+            keep_flips: self.keep_flips,
+        }
+    }
+}
+
+fn fps(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(fps) if (0.001..=10_000.0).contains(&fps) => Ok(fps),
+        _ => Err("expected frames a second, from 0.001 to 10000".to_owned()),
+    }
+}
