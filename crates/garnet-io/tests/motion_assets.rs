@@ -70,7 +70,10 @@ fn bones_point_where_those_of_the_motions_and_of_the_posed_bodies_do() {
         let body = rig.into_body().unwrap();
         let path = assets.join(format!("poses/{motion}.bvh"));
         let take = Take::read(path, &ReadOptions::default()).unwrap();
-        println!("{name}: {:?}", take.notes(body.skeleton()));
+        println!(
+            "{name}: {:?}",
+            take.notes(body.skeleton(), &RetargetOptions::default())
+        );
         let options = RetargetOptions::default();
         let poses = take.poses(body.skeleton(), FrameRange::single(frame), &options);
         let mut poses = poses.unwrap();

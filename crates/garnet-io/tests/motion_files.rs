@@ -357,7 +357,8 @@ fn angles_of_zero_are_a_t_pose_and_z_is_up_in_amass() {
         ]);
         let take = take(folder.path(), &bytes).unwrap();
         assert!((take.frame_time().unwrap() - 1.0 / 120.0).abs() < 1e-12);
-        let notes = take.notes(&target).join("; ");
+        let notes = take.notes(&target, &RetargetOptions::default());
+        let notes = notes.join("; ");
         assert!(notes.contains("`betas`"), "{notes}");
         let poses = take
             .poses(&target, FrameRange::ALL, &RetargetOptions::default())

@@ -137,12 +137,12 @@ impl Take {
     }
 
     /// What was taken for granted or left out when the file is used for `skeleton`.
-    pub fn notes(&self, skeleton: &Skeleton) -> Vec<String> {
+    pub fn notes(&self, skeleton: &Skeleton, options: &RetargetOptions) -> Vec<String> {
         let Some(motion) = self.motion() else {
             return Vec::new();
         };
         let mut notes = motion.notes.clone();
-        if let Ok(retarget) = Retarget::new(motion, skeleton, &RetargetOptions::default()) {
+        if let Ok(retarget) = Retarget::new(motion, skeleton, options) {
             notes.extend_from_slice(retarget.notes());
         }
         notes

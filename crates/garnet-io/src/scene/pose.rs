@@ -406,7 +406,7 @@ impl PoseSource {
         let range = self.frames.unwrap_or(FrameRange::single(0));
         let options = of_motion.retarget();
         let moments = Moments::new(range, &take, of_motion.fps)?;
-        let notes = take.notes(skeleton).into_iter();
+        let notes = take.notes(skeleton, &options).into_iter();
         let mut notes: Vec<PoseNote> = notes.map(PoseNote::Motion).collect();
         let mut poses = take.poses_of(skeleton, &moments.frames, &options)?;
         let is_motion = take.motion().is_some();
