@@ -3,23 +3,26 @@
 use clap::Args;
 use garnet::io::MotionOptions;
 
+/// Under what arguments about poses stand in the help.
+pub(crate) const POSES: &str = "Poses and motions";
+
 /// Arguments about motions.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(crate) struct MotionArgs {
     /// Stand a motion on the floor (y = 0): a single frame, or the lowest of all frames; without
     /// it, heights are those of the recording.
-    #[arg(long)]
+    #[arg(long, help_heading = POSES)]
     pub(crate) ground: bool,
     /// Keep a motion above the origin; without it, it goes where the recording goes, scaled by the
     /// length of the legs.
-    #[arg(long)]
+    #[arg(long, help_heading = POSES)]
     pub(crate) in_place: bool,
     /// Play a motion anew with so many frames a second.
-    #[arg(long, value_name = "N", value_parser = fps, allow_negative_numbers = true)]
+    #[arg(long, help_heading = POSES, value_name = "N", value_parser = fps, allow_negative_numbers = true)]
     pub(crate) fps: Option<f64>,
     /// Leave joints that a recording turns over from one frame to the next as they are, instead of
     /// turning them within a fifth of a second.
-    #[arg(long, hide_short_help = true)]
+    #[arg(long, help_heading = POSES, hide_short_help = true)]
     pub(crate) keep_flips: bool,
 }
 

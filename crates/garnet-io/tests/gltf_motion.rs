@@ -13,10 +13,6 @@ use garnet_skin::{Joint, Point3, Pose, Skeleton, Vector3};
 use nalgebra::{Unit, UnitQuaternion};
 use serde_json::{Value, json};
 
-mod common;
-
-use common::chain;
-
 /// Parents and offsets of the 22 joints, in metres: a T-pose.
 const JOINTS: [(Option<usize>, [f32; 3]); 22] = [
     (None, [0.0, 0.93, 0.0]),
@@ -246,7 +242,7 @@ fn the_first_clip_is_taken_and_others_are_named() {
     assert!(notes.contains("of the clips `Still`, `Wave`"), "{notes}");
     assert_eq!(first.num_frames(), 1);
     let error = take(folder.path(), &bytes, Some("wave")).unwrap_err();
-    let text = chain(&error);
+    let text = error.problem.to_string();
     assert!(
         text.contains("no clip `wave`; its clips are `Still`, `Wave`"),
         "{text}"

@@ -159,6 +159,17 @@ impl FrameRange {
     }
 }
 
+impl Place {
+    /// Whether this is known to be no later than another.
+    fn is_before(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Frame(this), Self::Frame(other)) => this <= other,
+            (Self::Micros(this), Self::Micros(other)) => this <= other,
+            (Self::Frame(_), Self::Micros(_)) | (Self::Micros(_), Self::Frame(_)) => false,
+        }
+    }
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -232,7 +243,7 @@ impl FromStr for FrameRange {
             return Err(wrong());
         }
         let first = or(first, 0)?;
-        if end.is_some_and(|end| end <= first) {
+        if end.is_some_and(|end| end.is_before(first)) {
             return Err(wrong());
         }
         Ok(Self {

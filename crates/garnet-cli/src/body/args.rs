@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::motion::MotionArgs;
+use crate::motion::{MotionArgs, POSES};
 use garnet::{
     body::shape::{BodyParameters, Measure},
     io::PoseSource,
@@ -80,9 +80,6 @@ pub(crate) struct BodyArgs {
     #[command(flatten)]
     pub(crate) measures: MeasureArgs,
 }
-
-/// The heading of poses and motions in the help.
-const POSES: &str = "Poses and motions";
 
 const LONG_HELP: &str = "\
 What is not given follows from what is, by the statistics of ANSUR II (Gordon et al. 2014).

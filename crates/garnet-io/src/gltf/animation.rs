@@ -36,6 +36,9 @@ const USUAL_RATE: f64 = 30.0;
 /// Clips of more frames are refused.
 const MOST_FRAMES: f64 = 1e6;
 
+/// Seconds by which a key may be rounded.
+const ROUNDING: f64 = 1e-5;
+
 /// How far the transforms of two joints may differ and still be one of the whole skin, relative to
 /// their largest entry.
 const SAME_TRANSFORM: f64 = 1e-3;
@@ -197,7 +200,7 @@ impl Tracks {
 impl Track {
     /// The value at a time; the first and last one hold before and after.
     fn at(&self, time: f64) -> [f64; 4] {
-        let after = self.times.partition_point(|&key| key <= time);
+        let after = self.times.partition_point(|&key| key <= time + ROUNDING);
         let is_cubic = self.interpolation == Interpolation::CubicSpline;
         let each = if is_cubic { 3 } else { 1 };
         let row = |key: usize, part: usize| {
@@ -213,7 +216,7 @@ impl Track {
         }
         let before = after - 1;
         let span = self.times[after] - self.times[before];
-        let share = (time - self.times[before]) / span;
+        let share = ((time - self.times[before]) / span).clamp(0.0, 1.0);
         let [from, to] = [value(before), value(after)];
         match self.interpolation {
             Interpolation::Step => from,
