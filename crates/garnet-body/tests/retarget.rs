@@ -313,3 +313,46 @@ fn missing_joints_are_named_unless_they_do_no_harm() {
             .contains("the motion has no joint that is named like `head`")
     );
 }
+
+#[test]
+fn a_rest_pose_that_is_bent_does_not_turn_hinges_over() {
+    // The arms of the recording are bent at rest by more than they ever are in it.
+    let straight = skeleton(0.0, 0.0);
+    let bent = straight.joints().iter().map(|joint| {
+        let mut joint = joint.clone();
+        if joint.name == "left_wrist" || joint.name == "right_wrist" {
+            let elbow = straight
+                .find(&joint.name.replace("wrist", "elbow"))
+                .unwrap();
+            let elbow = straight.joints()[elbow].rest_position;
+            let sign = if joint.name.starts_with("left") {
+                -1.0
+            } else {
+                1.0
+            };
+            let bend = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 1.2 * sign);
+            joint.rest_position = elbow + bend * (joint.rest_position - elbow);
+        }
+        joint
+    });
+    let source = Skeleton::new(bent.collect()).unwrap();
+    let target = skeleton(45.0, 3.0);
+    let frames = (0..40).map(|frame| {
+        let mut pose = Pose::rest(22);
+        for (name, sign) in [("left_elbow", 1.0), ("right_elbow", -1.0)] {
+            let open = 0.8 * (0.3 * frame as f32).sin().abs();
+            let elbow = source.find(name).unwrap();
+            pose.rotations[elbow] =
+                UnitQuaternion::from_axis_angle(&Vector3::y_axis(), open * sign);
+        }
+        pose
+    });
+    let motion = motion(&source, frames.collect());
+    let retarget = Retarget::new(&motion, &target, &RetargetOptions::default()).unwrap();
+    let found = world_rotations(&target, &retarget.pose(0).unwrap());
+    // The upper arms go from hanging by 45 degrees to level by the shortest way.
+    for name in ["left_shoulder", "right_shoulder"] {
+        let turn = found[target.find(name).unwrap()].angle().to_degrees();
+        assert!((turn - 45.0).abs() < 1.0, "{name}: {turn}");
+    }
+}

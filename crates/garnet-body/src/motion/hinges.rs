@@ -15,7 +15,10 @@ use super::{
 /// About so many frames of a recording tell its hinges.
 const LOOKED_AT: usize = 200;
 
-/// Least root mean square bend that tells an axis, in radians.
+/// Fewer frames are poses, which tell no hinge.
+const LEAST_FRAMES: usize = 20;
+
+/// Least root mean square of the sine of the bend that tells an axis.
 const LEAST_BEND: f64 = 0.3;
 
 /// Least share of an axis in all bending about a joint.
@@ -74,14 +77,18 @@ pub(super) fn turn_about_bone(
 fn recorded(motion: &Motion, figure: &Figure, upper: Role, lower: Role) -> Option<Direction> {
     let (above, below) = (figure.joint(upper)?, figure.joint(lower)?);
     let bone = unit(&figure.bone(upper)?)?;
+    let next = unit(&figure.bone(lower)?)?;
+    if motion.frames.len() < LEAST_FRAMES {
+        return None;
+    }
     let step = motion.frames.len().div_ceil(LOOKED_AT).max(1);
     let mut sum = Vector3::zeros();
     let mut squares = Matrix3::zeros();
     let mut count = 0.0;
     for pose in motion.frames.iter().step_by(step) {
         let world = world_rotations(&motion.skeleton, pose);
-        let bend = (world[above].inverse() * world[below]).scaled_axis();
-        let bend = bend - bone * bone.dot(&bend);
+        // By where the bones are: rest poses may be bent themselves.
+        let bend = bone.cross(&(world[above].inverse() * (world[below] * next)));
         sum += bend;
         squares += bend * bend.transpose();
         count += 1.0;
