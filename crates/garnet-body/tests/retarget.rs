@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{CMU, bone, pose, renamed, skeleton};
+use common::{CMU, bone, pose, renamed, skeleton, without_limbs};
 use garnet_body::motion::{
     Motion, Retarget, RetargetError, RetargetOptions, Role, Side, StartAt, world_rotations,
 };
@@ -301,16 +301,23 @@ fn missing_joints_are_named_unless_they_do_no_harm() {
         }
     );
 
-    let broken = without(&["left_knee", "right_elbow", "head"]);
+    // Single joints of unknown names are found by the hierarchy; what is not there is not.
+    let unknown = without(&["left_knee", "right_elbow", "head"]);
+    assert!(Retarget::new(&unknown, &target, &RetargetOptions::default()).is_ok());
+    let broken = without_limbs(&source, &["left_knee", "right_elbow"]);
+    let num_joints = broken.num_joints();
+    let broken = motion(&broken, vec![Pose::rest(num_joints)]);
     let error = Retarget::new(&broken, &target, &RetargetOptions::default()).unwrap_err();
     let RetargetError::MissingJoints { missing, .. } = &error else {
         panic!("{error}")
     };
-    assert_eq!(*missing, ["head", "right_elbow", "left_knee"]);
+    for name in ["right_elbow", "left_knee"] {
+        assert!(missing.contains(&name), "{missing:?}");
+    }
     assert!(
         error
             .to_string()
-            .contains("the motion has no joint that is named like `head`")
+            .contains("the motion has no joint that is named like")
     );
 }
 

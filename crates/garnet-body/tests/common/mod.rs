@@ -63,6 +63,25 @@ pub(crate) fn skeleton(arms_below: f32, legs_out: f32) -> Skeleton {
     Skeleton::new(joints.collect()).unwrap()
 }
 
+/// The same skeleton without joints and all that hang on them.
+pub(crate) fn without_limbs(skeleton: &Skeleton, names: &[&str]) -> Skeleton {
+    let mut number = vec![None; skeleton.num_joints()];
+    let mut kept: Vec<Joint> = Vec::new();
+    for &joint in skeleton.parents_first() {
+        let found = &skeleton.joints()[joint];
+        let parent = found.parent.map(|parent| number[parent]);
+        if names.contains(&found.name.as_str()) || parent == Some(None) {
+            continue;
+        }
+        number[joint] = Some(kept.len());
+        kept.push(Joint {
+            parent: parent.flatten(),
+            ..found.clone()
+        });
+    }
+    Skeleton::new(kept).unwrap()
+}
+
 /// Radii of forearm and trunk.
 pub(crate) const ARM_RADIUS: f32 = 0.035;
 pub(crate) const TRUNK_RADIUS: f32 = 0.11;
