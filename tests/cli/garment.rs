@@ -66,7 +66,7 @@ fn a_garment_that_no_command_would_take_is_refused() {
     refused(
         &fixture,
         &from("inside"),
-        &["`inside.obj`", "inside the body"],
+        &["`inside.obj`", "deep in the body"],
     );
     fixture.moved("sleeve.obj", "flat.obj", |p| Point3::new(0.15, p.y, 0.0));
     refused(

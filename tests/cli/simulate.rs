@@ -262,7 +262,7 @@ fn what_is_no_cloth_is_refused() {
     refused(
         &fixture,
         "simulate thin.obj bent.obj --rig body.rig.npz -o out.obj",
-        "inside the body at rest",
+        "deep in the body",
     );
 }
 

@@ -423,7 +423,7 @@ fn mistakes_of_a_config_are_named_with_file_and_field() {
         ("[network.garment]\nheads = 0", "`garment.heads`"),
         ("[loss]\nnormal = -1", "`normal` of the loss is `-1`"),
         (
-            "[loss]\nvertex = 0\nnormal = 0\npenetration = 0\nbending = 0",
+            "[loss]\ndistance = 0\nvertex = 0\nnormal = 0\npenetration = 0\nbending = 0",
             "there is nothing to learn",
         ),
     ] {

@@ -129,13 +129,11 @@ impl Scene {
             }
         }
         self.parameters.clear();
-        self.parameters.extend_from_slice(input.parameters);
-        if let Some(scaling) = config
-            .scaling
-            .as_ref()
-            .filter(|_| config.has_body_parameters())
-        {
-            InputScaling::apply(&scaling.parameters, &mut self.parameters);
+        if config.has_body_parameters() {
+            self.parameters.extend_from_slice(input.parameters);
+            if let Some(scaling) = &config.scaling {
+                InputScaling::apply(&scaling.parameters, &mut self.parameters);
+            }
         }
         self.body_points.clear();
         self.body_normals.clear();

@@ -91,9 +91,14 @@ A configuration names what differs from the defaults:
   learning_rate = 3e-3
   schedule = \"cosine\"       # or constant, steps
   accumulate = 1            # scenes a step
+  weight_decay = 0.01       # of AdamW; 0 is Adam
+  mean_of_weights = 0.999   # what is validated and published; 0 takes the last weights
+  mirror = true             # whether every other scene is seen in a mirror
+  standardize = true        # inputs by their mean and spread
   precision = \"f32\"         # of the weights in the package, or f16, i8
   patience = 0              # stop after so many epochs without a better one
   [loss]                    # weights of the terms
+  distance = 0.25           # or vertex, its square, as the paper has it
   normal = 0.3
   [network.garment]         # what differs from the preset
   heads = 4";
