@@ -58,6 +58,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, ObjParseError> {
         return Err(ObjParseError::NoVertices);
     }
     if scan.corner_vertices.is_empty() {
+        check_numbers(bytes, &scan.vertex_starts)?;
         return Err(ObjParseError::NoFaces);
     }
     let positions = match parse_positions(&mut scan) {
