@@ -90,7 +90,7 @@ fn cloth_steps_no_farther_than_the_skin_next_to_it_lets_it() -> Result<(), Box<d
         let alone = judged(garment.clone(), poses.clone().into_iter(), StepLimit::NONE)?;
         let take = judged(garment, poses.into_iter(), StepLimit::default())?;
         println!("{name}: alone {alone:?}, in a take {take:?}");
-        assert!(take.1 < 0.005, "{name}: {take:?}");
+        assert!(take.1 < 0.008, "{name}: {take:?}");
         assert!(take.1 <= alone.1, "{name}: {take:?} {alone:?}");
     }
     Ok(())

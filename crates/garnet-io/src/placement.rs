@@ -148,9 +148,9 @@ pub fn check_sizes(garment: &Bounds, body: &Bounds, frame: Frame) -> Result<(), 
     })
 }
 
-/// Refuses a garment that lies beside the body, or that the body runs through: offsets `[vertex]` of
-/// its vertices from the skin nearest to each, in metres, and normals `[vertex]` of the skin there,
-/// of any length.
+/// Refuses a garment that lies beside the body, or that the body runs through: offsets `[vertex]`
+/// of its vertices from the skin nearest to each, in metres, and normals `[vertex]` of the skin
+/// there, of any length.
 ///
 /// # Errors
 ///

@@ -26,8 +26,8 @@
 //! conv.lin.weight.data = w.view(heads, channels, out).permute(0, 2, 1).reshape(heads * out, channels)
 //! ```
 //!
-//! A matrix of type `I8` has a tensor `<name>.scale` beside it, a number for each of its rows: it is
-//! `weights[name] * weights[name + ".scale"].view(-1, 1)`.
+//! A matrix of type `I8` has a tensor `<name>.scale` beside it, a number for each of its rows: it
+//! is `weights[name] * weights[name + ".scale"].view(-1, 1)`.
 //!
 //! The last three rows of each `u` belong to the places of the vertices and are multiplied by
 //! `0.1 / config.mean_edge_length` before use. `benches/python/garnet_torch.py` is the whole

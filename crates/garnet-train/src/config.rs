@@ -146,8 +146,8 @@ impl Default for TrainConfig {
 }
 
 impl TrainConfig {
-    /// The usual way, or for the preset `paper` that of the paper: Adam of a constant rate, scene by
-    /// scene, with its losses. What it does not tell is as its authors' library has it.
+    /// The usual way, or for the preset `paper` that of the paper: Adam of a constant rate, scene
+    /// by scene, with its losses. What it does not tell is as its authors' library has it.
     pub fn of_preset(name: &str) -> Self {
         let usual = Self {
             preset: name.to_owned(),

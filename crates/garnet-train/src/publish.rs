@@ -272,9 +272,9 @@ pub(crate) struct Drapes {
     pub(crate) settled: Option<DrapeScores>,
 }
 
-/// Adds a variant to the manifest of a package, and measures whole drapes with it: on the validation
-/// split to choose whether they settle, and what the default is; on the test split, settled, to
-/// report them.
+/// Adds a variant to the manifest of a package, and measures whole drapes with it: on the
+/// validation split to choose whether they settle, and what the default is; on the test split,
+/// settled, to report them.
 ///
 /// That takes longer than all else but the training: the variant is in the manifest before it
 /// begins. It is there without those numbers, too, if the garment cannot be simulated, or `stop`

@@ -20,8 +20,8 @@ const ON_AXIS: f64 = 0.966;
 ///
 /// Limbs and head are those that [`Skeleton::labels`] names, else those whose names are known (see
 /// [`role_names`](super::role_names)), else those that the hierarchy tells; pelvis, spine and neck
-/// are found by what hangs on them: the pelvis is the joint on which both legs and both arms hang, the
-/// chest the joint on which both arms and the head hang.
+/// are found by what hangs on them: the pelvis is the joint on which both legs and both arms hang,
+/// the chest the joint on which both arms and the head hang.
 #[derive(Debug, Clone)]
 pub struct Figure {
     roles: [Option<usize>; NUM_ROLES],

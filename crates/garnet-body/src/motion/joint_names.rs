@@ -141,8 +141,8 @@ pub fn role_names(role: Role) -> &'static [&'static str] {
         // SMPL, classic BVH, DAZ | MakeHuman, Unreal | 3ds Max biped | AdvancedSkeleton | CMU BVH,
         // Mixamo, Rigify
         Role::Collar(_) => &["collar", "clavicle", "clav", "scapula", "shoulder"],
-        // MakeHuman | Unreal, Rigify, VRM, 3ds Max | others | OptiTrack | DAZ, Poser | Acclaim | CMU
-        // BVH, Mixamo | SMPL, classic BVH
+        // MakeHuman | Unreal, Rigify, VRM, 3ds Max | others | OptiTrack | DAZ, Poser | Acclaim |
+        // CMU BVH, Mixamo | SMPL, classic BVH
         Role::Shoulder(_) => &[
             "upperarm01",
             "upperarm",

@@ -2,8 +2,9 @@
 //!
 //! A [`Motion`] is a skeleton at rest and one [`Pose`](garnet_skin::Pose) of it a frame, in metres
 //! and Y up, whatever file it came from. A [`Retarget`] carries it over to another skeleton by the
-//! meaning of the joints and the directions of the bones in the world: two skeletons whose rest poses
-//! differ (a T-pose and arms half down, legs together and legs spread) still show the same motion.
+//! meaning of the joints and the directions of the bones in the world: two skeletons whose rest
+//! poses differ (a T-pose and arms half down, legs together and legs spread) still show the same
+//! motion.
 
 mod clip;
 mod error;

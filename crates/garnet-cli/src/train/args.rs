@@ -27,7 +27,8 @@ pub(crate) struct TrainArgs {
     /// configuration says the `kind`, or `--from` does.
     #[arg(long, value_name = "NAME")]
     variant: Option<String>,
-    /// What is trained, as `midway`, `falling` or `local` [default: what the name says, else local].
+    /// What is trained, as `midway`, `falling` or `local` [default: what the name says, else
+    /// local].
     ///
     /// By pose and shape alone, midway, arrival and falling predict where cloth is on its way,
     /// pose-space where it rests. The paper's networks are naive, global, local, global-params and

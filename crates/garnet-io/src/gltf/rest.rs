@@ -1,9 +1,9 @@
 //! The bind pose of skins in the world, and the pose that a file shows.
 //!
-//! A vertex `p` of a skinned mesh is shown at `Σ w_j S_j p`, with `S_j = world_j · bone_from_mesh_j`.
-//! Where all `S_j` are one transform, the file shows the bind pose. Where they are not, some node
-//! stands in a frame of an animation: the bind pose is the mesh moved by the one transform for
-//! which all joints have moved rigidly since, and the body stands upright if it can.
+//! A vertex `p` of a skinned mesh is shown at `Σ w_j S_j p`, with `S_j = world_j ·
+//! bone_from_mesh_j`. Where all `S_j` are one transform, the file shows the bind pose. Where they
+//! are not, some node stands in a frame of an animation: the bind pose is the mesh moved by the one
+//! transform for which all joints have moved rigidly since, and the body stands upright if it can.
 
 use garnet_skin::{Joint, Pose, Skeleton, SkinWeights, skin_linear};
 use nalgebra::{

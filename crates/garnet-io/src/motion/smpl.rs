@@ -1,9 +1,10 @@
 //! Motions in the layout of AMASS and SMPL: npz archives of axis-angle vectors.
 //!
 //! `poses` has one row of 3 numbers for each joint a frame, in the order of the 22 joints of the
-//! built-in skeleton, or root and body have arrays of their own; hands, jaw and eyes are left out. The axes are the
-//! body's: x to its left, y up, z to its front; the rest pose is a T-pose with straight legs. The
-//! first row turns the body into the world, whose up axis is told by where the bodies stand.
+//! built-in skeleton, or root and body have arrays of their own; hands, jaw and eyes are left out.
+//! The axes are the body's: x to its left, y up, z to its front; the rest pose is a T-pose with
+//! straight legs. The first row turns the body into the world, whose up axis is told by where the
+//! bodies stand.
 //!
 //! The file has no skeleton. The one here stands in a T-pose with bones along the axes and lengths
 //! as parts of the stature from Drillis and Contini 1966 (Winter 2009, figure 4.1): only directions
@@ -262,8 +263,8 @@ impl JointTurns {
     }
 }
 
-/// Reads rotations as axis-angle vectors or matrices: `[T, 3 n]`, `[T, n, 3]`, `[T, n, 3, 3]`, those
-/// of one frame without its axis, and those of a batch of one.
+/// Reads rotations as axis-angle vectors or matrices: `[T, 3 n]`, `[T, n, 3]`, `[T, n, 3, 3]`,
+/// those of one frame without its axis, and those of a batch of one.
 fn turns(npz: &mut NpzFile, key: &'static str, kind: Kind) -> Result<JointTurns, MotionProblem> {
     let Some(array) = npz.array(key).map_err(boxed)? else {
         return Err(MotionProblem::NoFrames);

@@ -81,8 +81,8 @@ struct FramesJson {
 }
 
 impl Take {
-    /// Reads a BVH file, an npz archive in the layout of AMASS, the first animation of a GLB or glTF
-    /// file, or pose JSON, told by their content.
+    /// Reads a BVH file, an npz archive in the layout of AMASS, the first animation of a GLB or
+    /// glTF file, or pose JSON, told by their content.
     ///
     /// # Errors
     ///

@@ -56,8 +56,8 @@ pub(super) fn same_places(known: &[Point3], points: &[Point3]) -> Option<Vec<u32
     None
 }
 
-/// A rig with the vertices of an OBJ of its rest mesh, and which of its own vertices they are. A rig
-/// that has them already, or whose rest mesh is not that of the OBJ, is given back as it is.
+/// A rig with the vertices of an OBJ of its rest mesh, and which of its own vertices they are. A
+/// rig that has them already, or whose rest mesh is not that of the OBJ, is given back as it is.
 pub(super) fn matched_rig(rig: Rig, rest: &TriMesh) -> (Rig, Option<Vec<u32>>) {
     let Some(own) = &rig.rest else {
         return (rig, None);

@@ -17,8 +17,8 @@ use super::{
 pub(super) struct RestBodies {
     pub(super) rest: Body,
     pub(super) zero: Option<Zero>,
-    /// The largest turn of a joint from the rig to the rest body, in degrees, if that pose had to be
-    /// recovered.
+    /// The largest turn of a joint from the rig to the rest body, in degrees, if that pose had to
+    /// be recovered.
     pub(super) posed_by: Option<f32>,
 }
 
