@@ -90,6 +90,7 @@ fn quaternion(rotation: &UnitQuaternion<f32>) -> [f32; 4] {
 /// A GLB of the skeleton under a node that turns and scales it, whose nodes have frames of their
 /// own; its clips are `Still`, and `Wave` with the elbow's rotation as `interpolation` says and the
 /// pelvis's place.
+#[expect(clippy::too_many_lines, reason = "a file in one piece")]
 fn file(interpolation: &str, elbow: &[(f32, UnitQuaternion<f32>)], shift: Vector3) -> Vec<u8> {
     let mut buffer = Buffer {
         bytes: Vec::new(),

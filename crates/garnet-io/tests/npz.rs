@@ -376,7 +376,8 @@ fn models_of_the_smpl_family_are_rigs_in_the_shape_that_is_asked_for() {
             let rig = read_rig_with(&path, &options).unwrap().rig;
             let joint = &rig.skeleton.joints()[1];
             assert_eq!((joint.parent, joint.rest_position.y), (Some(0), height));
-            assert_eq!(rig.rest.unwrap().positions()[2].y, 2.0 * height);
+            let top = rig.rest.unwrap().positions()[2].y;
+            assert!((top - 2.0 * height).abs() < 1e-6, "{top}");
         }
         options.betas = vec![0.0; 3];
         let text = chain(&read_rig_with(&path, &options).unwrap_err());

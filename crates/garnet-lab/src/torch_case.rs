@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     };
     let weights = format!("{case}.weights.safetensors");
     checkpoint.save(&weights, Precision::F32)?;
-    let [template, body] = [stage.template(), stage.body()].map(|mesh| mesh.positions());
+    let [template, body] = [stage.template(), stage.body()].map(garnet::TriMesh::positions);
     let mut predictor = Predictor::load(&weights, garment.clone(), template, body)?;
     predictor.prepare(&stage.input())?;
     let network = median(|| {

@@ -233,6 +233,7 @@ impl GarNetConfig {
     /// # Errors
     ///
     /// [`NetError::Config`] with the first number that is out of range.
+    #[expect(clippy::too_many_lines, reason = "a line a number")]
     pub fn validate(&self) -> Result<(), NetError> {
         let count = |field, value: usize, min: usize, max: usize| {
             if (min..=max).contains(&value) {

@@ -176,7 +176,8 @@ pub(crate) fn to_bytes<H: Header>(
     views.sort_unstable_by_key(|(name, _)| *name);
     (views.iter()).try_for_each(|(name, view)| check(path, name, view))?;
     let is_packed = views.iter().any(|(_, view)| view.dtype() == Dtype::I8);
-    *header.schema() = if is_packed { H::PACKED } else { H::SCHEMA }.to_owned();
+    let schema = if is_packed { H::PACKED } else { H::SCHEMA };
+    schema.clone_into(header.schema());
     let text = |header: &H| {
         serde_json::to_string(header).map_err(|source| CheckpointError::Metadata {
             path: path.to_path_buf(),
@@ -370,7 +371,7 @@ pub(crate) fn widened(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Chec
         let view = tensors.tensor(name);
         view.is_ok_and(|view| view.dtype() == Dtype::I8)
     };
-    if !tensors.names().into_iter().any(|name| is_packed(name)) {
+    if !tensors.names().into_iter().any(&is_packed) {
         return Ok(None);
     }
     let mut wide = Vec::new();

@@ -82,6 +82,7 @@ pub fn training_folder(package: &Path, name: &str) -> PathBuf {
 ///
 /// [`TrainError`]: an old checkpoint and an old state stay as they were. While another run trains
 /// the variant, or writes the package, that is [`DataError::InUse`](garnet_data::DataError::InUse).
+#[expect(clippy::too_many_lines, reason = "a step after the other")]
 pub fn train(
     job: &TrainJob,
     observer: &mut dyn FnMut(TrainEvent),

@@ -226,10 +226,8 @@ fn side_of(word: &str) -> Option<Side> {
 
 /// The side of a name and the words after it, or those before it where no word follows.
 fn side_and_words(words: &[String]) -> (Option<Side>, Vec<String>) {
-    let sides = words.iter().enumerate();
-    let found = sides
-        .filter_map(|(place, word)| side_of(word).map(|side| (place, side)))
-        .next();
+    let mut sides = words.iter().enumerate();
+    let found = sides.find_map(|(place, word)| side_of(word).map(|side| (place, side)));
     let Some((place, side)) = found else {
         return (None, words.to_vec());
     };

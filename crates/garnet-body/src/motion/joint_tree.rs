@@ -322,7 +322,7 @@ impl<'a> Tree<'a> {
                 .min(self.distance(three[1], three[2]))
         };
         let three = chain.windows(3);
-        let best = three.max_by(|a, b| least(&a).total_cmp(&least(&b)))?;
+        let best = three.max_by(|a, b| least(a).total_cmp(&least(b)))?;
         Some([best[0], best[1], best[2]])
     }
 
@@ -334,15 +334,12 @@ impl<'a> Tree<'a> {
             roles[role.index()] = Some(joint);
         }
         let place = |joint: usize| chain.iter().position(|&other| other == joint);
-        match limb[0] {
-            Role::Shoulder(_) => {
-                let before = place(found[0]).and_then(|place| place.checked_sub(1));
-                roles[Role::Collar(side).index()] = before.map(|place| chain[place]);
-            }
-            _ => {
-                let after = place(found[2]).and_then(|place| chain.get(place + 1));
-                roles[Role::Foot(side).index()] = after.copied();
-            }
+        if let Role::Shoulder(_) = limb[0] {
+            let before = place(found[0]).and_then(|place| place.checked_sub(1));
+            roles[Role::Collar(side).index()] = before.map(|place| chain[place]);
+        } else {
+            let after = place(found[2]).and_then(|place| chain.get(place + 1));
+            roles[Role::Foot(side).index()] = after.copied();
         }
     }
 
@@ -527,9 +524,9 @@ mod tests {
             "left_wrist",
             "left_shoulder",
         ] {
-            let renamed = |name: &str| match name == unknown {
-                true => "thing".to_owned(),
-                false => name.to_owned(),
+            let renamed = |name: &str| {
+                let name = if name == unknown { "thing" } else { name };
+                name.to_owned()
             };
             // A shoulder that is unknown leaves its word to the collarbone, which takes none.
             check(&figure(renamed), &[]);

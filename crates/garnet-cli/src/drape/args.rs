@@ -1,6 +1,6 @@
 //! The arguments of `drape`, and the checked job that they make.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::ensure;
 use clap::{Args, ValueEnum};
@@ -250,7 +250,7 @@ pub(crate) enum Source {
     /// A scene names them all.
     Scene(PathBuf),
     /// Each was named.
-    Files(SourceFiles),
+    Files(Box<SourceFiles>),
 }
 
 /// The files of a drape without a scene.
@@ -436,7 +436,7 @@ impl InputArgs {
         scene.up = self.up.axis();
         let files = SourceFiles { package, scene };
         files.check()?;
-        Ok(Source::Files(files))
+        Ok(Source::Files(Box::new(files)))
     }
 }
 
@@ -446,7 +446,8 @@ impl SourceFiles {
         if scene.bodies.is_empty() {
             let rest = [&scene.rig, &scene.own_rig, &scene.rest_body];
             let can_pose = rest.into_iter().any(Option::is_some);
-            ensure_posed(scene.pose.is_some() && can_pose, self.package.is_some())?;
+            let is_posed = scene.pose.is_some() && can_pose;
+            ensure_posed(is_posed, self.package.as_deref())?;
         }
         if scene.pose.is_some() && scene.bodies.len() > 1 {
             return Err(refused(
@@ -459,13 +460,13 @@ impl SourceFiles {
     }
 }
 
-fn ensure_posed(is_posed: bool, is_package: bool) -> anyhow::Result<()> {
+fn ensure_posed(is_posed: bool, package: Option<&Path>) -> anyhow::Result<()> {
     let check = || -> anyhow::Result<()> {
         ensure!(is_posed, "no body is given");
         Ok(())
     };
     check().hint(|| {
-        let hint = if is_package {
+        let hint = if package.is_some() {
             "give the OBJ of the body after the package, or a pose for its own body, as `--pose wave`"
         } else {
             "give the OBJ of the body after the garment, or `--pose` with `--rig` or `--rest-body`"

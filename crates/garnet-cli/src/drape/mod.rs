@@ -204,6 +204,10 @@ fn drape_all(
     Ok(drapes)
 }
 
+#[expect(
+    clippy::too_many_lines,
+    reason = "a part of the report after the other"
+)]
 fn drape_one(
     (ready, take): (&Ready, Option<&mut Take<'_>>),
     target: &Target,

@@ -47,10 +47,10 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
         body,
         rest,
         ..
-    } = Prepared::read(&Source::Files(SourceFiles {
+    } = Prepared::read(&Source::Files(Box::new(SourceFiles {
         package: None,
         scene,
-    }))?;
+    })))?;
     let path = garment_file.path().to_path_buf();
     let cannot = || format!("cannot make a package of `{}`", path.display());
     if diagnose(&garment).degenerate_faces.len() == garment.num_faces() {

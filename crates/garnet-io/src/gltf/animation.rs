@@ -9,7 +9,7 @@ use std::path::Path;
 use garnet_body::motion::{Figure, Motion, ReadOptions};
 use garnet_skin::{Joint, Pose, Skeleton, Vector3};
 use gltf::json::{
-    Animation, Root, Skin,
+    Animation, Index, Root, Skin,
     accessor::Type,
     animation::{Interpolation, Property},
     validation::Checked,
@@ -102,7 +102,7 @@ struct Track {
 }
 
 struct Tracks {
-    tracks: Vec<Track>,
+    all: Vec<Track>,
     start: f64,
     end: f64,
 }
@@ -181,12 +181,16 @@ impl Tracks {
             }
             .into());
         }
-        Ok(Self { tracks, start, end })
+        Ok(Self {
+            all: tracks,
+            start,
+            end,
+        })
     }
 
     /// Frames a second, by the median distance of keys.
     fn rate(&self) -> f64 {
-        let pairs = self.tracks.iter().flat_map(|track| track.times.windows(2));
+        let pairs = self.all.iter().flat_map(|track| track.times.windows(2));
         let mut steps: Vec<f64> = pairs.map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
         let Some(&step) = steps.get(steps.len() / 2) else {
@@ -209,7 +213,7 @@ impl Track {
             row[..self.width].copy_from_slice(&self.values[start..start + self.width]);
             row
         };
-        let value = |key: usize| row(key, if is_cubic { 1 } else { 0 });
+        let value = |key: usize| row(key, usize::from(is_cubic));
         let last = self.times.len() - 1;
         if after == 0 || after > last {
             return value(if after == 0 { 0 } else { last });
@@ -268,7 +272,7 @@ impl Rest {
         let skin = root.skins.iter().max_by_key(|skin| skin.joints.len());
         let skin: &Skin = skin.ok_or(GltfProblem::NoSkin)?;
         let count = root.nodes.len();
-        let nodes: Vec<usize> = skin.joints.iter().map(|joint| joint.value()).collect();
+        let nodes: Vec<usize> = skin.joints.iter().map(Index::value).collect();
         if let Some(&index) = nodes.iter().find(|&&node| node >= count) {
             return Err(GltfProblem::OutOfRange {
                 user: "the skin".to_owned(),
@@ -304,7 +308,7 @@ impl Rest {
         let mut next = 0;
         while let Some(&node) = order.get(next) {
             let children = root.nodes[node].children.iter().flatten();
-            order.extend(children.map(|child| child.value()));
+            order.extend(children.map(Index::value));
             next += 1;
         }
         Ok(Self {
@@ -345,7 +349,7 @@ impl Rest {
     /// Where each node stands at a time.
     fn world(&self, root: &Root, tracks: &Tracks, time: f64) -> Vec<Matrix4<f64>> {
         let mut locals: Vec<[Option<[f64; 4]>; 3]> = vec![[None; 3]; root.nodes.len()];
-        for track in &tracks.tracks {
+        for track in &tracks.all {
             let place = match track.property {
                 Property::Translation => 0,
                 Property::Rotation => 1,

@@ -250,7 +250,7 @@ impl Reader<'_> {
         }
         .placed()?;
         let shown = shown(&placed, &weights)?;
-        let (reasons, parts) = self.chosen(&pieces, &pool, &shown, options)?;
+        let (reasons, parts) = Self::chosen(&pieces, &pool, &shown, options)?;
         let kept: Vec<&Piece> = (pieces.iter().zip(&reasons))
             .filter_map(|(piece, reason)| reason.is_none().then_some(piece))
             .collect();
@@ -280,21 +280,20 @@ impl Reader<'_> {
             .or(mesh.weights.as_ref())
             .map_or(&[][..], Vec::as_slice);
         for (place, primitive) in mesh.primitives.iter().enumerate() {
-            let source = self.source(place, primitive, morph)?;
+            let source = Self::source(place, primitive, morph)?;
             let known = pool.sources.iter();
             let mut known = known.map(|(other, skin, _)| (other, *skin));
             let known = known.position(|other| other == (&source, skin));
-            let source = match known {
-                Some(known) => known,
-                None => {
-                    let vertices = self.vertices(place, &source)?;
-                    let first = pool.positions.len();
-                    pool.skins.extend(vec![skin; vertices.positions.len()]);
-                    pool.positions.extend(vertices.positions);
-                    pool.influences.extend(vertices.influences);
-                    pool.sources.push((source, skin, first));
-                    pool.sources.len() - 1
-                }
+            let source = if let Some(known) = known {
+                known
+            } else {
+                let vertices = self.vertices(place, &source)?;
+                let first = pool.positions.len();
+                pool.skins.extend(vec![skin; vertices.positions.len()]);
+                pool.positions.extend(vertices.positions);
+                pool.influences.extend(vertices.influences);
+                pool.sources.push((source, skin, first));
+                pool.sources.len() - 1
             };
             let first = pool.sources[source].2;
             let end = pool
@@ -327,7 +326,6 @@ impl Reader<'_> {
 
     /// Why each piece is left out, if it is, and what to say of it.
     fn chosen(
-        &self,
         pieces: &[Piece],
         pool: &Pool,
         shown: &[Point3],
@@ -392,7 +390,8 @@ impl Reader<'_> {
                 let own =
                     pieces.find(|(piece, other)| piece.instance == instance && **other == reason);
                 if let Some(material) = own.and_then(|(piece, _)| piece.names[1].first()) {
-                    parts[index].1.name += &format!("/{material}");
+                    parts[index].1.name.push('/');
+                    parts[index].1.name.push_str(material);
                 }
             }
         }
@@ -456,8 +455,8 @@ fn joined(
             .sources
             .get(source + 1)
             .map_or(pool.positions.len(), |next| next.2);
-        for vertex in *first..end {
-            number[vertex] = kept.len() as u32;
+        for (vertex, number) in number.iter_mut().enumerate().take(end).skip(*first) {
+            *number = kept.len() as u32;
             kept.push(vertex);
         }
     }

@@ -37,7 +37,6 @@ pub(super) struct Source {
 impl Reader<'_> {
     /// What a primitive reads, with the default weights of the morph targets of its mesh.
     pub(super) fn source(
-        &self,
         number: usize,
         primitive: &Primitive,
         morph_weights: &[f32],

@@ -61,7 +61,7 @@ pub(crate) const JOINT_PARENTS: [(&str, Option<usize>); NUM_BODY_JOINTS] = {
 };
 
 /// Keys of all joints, of the root, of the others, and of the shift of the body: as AMASS, SMPL-X,
-/// VPoser and programs that fit bodies to pictures call them.
+/// `VPoser` and programs that fit bodies to pictures call them.
 const ALL_KEYS: [&str; 6] = [
     "poses",
     "fullpose",
@@ -85,6 +85,7 @@ const RATE_KEYS: [&str; 5] = [
 const UPRIGHT: f32 = 0.5;
 
 /// Reads an npz archive with the poses of a body of the SMPL family, in any of its layouts.
+#[expect(clippy::too_many_lines, reason = "a layout after the other")]
 pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Motion, MotionProblem> {
     let mut npz = NpzFile::open(path).map_err(boxed)?;
     let keys = npz.keys();

@@ -219,6 +219,7 @@ impl Scene {
         })
     }
 
+    #[expect(clippy::too_many_lines, reason = "a file after the other")]
     fn of_files(files: &SceneFiles, read: ReadFiles) -> Result<Self, SceneError> {
         let ReadFiles {
             garment,

@@ -415,7 +415,7 @@ impl PoseSource {
                 body,
                 &take,
                 &moments.frames,
-                &options,
+                options,
                 &mut poses,
             )?);
         }
@@ -522,7 +522,7 @@ fn keep_apart(
     body: &Body,
     take: &Take,
     frames: &[usize],
-    of_motion: &RetargetOptions,
+    of_motion: RetargetOptions,
     poses: &mut [Pose],
 ) -> Result<Option<PoseNote>, PoseError> {
     let contact = SelfContact::new(body)?;
@@ -531,7 +531,7 @@ fn keep_apart(
         legs_give_way: false,
         ..SeparationOptions::default()
     };
-    let easing = take.easing(&contact, frames, &options, of_motion)?;
+    let easing = take.easing(&contact, frames, &options, &of_motion)?;
     let largest = |turns: &[Vector3]| turns.iter().map(Vector3::norm).fold(0.0, f32::max);
     let largest: Vec<f32> = easing.iter().map(|turns| largest(turns)).collect();
     for (pose, turns) in poses.iter_mut().zip(&easing) {

@@ -108,6 +108,7 @@ impl Default for PoseSpaceConfig {
 }
 
 /// Fits a pose-space deformation and adds it to its package. Its scores are those of what it tells.
+#[expect(clippy::too_many_lines, reason = "a step after the other")]
 pub(crate) fn fit(
     job: &TrainJob,
     moment: Moment,
