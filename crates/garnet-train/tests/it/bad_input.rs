@@ -141,7 +141,7 @@ fn a_training_that_diverges_stops_and_says_where() {
     };
     let mut config = tiny(200);
     // Squares of far places overflow, distances do not.
-    config.loss = garnet_net::LossConfig::paper();
+    config.loss = garnet_net::losses::LossConfig::paper();
     let job = invented.job("local", config);
     match train(&job, &mut watch, &AtomicBool::new(false)) {
         Err(TrainError::Diverged {
