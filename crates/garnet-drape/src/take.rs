@@ -175,16 +175,29 @@ impl<'a> Take<'a> {
             let (reached, held_back) = last.reached(&carrier, &cloth, self.limit);
             frame.held_back = held_back;
             if held_back > 0 {
-                cloth = match self.draper.options().untangle {
+                let freed = match self.draper.options().untangle {
+                    None => Some((reached, None)),
                     Some(options) => {
-                        let freed = self.freed(home.body(), &reached, options)?;
-                        frame.drape.is_trapped = weld.scatter(&freed.is_trapped);
-                        frame.drape.report = Some(freed.report);
-                        freed.positions_nodes
+                        let freed = self.freed(home.body(), &reached, &cloth, options)?;
+                        freed.map(|freed| {
+                            (
+                                freed.positions_nodes,
+                                Some((freed.is_trapped, freed.report)),
+                            )
+                        })
                     }
-                    None => reached,
                 };
-                frame.drape.positions = home.to_target(weld.scatter(&cloth));
+                match freed {
+                    None => frame.held_back = 0,
+                    Some((positions, found)) => {
+                        cloth = positions;
+                        frame.drape.positions = home.to_target(weld.scatter(&cloth));
+                        if let Some((is_trapped, report)) = found {
+                            frame.drape.is_trapped = weld.scatter(&is_trapped);
+                            frame.drape.report = Some(report);
+                        }
+                    }
+                }
             }
             frame.step = farthest(&last.vertices, &frame.drape.positions);
             frame.body_step = farthest(&last.body, body.skin().positions());
@@ -201,7 +214,8 @@ impl<'a> Take<'a> {
 }
 
 impl Take<'_> {
-    /// The cloth at `reached` `[node]`, freed of penetrations without a jump if that can be.
+    /// The cloth at `reached` `[node]`, freed of penetrations; `None` if that throws it farther
+    /// than the frame's own drape `alone` `[node]` is.
     ///
     /// Cloth that was carried leaves by the skin nearest to it. Where that throws a node far, as
     /// between two parts of the body that close on it, it leaves by the side that it belongs to.
@@ -209,24 +223,31 @@ impl Take<'_> {
         &self,
         body: &PosedBody,
         reached: &[Point3],
+        alone: &[Point3],
         options: UntangleOptions,
-    ) -> Result<Untangled, Error> {
+    ) -> Result<Option<Untangled>, Error> {
         let garment = self.draper.garment();
-        let (cloth, binding) = (garment.cloth(), garment.binding());
+        let untangled = |options: &UntangleOptions| {
+            untangle(garment.cloth(), garment.binding(), body, reached, options)
+        };
         let carried = options.for_simulated();
-        let nearest = untangle(cloth, binding, body, reached, &carried)?;
+        let nearest = untangled(&carried)?;
         let thrown = farthest(reached, &nearest.positions_nodes);
         if thrown <= FAR {
-            return Ok(nearest);
+            return Ok(Some(nearest));
         }
-        let sided = UntangleOptions {
+        let sided = untangled(&UntangleOptions {
             keeps_sides: false,
             ..carried
+        })?;
+        let is_free = sided.report.inside <= nearest.report.inside;
+        let other = farthest(reached, &sided.positions_nodes);
+        let (best, thrown) = if is_free && other < thrown {
+            (sided, other)
+        } else {
+            (nearest, thrown)
         };
-        let home = untangle(cloth, binding, body, reached, &sided)?;
-        let is_nearer = farthest(reached, &home.positions_nodes) < thrown;
-        let is_free = home.report.inside <= nearest.report.inside;
-        Ok(if is_nearer && is_free { home } else { nearest })
+        Ok((thrown <= farthest(reached, alone)).then_some(best))
     }
 }
 

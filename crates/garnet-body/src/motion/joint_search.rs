@@ -344,7 +344,7 @@ mod tests {
         }
     }
 
-    /// Full sets of names, in the order of [`FULL`].
+    /// The same with the pelvis first and the head after it.
     const FAMILIES: [&str; 8] = [
         "J_Bip_C_Hips, J_Bip_C_Head, J_Bip_L_Shoulder, J_Bip_L_UpperArm, J_Bip_L_LowerArm, \
          J_Bip_L_Hand, J_Bip_L_UpperLeg, J_Bip_L_LowerLeg, J_Bip_L_Foot, J_Bip_L_ToeBase",
@@ -365,22 +365,12 @@ mod tests {
 
     #[test]
     fn prefixes_and_suffixes_that_joints_share_are_no_part_of_their_names() {
-        let side = Side::Left;
-        let full = [
-            Role::Head,
-            Role::Collar(side),
-            Role::Shoulder(side),
-            Role::Elbow(side),
-            Role::Wrist(side),
-            Role::Hip(side),
-            Role::Knee(side),
-            Role::Ankle(side),
-            Role::Foot(side),
-        ];
+        let [limbs @ .., head] = roles(Side::Left);
+        let full: Vec<Role> = std::iter::once(head).chain(limbs).collect();
         for family in FAMILIES {
             let names: Vec<&str> = family.split(", ").collect();
             let found = by_names(&names);
-            for (joint, role) in full.into_iter().enumerate() {
+            for (joint, &role) in full.iter().enumerate() {
                 assert_eq!(found[role.index()], Some(joint + 1), "{}", names[joint + 1]);
             }
         }

@@ -24,6 +24,7 @@ use super::{
     accessor::{self, Fractions},
     container,
     nodes::{self, Nodes},
+    skeletons::checked_joints,
 };
 use crate::{FileProblem, json};
 
@@ -272,16 +273,7 @@ impl Rest {
         let skin = root.skins.iter().max_by_key(|skin| skin.joints.len());
         let skin: &Skin = skin.ok_or(GltfProblem::NoSkin)?;
         let count = root.nodes.len();
-        let nodes: Vec<usize> = skin.joints.iter().map(Index::value).collect();
-        if let Some(&index) = nodes.iter().find(|&&node| node >= count) {
-            return Err(GltfProblem::OutOfRange {
-                user: "the skin".to_owned(),
-                part: "node",
-                index,
-                count,
-            }
-            .into());
-        }
+        let nodes = checked_joints(root, skin)?;
         let shown = |node: &usize| hierarchy.world_from_node[*node];
         let bind = match skin.inverse_bind_matrices {
             Some(matrices) => {

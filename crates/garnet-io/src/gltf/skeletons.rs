@@ -101,20 +101,30 @@ fn joints_of(skin: &Skin) -> Vec<usize> {
     skin.joints.iter().map(Index::value).collect()
 }
 
+/// The nodes that are the joints of a skin.
+///
+/// # Errors
+///
+/// [`GltfProblem::OutOfRange`] if the file does not have one of them.
+pub(super) fn checked_joints(root: &Root, skin: &Skin) -> Result<Vec<usize>, GltfProblem> {
+    let nodes = joints_of(skin);
+    let count = root.nodes.len();
+    match nodes.iter().find(|&&node| node >= count) {
+        None => Ok(nodes),
+        Some(&index) => Err(GltfProblem::OutOfRange {
+            user: "the skin".to_owned(),
+            part: "node",
+            index,
+            count,
+        }),
+    }
+}
+
 impl Reader<'_> {
     /// Reads a skin.
     pub(super) fn bind(&self, skin: usize) -> Result<Bind, GltfProblem> {
         let skin = self.root.skins.get(skin).ok_or(GltfProblem::NoSkin)?;
-        let nodes = joints_of(skin);
-        let count = self.root.nodes.len();
-        if let Some(&index) = nodes.iter().find(|&&node| node >= count) {
-            return Err(GltfProblem::OutOfRange {
-                user: "the skin".to_owned(),
-                part: "node",
-                index,
-                count,
-            });
-        }
+        let nodes = checked_joints(self.root, skin)?;
         let matrices = skin.inverse_bind_matrices.ok_or(GltfProblem::Skin {
             what: "it has no inverse bind matrices, which tell where the joints rest",
         })?;

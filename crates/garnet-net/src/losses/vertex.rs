@@ -15,15 +15,10 @@ pub(crate) fn distance_loss(
     target: &[Place],
     gradient: &mut Gradient<'_>,
 ) -> f64 {
-    let share = 1.0 / predicted.len() as f64;
-    let mut sum = 0.0;
-    for (vertex, (predicted, target)) in (0..).zip(predicted.iter().zip(target)) {
-        let difference = predicted - target;
-        let distance = (difference.norm_squared() + LEAST * LEAST).sqrt();
-        sum += distance - LEAST;
-        gradient.add(vertex, share / distance * difference);
-    }
-    share * sum
+    mean(predicted, target, gradient, |square, share| {
+        let distance = (square + LEAST * LEAST).sqrt();
+        (distance - LEAST, share / distance)
+    })
 }
 
 /// The mean squared distance of vertices.
@@ -38,12 +33,26 @@ pub(crate) fn vertex_loss(
     target: &[Place],
     gradient: &mut Gradient<'_>,
 ) -> f64 {
+    mean(predicted, target, gradient, |square, share| {
+        (square, 2.0 * share)
+    })
+}
+
+/// The mean of a function of squared distances. `of` takes a square and the share of a vertex in
+/// the mean; it returns the value, and the factor of the difference in the gradient.
+fn mean(
+    predicted: &[Place],
+    target: &[Place],
+    gradient: &mut Gradient<'_>,
+    of: impl Fn(f64, f64) -> (f64, f64),
+) -> f64 {
     let share = 1.0 / predicted.len() as f64;
     let mut sum = 0.0;
     for (vertex, (predicted, target)) in (0..).zip(predicted.iter().zip(target)) {
         let difference = predicted - target;
-        sum += difference.norm_squared();
-        gradient.add(vertex, 2.0 * share * difference);
+        let (value, factor) = of(difference.norm_squared(), share);
+        sum += value;
+        gradient.add(vertex, factor * difference);
     }
     share * sum
 }
