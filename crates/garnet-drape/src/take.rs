@@ -24,6 +24,11 @@ const CHUNK: usize = 1024;
 /// untangling in more frames.
 const FAR: f32 = 0.008;
 
+/// Cloth that went on from the last frame may cross the skin in so many more faces than the frame's
+/// own drape does: where an arm leaves the cloth that it has reached through, what is carried hangs
+/// on it. More keeps such cloth longer and lets it go farther at once.
+const MORE_CROSSING: usize = 8;
+
 /// By how much cloth may go on, from one frame to the next, beyond being carried by the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -178,7 +183,10 @@ impl<'a> Take<'a> {
                 let freed = match self.draper.options().untangle {
                     None => Some((reached, None)),
                     Some(options) => {
+                        let own = frame.drape.report.as_ref();
+                        let most = own.map_or(0, |own| own.crossing_faces) + MORE_CROSSING;
                         let freed = self.freed(home.body(), &reached, &cloth, options)?;
+                        let freed = freed.filter(|freed| freed.report.crossing_faces <= most);
                         freed.map(|freed| {
                             (
                                 freed.positions_nodes,
