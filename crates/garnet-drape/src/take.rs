@@ -26,8 +26,9 @@ const FAR: f32 = 0.008;
 
 /// Cloth that went on from the last frame may cross the skin in so many more faces than the frame's
 /// own drape does: where an arm leaves the cloth that it has reached through, what is carried hangs
-/// on it. More keeps such cloth longer and lets it go farther at once.
-const MORE_CROSSING: usize = 8;
+/// on it. More keeps such cloth longer and lets it go farther at once. Tried: 8, 40, 1000
+/// (docs/experiments/053).
+const MORE_CROSSING: usize = 40;
 
 /// By how much cloth may go on, from one frame to the next, beyond being carried by the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
