@@ -212,6 +212,7 @@ pub struct GarNetConfig {
     pub scaling: Option<InputScaling>,
 }
 
+#[cfg(feature = "burn")]
 impl InputScaling {
     /// Puts numbers on a like scale, row by row of as many as there are scales.
     pub(crate) fn apply(scales: &[[f32; 2]], numbers: &mut [f32]) {
