@@ -10,7 +10,7 @@ use std::process::Command;
 
 use garnet_benches::NUM_BODY_POINTS;
 use garnet_net::{GarNetConfig, ReferenceStage};
-use garnet_train::{Exercise, TrainConfig};
+use garnet_train::{SceneTraining, TrainConfig};
 
 /// The allocator of the command.
 #[global_allocator]
@@ -68,10 +68,10 @@ fn measure(preset: &str, size: usize, what: &str) {
         let text = format!("preset = \"{preset}\"");
         let config = TrainConfig::parse(&text).expect("the preset is there");
         let (garment, body) = (stage.template(), stage.body());
-        let mut exercise =
-            Exercise::new(&config, garment, body, &stage.draped()).expect("the meshes are sound");
+        let mut training = SceneTraining::new(&config, garment, body, &stage.draped())
+            .expect("the meshes are sound");
         for _ in 0..3 {
-            exercise.step().expect("a few steps do not diverge");
+            training.step().expect("a few steps do not diverge");
         }
     }
     let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.0}"));

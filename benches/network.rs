@@ -8,7 +8,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use garnet::{Draper, net::Network};
 use garnet_benches::{NUM_BODY_POINTS, Scene, on_threads};
 use garnet_net::{GarNetConfig, ReferenceStage, Variant};
-use garnet_train::{Exercise, TrainConfig};
+use garnet_train::{SceneTraining, TrainConfig};
 
 /// The allocator of the command.
 #[global_allocator]
@@ -90,7 +90,7 @@ fn training_step(criterion: &mut Criterion) {
                 let text = format!("preset = \"{name}\"");
                 let config = TrainConfig::parse(&text).expect("the preset is there");
                 let (garment, body) = (stage.template(), stage.body());
-                Exercise::new(&config, garment, body, &stage.draped())
+                SceneTraining::new(&config, garment, body, &stage.draped())
                     .expect("the meshes are sound")
             };
             on_threads(
@@ -98,8 +98,8 @@ fn training_step(criterion: &mut Criterion) {
                 "step",
                 &BenchmarkId::new(name, size),
                 make,
-                |exercise| {
-                    exercise.step().expect("a few steps do not diverge");
+                |training| {
+                    training.step().expect("a few steps do not diverge");
                 },
             );
         }

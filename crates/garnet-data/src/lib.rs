@@ -13,8 +13,8 @@ mod wearer;
 pub use check::{BalanceReport, Limits, SceneReport};
 pub use dataset::{
     BodyRecord, Counts, DATASET_SCHEMA, Dataset, DatasetEvent, DatasetManifest, DatasetOptions,
-    GENERATOR, ImportManifest, ImportProblem, ImportScene, Plan, Posed, Rejection, SceneRecord,
-    Shard, Sizing, Split, Tally, Variations, generate, import, sampler, sequences,
+    GENERATOR, ImportManifest, ImportProblem, ImportScene, Plan, Posed, Protocol, Rejection,
+    SceneRecord, Shard, Sizing, Split, Tally, Variations, generate, import, sampler, sequences,
 };
 pub use error::DataError;
 pub use garnet_sim::Moment;

@@ -5,7 +5,7 @@
 mod common;
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     fs,
     path::Path,
     sync::atomic::{AtomicBool, AtomicUsize, Ordering},
@@ -13,7 +13,7 @@ use std::{
 
 use garnet_data::{
     Counts, DataError, Dataset, DatasetEvent, DatasetManifest, DatasetOptions, Limits, Moment,
-    Sizing, Variations, generate,
+    Protocol, Sizing, Variations, generate,
 };
 use garnet_drape::{GarmentPackage, Quality};
 use garnet_mesh::TriMesh;
@@ -29,6 +29,8 @@ fn options(threads: usize) -> DatasetOptions {
         },
         poses: 2,
         mixed: false,
+        noise: 1.0,
+        protocol: Protocol::default(),
         quality: Quality::Fast,
         until: Moment::Rest,
         sizing: Sizing::OneSize,
@@ -190,6 +192,78 @@ fn mixed_poses_are_others_on_the_same_bodies() {
     let pairs = plain.iter().zip(&mixed);
     assert!(pairs.clone().all(|(a, b)| a.sequence == b.sequence));
     assert!(pairs.clone().any(|(a, b)| a.posed != b.posed));
+}
+
+#[test]
+fn noise_moves_poses_of_the_same_sequences() {
+    let package = common::tshirt();
+    let scenes = [1.0, 3.0].map(|noise| {
+        let folder = tempfile::tempdir().unwrap();
+        let options = DatasetOptions {
+            until: Moment::Midway,
+            noise,
+            ..options(2)
+        };
+        make(&package, folder.path(), &options);
+        let dataset = Dataset::open(folder.path()).unwrap();
+        assert_eq!(dataset.manifest.noise.to_bits(), noise.to_bits());
+        let shards: Vec<_> = dataset.shards().map(Result::unwrap).collect();
+        let scenes = shards.into_iter().flat_map(|shard| shard.scenes);
+        scenes.collect::<Vec<_>>()
+    });
+    let [usual, more] = scenes;
+    let pairs = usual.iter().zip(&more);
+    assert!(pairs.clone().all(|(a, b)| a.sequence == b.sequence));
+    assert!(pairs.clone().all(|(a, b)| a.posed != b.posed));
+}
+
+#[test]
+fn all_bodies_are_in_the_same_poses_by_the_protocol_of_the_paper() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    let options = DatasetOptions {
+        until: Moment::Midway,
+        protocol: Protocol::SeenPoses,
+        ..options(2)
+    };
+    make(&package, folder.path(), &options);
+    let dataset = Dataset::open(folder.path()).unwrap();
+    assert_eq!(dataset.manifest.protocol, Protocol::SeenPoses);
+    let shards: Vec<_> = dataset.shards().map(Result::unwrap).collect();
+    let mut of_pose = BTreeMap::new();
+    let mut bodies = BTreeSet::new();
+    for scene in shards.iter().flat_map(|shard| &shard.scenes) {
+        let known = of_pose.entry(scene.pose).or_insert(&scene.sequence);
+        assert_eq!(*known, &scene.sequence);
+        bodies.insert(scene.body);
+    }
+    assert!(bodies.len() > 1);
+    let of_paper = ["walk", "yoga", "dance"];
+    assert!(
+        of_pose
+            .values()
+            .all(|name| of_paper.iter().any(|group| name.starts_with(group)))
+    );
+    let other = generate(
+        &package,
+        folder.path(),
+        &DatasetOptions {
+            protocol: Protocol::UnseenSequences,
+            ..options
+        },
+        &|_| {},
+        &false.into(),
+    );
+    assert!(
+        matches!(
+            other,
+            Err(DataError::OtherDataset {
+                field: "protocol",
+                ..
+            })
+        ),
+        "{other:?}"
+    );
 }
 
 #[test]

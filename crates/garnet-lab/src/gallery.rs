@@ -15,7 +15,7 @@ use clap::Args;
 use garnet::{
     data::{Dataset, Split},
     package::GarmentPackage,
-    train::{Candidate, Exhibit, SceneName, Stage, chart::spread, exhibit},
+    train::{Candidate, DrapedScene, SceneName, Stage, chart::spread, drape_scenes},
     untangle::UntangleOptions,
 };
 use garnet_mesh::{Point3, Topology, TriMesh, mean_curvatures};
@@ -89,11 +89,11 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let all = stage.scene_names(split)?;
     let chosen = spread(&all, SCENES);
 
-    let mut exhibits = Vec::new();
+    let mut scenes = Vec::new();
     let num_vertices = stage.package.mesh.num_vertices();
     let mut sums = vec![vec![0.0_f32; num_vertices]; candidates.len()];
     let options = UntangleOptions::default();
-    exhibit(
+    drape_scenes(
         &stage,
         split,
         &candidates,
@@ -106,19 +106,19 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
                 }
             }
             if chosen.contains(&scene.scene) {
-                exhibits.push(scene);
+                scenes.push(scene);
             }
         },
     )?;
 
     let mesh = &stage.package.mesh;
     write(
-        &gallery(mesh, &exhibits, &names)?,
+        &gallery(mesh, &scenes, &names)?,
         names.len() + 2,
         &folder.join("gallery.png"),
     )?;
     write(
-        &curvature(mesh, &exhibits, &names)?,
+        &curvature(mesh, &scenes, &names)?,
         names.len(),
         &folder.join("curvature.png"),
     )?;
@@ -142,12 +142,12 @@ fn caption(scene: SceneName, name: &str, error: f32) -> String {
 
 fn gallery(
     mesh: &TriMesh,
-    exhibits: &[Exhibit],
+    scenes: &[DrapedScene],
     names: &[String],
 ) -> Result<Vec<Figure>, Box<dyn Error>> {
     let mut figures = Vec::new();
     let camera = Camera::new(0.5, 0.1);
-    for scene in exhibits {
+    for scene in scenes {
         let mut last = Vec::new();
         for (drape, name) in scene.drapes.iter().zip(names) {
             last = distances(drape, &scene.teacher).collect();
@@ -176,12 +176,12 @@ fn gallery(
 
 fn curvature(
     mesh: &TriMesh,
-    exhibits: &[Exhibit],
+    scenes: &[DrapedScene],
     names: &[String],
 ) -> Result<Vec<Figure>, Box<dyn Error>> {
     let topology = Topology::new(mesh.num_vertices(), mesh.faces());
     let mut figures = Vec::new();
-    for scene in exhibits {
+    for scene in scenes {
         // Skinning is left out: its curvature is that of the template.
         let drapes = scene.drapes.iter().zip(names).skip(1);
         let drapes = drapes.map(|(drape, name)| (drape, name.as_str()));

@@ -7,7 +7,7 @@ use garnet_data::Split;
 use garnet_net::{GarNetConfig, ModelHeader, Moment};
 use serde::Serialize;
 
-use crate::contender::Contender;
+use crate::bound_candidate::BoundCandidate;
 use crate::curves::Counts;
 use crate::measure::Measure;
 use crate::scores::{Sums, Tally};
@@ -186,7 +186,7 @@ pub(crate) fn evaluate_until(
     stage.check_moment(Moment::Rest)?;
     let total = stage.num_scenes(split)?;
     let mut entrants: Vec<Entrant<'_>> = (candidates.iter())
-        .map(|candidate| Ok(Entrant::new(Contender::new(stage, candidate)?)))
+        .map(|candidate| Ok(Entrant::new(BoundCandidate::new(stage, candidate)?)))
         .collect::<Result<_, TrainError>>()?;
     let measure = Measure::new(stage)?;
     let mut teacher = Tally::default();
@@ -211,7 +211,7 @@ pub(crate) fn evaluate_until(
 
 /// A candidate with what it has measured so far.
 struct Entrant<'a> {
-    contender: Contender<'a>,
+    candidate: BoundCandidate<'a>,
     tally: Tally,
     distances: Counts,
     angles: Counts,
@@ -225,9 +225,9 @@ struct Entrant<'a> {
 }
 
 impl<'a> Entrant<'a> {
-    fn new(contender: Contender<'a>) -> Self {
+    fn new(candidate: BoundCandidate<'a>) -> Self {
         Self {
-            contender,
+            candidate,
             tally: Tally::default(),
             distances: Counts::of_distances(),
             angles: Counts::of_angles(),
@@ -243,12 +243,12 @@ impl<'a> Entrant<'a> {
 
     fn into_row(self) -> Row {
         let [warp, network, settle, untangle] = self.times.map(Percentiles::of);
-        let cost = self.contender.cost();
+        let cost = self.candidate.cost();
         Row {
-            name: self.contender.name().to_owned(),
-            config: self.contender.config().cloned(),
-            moment: self.contender.moment(),
-            settle: self.contender.settle_frames(),
+            name: self.candidate.name().to_owned(),
+            config: self.candidate.config().cloned(),
+            moment: self.candidate.moment(),
+            settle: self.candidate.settle_frames(),
             unsettled: self.unsettled,
             fallbacks: self.fallbacks,
             unfamiliar: self.unfamiliar,
@@ -283,7 +283,7 @@ fn scene(
 ) -> Result<(), TrainError> {
     for entrant in entrants {
         let Entrant {
-            contender,
+            candidate,
             tally,
             distances,
             angles,
@@ -295,8 +295,8 @@ fn scene(
             familiar,
             times,
         } = entrant;
-        let has_network = contender.config().is_some() || contender.cost().is_some();
-        contender.drape(staged, finish, |draper, placed, drape| {
+        let has_network = candidate.config().is_some() || candidate.cost().is_some();
+        candidate.drape(staged, finish, |draper, placed, drape| {
             let (seconds, provenance) = (placed.seconds(), placed.provenance());
             times[0].push(seconds.warp);
             times[1].extend(has_network.then_some(seconds.predict));

@@ -2,22 +2,22 @@
 
 use garnet_data::Split;
 
+use crate::context::{Example, TrainingContext};
 use crate::pose_space::{self, Beginning};
-use crate::subject::{Example, Subject};
 use crate::{Stage, TrainError, TrainEvent};
 
 /// Reads and warps all scenes of a split, and moves them by the pose-space deformation that a
 /// network starts from, if it starts from one.
 pub(crate) fn examples(
     stage: &Stage,
-    subject: &Subject,
+    context: &TrainingContext,
     split: Split,
     start: Option<&Beginning>,
     observer: &mut dyn FnMut(TrainEvent),
 ) -> Result<Vec<Example>, TrainError> {
     let total = stage.num_scenes(split)?;
     let mut examples = Vec::with_capacity(total);
-    stage.for_each(split, |staged| subject.example(&staged), &mut |example| {
+    stage.for_each(split, |staged| context.example(&staged), &mut |example| {
         examples.push(example);
         let done = examples.len();
         observer(TrainEvent::Read { split, done, total });

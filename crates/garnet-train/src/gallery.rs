@@ -4,12 +4,12 @@ use garnet_data::Split;
 use garnet_mesh::{Point3, TriMesh};
 use garnet_untangle::UntangleOptions;
 
-use crate::contender::Contender;
+use crate::bound_candidate::BoundCandidate;
 use crate::{Candidate, Finish, SceneName, Stage, StagedScene, TrainError};
 
 /// A scene with all its drapes; places are in metres.
 #[derive(Debug, Clone)]
-pub struct Exhibit {
+pub struct DrapedScene {
     /// Which it is.
     pub scene: SceneName,
     /// The posed body.
@@ -26,40 +26,40 @@ pub struct Exhibit {
 /// # Errors
 ///
 /// As [`crate::evaluate`].
-pub fn exhibit(
+pub fn drape_scenes(
     stage: &Stage,
     split: Split,
     candidates: &[Candidate],
     options: &UntangleOptions,
     keep: impl Fn(SceneName) -> bool + Sync,
-    take: &mut dyn FnMut(Exhibit),
+    take: &mut dyn FnMut(DrapedScene),
 ) -> Result<(), TrainError> {
-    let contenders = candidates
+    let bound = candidates
         .iter()
-        .map(|candidate| Contender::new(stage, candidate));
-    let mut contenders: Vec<Contender<'_>> = contenders.collect::<Result<_, _>>()?;
+        .map(|candidate| BoundCandidate::new(stage, candidate));
+    let mut bound: Vec<BoundCandidate<'_>> = bound.collect::<Result<_, _>>()?;
     stage.for_each_of(split, keep, Ok, &mut |staged: StagedScene| {
-        take(shown(&mut contenders, options, &staged)?);
+        take(shown(&mut bound, options, &staged)?);
         Ok(())
     })
 }
 
 fn shown(
-    contenders: &mut [Contender<'_>],
+    bound: &mut [BoundCandidate<'_>],
     options: &UntangleOptions,
     staged: &StagedScene,
-) -> Result<Exhibit, TrainError> {
-    let mut drapes = Vec::with_capacity(contenders.len());
-    for contender in contenders {
+) -> Result<DrapedScene, TrainError> {
+    let mut drapes = Vec::with_capacity(bound.len());
+    for candidate in bound {
         let finish = Finish::Untangle(*options);
-        let untangled = contender.drape(staged, finish, |draper, placed, drape| {
+        let untangled = candidate.drape(staged, finish, |draper, placed, drape| {
             let before = || placed.positions(draper.garment());
             Ok(drape.map_or_else(before, |drape| drape.positions))
         })?;
         drapes.push(untangled);
     }
     let skin = staged.posed.skin().positions().to_vec();
-    Ok(Exhibit {
+    Ok(DrapedScene {
         scene: staged.name,
         body: staged.worn.body.rest().with_positions(skin)?,
         drapes,

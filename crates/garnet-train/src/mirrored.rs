@@ -8,8 +8,8 @@ use garnet_skin::{Symmetry, WarpedGarment};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 use crate::Stage;
+use crate::context::Example;
 use crate::pose_space::{GarmentMirror, images_on};
-use crate::subject::Example;
 
 /// How left and right of garment and body are exchanged.
 #[derive(Debug)]

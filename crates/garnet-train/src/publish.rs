@@ -10,11 +10,11 @@ use garnet_drape::{GarmentPackage, Manifest, MeasuredCost, Package, Variant};
 use garnet_net::{Checkpoint, ModelHeader, Moment, Precision, TrainedRange};
 use serde::Serialize;
 
+use crate::context::{Example, TrainingContext};
 use crate::evaluate::evaluate_until;
 use crate::examples::examples;
 use crate::pose_space::Beginning;
 use crate::state::State;
-use crate::subject::{Example, Subject};
 use crate::validate::validate;
 use crate::{Candidate, EpochRecord, EvalEvent, Finish, Scores, Stage, TrainError, TrainEvent};
 
@@ -114,7 +114,7 @@ pub(crate) struct Job<'a> {
     /// The package.
     pub(crate) folder: &'a Path,
     pub(crate) stage: &'a Stage,
-    pub(crate) subject: &'a Subject,
+    pub(crate) context: &'a TrainingContext,
     /// What the network starts from, if not from the warp alone.
     pub(crate) start: Option<&'a Beginning>,
     /// Whether it becomes the default, be it the best or not.
@@ -132,7 +132,7 @@ pub(crate) fn publish(
     let Job {
         folder,
         stage,
-        subject,
+        context,
         start,
         makes_default,
     } = *job;
@@ -165,8 +165,8 @@ pub(crate) fn publish(
     }
     let test = match stage.num_scenes(Split::Test) {
         Ok(_) => {
-            let examples = examples(stage, subject, Split::Test, start, observer)?;
-            Some(validate(stage, subject, &checkpoint.model, &examples)?.scores)
+            let examples = examples(stage, context, Split::Test, start, observer)?;
+            Some(validate(stage, context, &checkpoint.model, &examples)?.scores)
         }
         Err(TrainError::EmptySplit { .. }) => None,
         Err(error) => return Err(error),
@@ -178,12 +178,12 @@ pub(crate) fn publish(
     checkpoint.scores = scores;
     checkpoint.save(&weights, precision)?;
 
-    let cost = subject.config.cost(
+    let cost = context.config.cost(
         stage.package.mesh.num_vertices(),
-        subject.sampling.used().len(),
+        context.sampling.used().len(),
     )?;
     let error = test.map(|test| test.distance);
-    let variant = scored_variant(&progress.name, subject.moment, error, cost.flops);
+    let variant = scored_variant(&progress.name, context.moment, error, cost.flops);
     let splits = HasSplits {
         valid: true,
         test: test.is_some(),

@@ -260,7 +260,11 @@ fn completed(any: &mut serde_json::Value) {
     config.extend(before.as_object().cloned().unwrap_or_default());
     let space = config.get_mut("pose_space");
     let space = space.and_then(serde_json::Value::as_object_mut);
-    if let Some(space) = space.filter(|space| space["told_by"].is_null()) {
+    // The earlier name of `predictor`, in which null stood for the default.
+    let is_null = |space: &&mut serde_json::Map<_, _>| {
+        space.get("told_by").is_some_and(serde_json::Value::is_null)
+    };
+    if let Some(space) = space.filter(is_null) {
         space.remove("told_by");
     }
 }
@@ -447,7 +451,9 @@ mod tests {
         ] {
             config.remove(field).unwrap();
         }
-        config["pose_space"]["told_by"] = serde_json::Value::Null;
+        let space = config["pose_space"].as_object_mut().unwrap();
+        space.remove("predictor").unwrap();
+        space.insert("told_by".to_owned(), serde_json::Value::Null);
         completed(&mut before);
         let found: Progress = serde_json::from_value(before).unwrap();
         let config = found.config;

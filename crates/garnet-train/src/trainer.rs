@@ -15,12 +15,12 @@ use garnet_net::{Checkpoint, GarNet, GarNetConfig, InputScaling, ScalingSums};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::context::{Example, TrainingContext};
 use crate::examples::examples;
-use crate::lesson::lesson;
 use crate::mirrored::SceneMirror;
 use crate::run_log::RunLog;
+use crate::scene_gradients::scene_gradients;
 use crate::state::{EpochSums, FirstTerm, Progress, State, state_file};
-use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate};
 use crate::{
     Began, Choice, EpochRecord, Recipe, Stage, TrainConfig, TrainError, TrainEvent, Trained,
@@ -115,8 +115,8 @@ pub fn train(
         (None, Some(base)) => base.checkpoint.model.config().clone(),
         (None, None) => new_network(&job.config, &stage)?,
     };
-    let mut subject = Subject::new(&stage, network, &job.config.loss)?;
-    let start = pose_space::start_of(&job.package, &stage, &subject.config)?;
+    let mut context = TrainingContext::new(&stage, network, &job.config.loss)?;
+    let start = pose_space::start_of(&job.package, &stage, &context.config)?;
     let start_name = start
         .as_ref()
         .map(|start| start.space.checksum().to_owned());
@@ -130,9 +130,9 @@ pub fn train(
         let base = other.path.display().to_string();
         return Err(TrainError::OtherStart { base });
     }
-    let train = examples(&stage, &subject, Split::Train, start.as_ref(), observer)?;
+    let train = examples(&stage, &context, Split::Train, start.as_ref(), observer)?;
     if state.is_none() && base.is_none() && job.config.standardize {
-        subject.config.scaling = Some(scaling(&subject, &train)?);
+        context.config.scaling = Some(scaling(&context, &train)?);
     }
     let state = if let Some(state) = state {
         state
@@ -141,16 +141,16 @@ pub fn train(
         progress.base = base.as_ref().map(|base| base.name.clone());
         let model = match base {
             Some(base) => base.checkpoint.model,
-            None => subject.config.init(job.config.seed, &device)?,
+            None => context.config.init(job.config.seed, &device)?,
         };
         progress.pose_space = start_name;
         State::new(progress, model)
     };
-    let valid = examples(&stage, &subject, Split::Valid, start.as_ref(), observer)?;
+    let valid = examples(&stage, &context, Split::Valid, start.as_ref(), observer)?;
     fs::create_dir_all(&folder).map_err(|source| TrainError::folder(&folder, source))?;
     let mut trainer = Trainer {
         stage: &stage,
-        subject: &subject,
+        context: &context,
         mirror: job.config.mirror.then(|| SceneMirror::of(&stage)).flatten(),
         train,
         valid,
@@ -166,7 +166,7 @@ pub fn train(
     let job = publish::Job {
         folder: &job.package,
         stage: &stage,
-        subject: &subject,
+        context: &context,
         start: start.as_ref(),
         makes_default: job.makes_default,
     };
@@ -193,10 +193,10 @@ fn new_network(config: &TrainConfig, stage: &Stage) -> Result<GarNetConfig, Trai
 }
 
 /// Mean and spread of what a network is told of the scenes of the training.
-fn scaling(subject: &Subject, train: &[Example]) -> Result<InputScaling, TrainError> {
+fn scaling(context: &TrainingContext, train: &[Example]) -> Result<InputScaling, TrainError> {
     let mut sums = ScalingSums::default();
     for example in train.iter().step_by(train.len().div_ceil(SCALING_SCENES)) {
-        sums.add(&subject.prepared(example)?.scene);
+        sums.add(&context.prepared(example)?.scene);
     }
     Ok(sums.scaling())
 }
@@ -284,7 +284,7 @@ fn base_of(job: &TrainJob, stage: &Stage, device: &Device) -> Result<Option<Base
 /// A training under way.
 struct Trainer<'a> {
     stage: &'a Stage,
-    subject: &'a Subject,
+    context: &'a TrainingContext,
     /// Shows every other scene, if there is one.
     mirror: Option<SceneMirror>,
     train: Vec<Example>,
@@ -302,7 +302,7 @@ impl Trainer<'_> {
     /// Validates what there is before the first step, and tells what it starts from.
     fn begin(&mut self, observer: &mut dyn FnMut(TrainEvent)) -> Result<(), TrainError> {
         if self.state.progress.epochs.is_empty() {
-            let found = validate(self.stage, self.subject, self.state.judged(), &self.valid)?;
+            let found = validate(self.stage, self.context, self.state.judged(), &self.valid)?;
             self.state.progress.epochs.push(EpochRecord {
                 epoch: 0,
                 learning_rate: 0.0,
@@ -314,9 +314,9 @@ impl Trainer<'_> {
                 is_best: true,
             });
         }
-        let config = &self.subject.config;
+        let config = &self.context.config;
         let num_vertices = self.stage.package.mesh.num_vertices();
-        let num_body_points = self.subject.sampling.used().len();
+        let num_body_points = self.context.sampling.used().len();
         let cost = config.cost(num_vertices, num_body_points)?;
         let terms = self.first_terms()?;
         if self.state.progress.first_terms.is_empty() {
@@ -333,7 +333,7 @@ impl Trainer<'_> {
             past: self.state.progress.epochs.clone(),
         };
         self.log
-            .begin(&self.state.progress, &self.subject.config, &began)?;
+            .begin(&self.state.progress, &self.context.config, &began)?;
         observer(TrainEvent::Began(began));
         Ok(())
     }
@@ -343,17 +343,17 @@ impl Trainer<'_> {
         let first = &self.train[..self.train.len().min(FIRST_SCENES)];
         let mut means: Vec<LossValue> = Vec::new();
         for example in first {
-            let prepared = self.subject.prepared(example)?;
+            let prepared = self.context.prepared(example)?;
             let output = self.state.model.forward(
                 &example.graph,
-                &self.subject.sampling,
+                &self.context.sampling,
                 &prepared.scene,
                 &self.device,
             );
             let translations: Vec<f32> =
                 (output.into_data().try_into_vec()).expect("networks compute in single precision");
             let predicted = prepared.scene.moved(&translations)?;
-            let losses = &self.subject.losses;
+            let losses = &self.context.losses;
             let report = losses.measure(&predicted, &prepared.target, &prepared.body)?;
             if means.is_empty() {
                 means = report
@@ -462,21 +462,21 @@ impl Trainer<'_> {
             let example = image.as_ref().unwrap_or(own);
             let model = &self.state.model;
             let sums = &mut self.state.progress.sums;
-            let found = lesson(self.subject, example, model, &self.device, share)?;
+            let found = scene_gradients(self.context, example, model, &self.device, share)?;
             if let Some(known) = image.as_ref().and_then(|image| image.neighbors.get()) {
                 own.mirrored_neighbors.get_or_init(|| known.clone());
             }
             match found {
-                Ok(lesson) => {
+                Ok(derived) => {
                     self.skipped_in_a_row = 0;
                     is_empty = false;
-                    let loss = lesson.report.total();
+                    let loss = derived.report.total();
                     sums.count += 1;
                     sums.loss += loss;
-                    for value in &lesson.report.values {
+                    for value in &derived.report.values {
                         *sums.terms.entry(value.term.name().to_owned()).or_default() += value.value;
                     }
-                    sum.accumulate(model, lesson.gradients);
+                    sum.accumulate(model, derived.gradients);
                     let before = u64::from(epoch - 1) * self.train.len() as u64;
                     let done = before + (self.state.progress.scene + number + 1) as u64;
                     observer(TrainEvent::Scene {
@@ -536,7 +536,7 @@ impl Trainer<'_> {
         observer: &mut dyn FnMut(TrainEvent),
     ) -> Result<(), TrainError> {
         let Validation { scores, loss } =
-            validate(self.stage, self.subject, self.state.judged(), &self.valid)?;
+            validate(self.stage, self.context, self.state.judged(), &self.valid)?;
         let progress = &mut self.state.progress;
         let choice = progress.config.choose_by;
         let figure = |record: &EpochRecord| match choice {

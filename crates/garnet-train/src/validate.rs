@@ -5,8 +5,8 @@ use garnet_mesh::Point3;
 use garnet_mesh::{Topology, TriMesh, edge_stretches};
 use garnet_net::{GarNet, NetError, Predictor};
 
+use crate::context::{Example, TrainingContext};
 use crate::scores::{Compared, Tally};
-use crate::subject::{Example, Subject};
 use crate::{Scores, Stage, TrainError};
 
 /// Distance and loss of a network that has diverged; finite, because JSON knows no infinity.
@@ -25,7 +25,7 @@ pub(crate) struct Validation {
 /// A network that has diverged is [`DIVERGED`] away from the teacher: any other is better.
 pub(crate) fn validate(
     stage: &Stage,
-    subject: &Subject,
+    context: &TrainingContext,
     model: &GarNet,
     examples: &[Example],
 ) -> Result<Validation, TrainError> {
@@ -36,16 +36,16 @@ pub(crate) fn validate(
             predictor.rebind(graph)?;
             return predictor.predict(&example.input());
         }
-        let new = Predictor::new(model.clone(), graph, subject.sampling.clone())?;
+        let new = Predictor::new(model.clone(), graph, context.sampling.clone())?;
         predictor.insert(new).predict(&example.input())
     };
-    validate_drapes(stage, subject, &mut drape, examples)
+    validate_drapes(stage, context, &mut drape, examples)
 }
 
 /// Measures what drapes examples; nothing is untangled.
 pub(crate) fn validate_drapes(
     stage: &Stage,
-    subject: &Subject,
+    context: &TrainingContext,
     drape: &mut dyn FnMut(&Example) -> Result<Vec<Point3>, NetError>,
     examples: &[Example],
 ) -> Result<Validation, TrainError> {
@@ -66,8 +66,8 @@ pub(crate) fn validate_drapes(
         };
         let body = TriMesh::new(example.body.clone(), rest_body.faces().to_vec())?;
         let body = garnet_net::losses::LossBody::new(&body)?;
-        let target = subject.losses.target(&example.draped)?;
-        let losses = subject.losses.measure(&predicted, &target, &body)?;
+        let target = context.losses.target(&example.draped)?;
+        let losses = context.losses.measure(&predicted, &target, &body)?;
         loss += losses.total();
         skin.refit(&example.body).map_err(NetError::from)?;
         tally.add(Compared {

@@ -3,7 +3,7 @@
 pub use garnet_data::{
     BalanceReport, BodyRecord, Counts, DATASET_SCHEMA, DataError, Dataset, DatasetEvent,
     DatasetManifest, DatasetOptions, ImportManifest, ImportProblem, ImportScene, Limits, Moment,
-    NOISE_TURN, Plan, Posed, Rejection, SceneRecord, SceneReport, Shard, Sizing, Split, Tailor,
-    Tally, Variations, Worn, default_rest_body, generate, import, moved_by_turn, noise_floor,
-    noise_joint, sampler, sequences, usual_fabric, wearer_of,
+    NOISE_TURN, Plan, Posed, Protocol, Rejection, SceneRecord, SceneReport, Shard, Sizing, Split,
+    Tailor, Tally, Variations, Worn, default_rest_body, generate, import, moved_by_turn,
+    noise_floor, noise_joint, sampler, sequences, usual_fabric, wearer_of,
 };

@@ -28,6 +28,7 @@ pub struct PoseSampler {
     seed: u64,
     noise: f64,
     is_mixed: bool,
+    tries: u32,
     sequences: SequenceSet,
 }
 
@@ -102,6 +103,7 @@ impl PoseSampler {
             seed,
             noise: 1.0,
             is_mixed: false,
+            tries: MAX_TRIES,
             sequences: SequenceSet::ALL,
         }
     }
@@ -118,6 +120,13 @@ impl PoseSampler {
     #[must_use]
     pub const fn mixed(self, is_mixed: bool) -> Self {
         Self { is_mixed, ..self }
+    }
+
+    /// Bodies that run through themselves in a pose, even when it is corrected, get no other draw in
+    /// its place: all bodies have the same poses, and some have fewer.
+    #[must_use]
+    pub const fn drawn_once(self) -> Self {
+        Self { tries: 1, ..self }
     }
 
     /// Poses of these sequences alone; groups without any give their share to the others. The empty
@@ -148,7 +157,8 @@ impl PoseSampler {
     ///
     /// # Errors
     ///
-    /// [`SampleError::NoSoundPose`] after 8 draws, the last of them without noise.
+    /// [`SampleError::NoSoundPose`] after 8 draws, the last of them without noise; after one if poses
+    /// are [drawn once](Self::drawn_once).
     pub fn sample_for(
         &self,
         poser: &Poser,
@@ -157,7 +167,7 @@ impl PoseSampler {
     ) -> Result<SoundPose, SampleError> {
         let mut name = "";
         let mut best: Option<(f64, SoundPose)> = None;
-        for try_index in 0..MAX_TRIES {
+        for try_index in 0..self.tries {
             let drawn = self.draw(index, try_index);
             name = drawn.sequence;
             let pose = poser.pose(&drawn.angles);
@@ -192,7 +202,7 @@ impl PoseSampler {
             return Err(SampleError::NoSoundPose {
                 index,
                 sequence: name,
-                tries: MAX_TRIES,
+                tries: self.tries,
             });
         };
         let poses = std::slice::from_mut(&mut sound.pose);

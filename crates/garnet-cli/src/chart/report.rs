@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use garnet::data::Protocol;
 use garnet::train::{
     Stage,
     chart::{Figures, pareto_front},
@@ -27,6 +28,7 @@ pub(super) struct ChartReport {
     pub(super) vertices: usize,
     dataset: String,
     pub(super) split: &'static str,
+    pub(super) protocol: Protocol,
     /// Scenes that were chosen: for drapes, and for simulations.
     pub(super) scenes: usize,
     pub(super) simulated_scenes: usize,
@@ -102,6 +104,7 @@ impl ChartReport {
             vertices: stage.package.mesh.num_vertices(),
             dataset: args.dataset.display().to_string(),
             split: SPLIT.name(),
+            protocol: stage.dataset.manifest.protocol,
             scenes: scenes.drapes.len(),
             simulated_scenes: scenes.simulations.len(),
             repeat: record.setting.repeat,

@@ -24,8 +24,13 @@ const HEADS: [&str; 13] = [
 /// The table, and what is below it.
 pub(super) fn text(report: &ChartReport) -> String {
     let mut text = format!(
-        "`{}`, {} vertices: single scenes of `{}`, {} threads, {}",
-        report.garment, report.vertices, report.split, report.threads, report.machine
+        "`{}`, {} vertices: single scenes of `{}`, {}, {} threads, {}",
+        report.garment,
+        report.vertices,
+        report.split,
+        report.protocol.title(),
+        report.threads,
+        report.machine
     );
     let names = report
         .methods

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use garnet::{
-    data::{Counts, Sizing, Variations},
+    data::{Counts, Protocol, Sizing, Variations},
     mesh::{Unit, UnitError},
     package::{GarmentPackage, Moment, Quality},
 };
@@ -44,6 +44,25 @@ pub(crate) struct DatasetArgs {
     /// `train --more`.
     #[arg(long, hide_short_help = true, conflicts_with = "import")]
     pub(crate) mixed: bool,
+    /// Noise of the poses' angles, as a share of the usual one; it stays within the ranges of motion.
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "SHARE",
+        default_value = "1",
+        value_parser = noise,
+        conflicts_with = "import",
+        allow_negative_numbers = true
+    )]
+    pub(crate) noise: f64,
+    /// What is new in validation and test.
+    #[arg(
+        long,
+        value_name = "PROTOCOL",
+        default_value = "unseen",
+        conflicts_with = "import"
+    )]
+    pub(crate) protocol: ProtocolName,
     /// Named seed of bodies and poses.
     #[arg(
         long,
@@ -128,6 +147,15 @@ pub(crate) enum UntilName {
     Midway,
 }
 
+/// What is new in validation and test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProtocolName {
+    /// Bodies and sequences of poses.
+    Unseen,
+    /// Bodies alone, as in GarNet++: all are in the same poses, of walks, yoga and dances.
+    Paper,
+}
+
 /// Who wears what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SizingName {
@@ -143,6 +171,15 @@ impl QualityName {
             Self::Fast => Quality::Fast,
             Self::Teacher => Quality::Teacher,
             Self::Reference => Quality::Reference,
+        }
+    }
+}
+
+impl ProtocolName {
+    pub(crate) fn protocol(self) -> Protocol {
+        match self {
+            Self::Unseen => Protocol::UnseenSequences,
+            Self::Paper => Protocol::SeenPoses,
         }
     }
 }
@@ -182,6 +219,14 @@ impl DatasetArgs {
             None if !self.vary.is_empty() => Sizing::MadeToMeasure,
             Some(SizingName::OneSize) | None => Sizing::OneSize,
         }
+    }
+}
+
+fn noise(text: &str) -> Result<f64, String> {
+    const MOST: f64 = 10.0;
+    match text.parse() {
+        Ok(share) if (0.0..=MOST).contains(&share) => Ok(share),
+        _ => Err(format!("expected a share from 0 to {MOST}, as in 2.5")),
     }
 }
 

@@ -99,6 +99,8 @@ fn make(args: &DatasetArgs, package: &GarmentPackage, console: &Console) -> anyh
         bodies: args.bodies,
         poses: args.poses,
         mixed: args.mixed,
+        noise: args.noise,
+        protocol: args.protocol.protocol(),
         quality: args.quality.quality(),
         until: args.until.until(),
         sizing: args.sizing(package),

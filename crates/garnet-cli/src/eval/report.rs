@@ -2,6 +2,7 @@
 
 use std::{fmt, time::Duration};
 
+use garnet::data::Protocol;
 use garnet::train::{
     Curves, Evaluation, GarNetConfig, Left, Row, Scores, Stage, StageSeconds, Untangled,
 };
@@ -19,6 +20,7 @@ pub(crate) struct EvalReport {
     vertices: usize,
     dataset: String,
     split: &'static str,
+    protocol: Protocol,
     scenes: usize,
     machine: String,
     threads: usize,
@@ -67,6 +69,7 @@ impl EvalReport {
             vertices: stage.package.mesh.num_vertices(),
             dataset: args.dataset.display().to_string(),
             split: found.split.name(),
+            protocol: stage.dataset.manifest.protocol,
             scenes: found.scenes,
             machine: machine::description(),
             threads: rayon::current_num_threads(),
@@ -121,8 +124,13 @@ impl fmt::Display for EvalReport {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             formatter,
-            "`{}`, {} vertices: {} scenes of `{}`, {} threads",
-            self.garment, self.vertices, self.scenes, self.split, self.threads
+            "`{}`, {} vertices: {} scenes of `{}`, {}, {} threads",
+            self.garment,
+            self.vertices,
+            self.scenes,
+            self.split,
+            self.protocol.title(),
+            self.threads
         )?;
         let names = self
             .methods

@@ -16,7 +16,7 @@ use garnet_mesh::Fingerprint;
 use super::dress::{Dresser, Outcome};
 use super::lock::Lock;
 use super::manifest::{DATASET_SCHEMA, DatasetManifest, GENERATOR, Sizing};
-use super::plan::{Counts, Plan, sampler};
+use super::plan::{Counts, Plan, Protocol};
 use super::record::{Rejection, SceneRecord, Split};
 use super::shard::{Layout, Shard};
 use super::variations::Variations;
@@ -36,6 +36,10 @@ pub struct DatasetOptions {
     pub poses: u32,
     /// Whether poses are [mixed](garnet_body::poses::PoseSampler::mixed) of several.
     pub mixed: bool,
+    /// The noise of the poses' angles, as a share of the usual one.
+    pub noise: f64,
+    /// What validation and test have that the training has not.
+    pub protocol: Protocol,
     /// Quality of the simulation.
     pub quality: Quality,
     /// How far the simulation goes.
@@ -172,6 +176,8 @@ impl DatasetManifest {
             bodies: options.bodies,
             poses: options.poses,
             mixed: options.mixed,
+            noise: options.noise,
+            protocol: options.protocol,
             quality: Some(quality_name(options.quality).to_owned()),
             until: options.until,
             sizing: options.sizing,
@@ -329,13 +335,15 @@ impl Job<'_> {
         if missing.is_empty() {
             return Ok(());
         }
-        let sampler = sampler(self.options.seed, task.split).mixed(self.options.mixed);
+        let options = self.options;
+        let sampler = options.protocol.sampler(options.seed, task.split);
+        let sampler = sampler.mixed(options.mixed).with_noise(options.noise);
         let start = Instant::now();
         let dressed = self.dresser.dressed(task.index, self.stop);
         let mut fitting = start.elapsed();
         for pose in missing {
             let start = Instant::now();
-            let number = u64::from(task.body) * u64::from(self.options.poses) + u64::from(pose);
+            let number = options.protocol.number(task.body, pose, options.poses);
             let outcome = dressed.drape(&self.dresser, &sampler, number, self.stop);
             if self.stop.load(Ordering::Relaxed) {
                 return Err(DataError::Stopped);

@@ -7,7 +7,7 @@ use garnet_mesh::{Fingerprint, write_atomically};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::plan::Counts;
+use super::plan::{Counts, Protocol};
 use super::variations::Variations;
 use crate::{DataError, Limits, Moment};
 
@@ -43,6 +43,12 @@ pub struct DatasetManifest {
     /// Whether poses are [mixed](garnet_body::poses::PoseSampler::mixed) of several.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub mixed: bool,
+    /// The noise of the poses' angles, as a share of the usual one.
+    #[serde(default = "usual_noise", skip_serializing_if = "is_usual")]
+    pub noise: f64,
+    /// What validation and test have that the training has not.
+    #[serde(default, skip_serializing_if = "Protocol::is_unseen_sequences")]
+    pub protocol: Protocol,
     /// Quality of the simulation; none for drapes made elsewhere.
     pub quality: Option<String>,
     /// Until when scenes are simulated: until the cloth rests; until the body comes to its last
@@ -87,6 +93,19 @@ impl Sizing {
             Self::MadeToMeasure => "made-to-measure",
         }
     }
+}
+
+/// Noise of manifests that tell none.
+const fn usual_noise() -> f64 {
+    1.0
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde passes a reference"
+)]
+fn is_usual(noise: &f64) -> bool {
+    noise.to_bits() == usual_noise().to_bits()
 }
 
 /// Refuses moments that no data set is simulated until.
@@ -176,6 +195,8 @@ impl DatasetManifest {
                 ),
                 ("poses", manifest.poses.to_string()),
                 ("poses mixed", manifest.mixed.to_string()),
+                ("noise of poses", manifest.noise.to_string()),
+                ("protocol", manifest.protocol.name().to_owned()),
                 ("quality", manifest.quality.clone().unwrap_or_default()),
                 ("end", manifest.until.name().to_owned()),
                 ("sizing", manifest.sizing.name().to_owned()),

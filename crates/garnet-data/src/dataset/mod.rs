@@ -17,7 +17,7 @@ use garnet_mesh::Fingerprint;
 pub use generate::{DatasetEvent, DatasetOptions, Tally, generate};
 pub use import::{ImportManifest, ImportProblem, ImportScene, import};
 pub use manifest::{DATASET_SCHEMA, DatasetManifest, GENERATOR, Sizing};
-pub use plan::{Counts, Plan, sampler, sequences};
+pub use plan::{Counts, Plan, Protocol, sampler, sequences};
 pub use record::{BodyRecord, Posed, Rejection, SceneRecord, Split};
 pub use shard::Shard;
 pub use variations::Variations;

@@ -1,7 +1,7 @@
 //! Which bodies and poses a data set has.
 
 use garnet_body::{
-    poses::{PoseSampler, SequenceSet},
+    poses::{Group, PoseSampler, SequenceSet},
     shape::{BodyParameters, Population},
 };
 use serde::{Deserialize, Serialize};
@@ -34,6 +34,61 @@ impl Counts {
     /// All bodies.
     pub const fn total(self) -> u32 {
         self.train + self.valid + self.test
+    }
+}
+
+/// What is new to a network in the scenes that it is tested on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Protocol {
+    /// Bodies and sequences of poses: the harder one.
+    #[default]
+    UnseenSequences,
+    /// Bodies alone: all are in the same poses, of walks, yoga and dances. GarNet++ is tested so, as
+    /// we read it.
+    SeenPoses,
+}
+
+impl Protocol {
+    /// The name in files and messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::UnseenSequences => "unseen-sequences",
+            Self::SeenPoses => "seen-poses",
+        }
+    }
+
+    /// The name in text.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::UnseenSequences => "unseen sequences",
+            Self::SeenPoses => "seen poses",
+        }
+    }
+
+    /// Whether it is the default one.
+    pub(super) fn is_unseen_sequences(&self) -> bool {
+        *self == Self::UnseenSequences
+    }
+
+    /// Draws the poses of a split.
+    pub fn sampler(self, seed: u64, split: Split) -> PoseSampler {
+        match self {
+            Self::UnseenSequences => sampler(seed, split),
+            Self::SeenPoses => {
+                let groups = [Group::Walk, Group::Yoga, Group::Dance];
+                let of_paper = SequenceSet::of(|sequence, _| groups.contains(&sequence.group));
+                PoseSampler::new(seed).among(of_paper).drawn_once()
+            }
+        }
+    }
+
+    /// The number of a pose of a body among those that the sampler draws.
+    pub const fn number(self, body: u32, pose: u32, poses_a_body: u32) -> u64 {
+        match self {
+            Self::UnseenSequences => body as u64 * poses_a_body as u64 + pose as u64,
+            Self::SeenPoses => pose as u64,
+        }
     }
 }
 

@@ -31,6 +31,8 @@ struct Setting {
     vertices: usize,
     dataset: String,
     split: String,
+    /// What is new in the scenes; files of earlier versions have none.
+    protocol: Option<String>,
     scenes: usize,
     threads: usize,
     /// Early reports of `eval` do not tell it.
@@ -163,7 +165,10 @@ impl Setting {
         [
             format!("`{}`, {} vertices", self.garment, self.vertices),
             format!("{} scenes of `{}`", self.scenes, self.dataset),
-            format!("split `{}`", self.split),
+            match &self.protocol {
+                Some(protocol) => format!("split `{}`, {}", self.split, protocol.replace('-', " ")),
+                None => format!("split `{}`", self.split),
+            },
             format!("{} threads", self.threads),
             self.machine.clone().unwrap_or_default(),
         ]
@@ -216,7 +221,7 @@ mod tests {
     fn setting(machine: &str) -> String {
         format!(
             r#""schema": "of no matter", "garment": "tee", "vertices": 100, "dataset": "data",
-            "split": "test", "scenes": 4, "threads": 2 {machine}"#
+            "split": "test", "protocol": "seen-poses", "scenes": 4, "threads": 2 {machine}"#
         )
     }
 
@@ -231,8 +236,7 @@ mod tests {
         );
         let table = of_eval(&serde_json::from_str(&text).unwrap(), &head());
         let lines: Vec<&str> = table.lines().collect();
-        let expected =
-            "`tee`, 100 vertices; 4 scenes of `data`; split `test`; 2 threads; commit abc.";
+        let expected = "`tee`, 100 vertices; 4 scenes of `data`; split `test`, seen poses; 2 threads; commit abc.";
         assert_eq!(lines[0], expected);
         assert_eq!(lines.len(), 6, "{table}");
         assert!(lines[4].starts_with("| warp ") && lines[4].ends_with(" 1.0 |"));

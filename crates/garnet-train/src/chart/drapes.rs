@@ -6,7 +6,7 @@ use garnet_untangle::UntangleOptions;
 use serde::{Deserialize, Serialize};
 
 use super::sample::{Sample, Seconds};
-use crate::contender::Contender;
+use crate::bound_candidate::BoundCandidate;
 use crate::measure::Measure;
 use crate::{Candidate, Finish, Left, SceneName, Stage, StagedScene, Tally, TrainError};
 
@@ -59,29 +59,29 @@ pub fn time_drapes(
     timing: Timing,
     take: &mut dyn FnMut(usize, Sample),
 ) -> Result<Vec<Option<NetworkCost>>, TrainError> {
-    let contenders = tasks
+    let bound = tasks
         .iter()
-        .map(|task| Contender::new(stage, &task.candidate));
-    let mut contenders: Vec<Contender<'_>> = contenders.collect::<Result<_, _>>()?;
+        .map(|task| BoundCandidate::new(stage, &task.candidate));
+    let mut bound: Vec<BoundCandidate<'_>> = bound.collect::<Result<_, _>>()?;
     let measure = Measure::new(stage)?;
     let is_wanted = |scene| tasks.iter().any(|task| task.scenes.contains(&scene));
     stage.for_each_of(split, is_wanted, Ok, &mut |staged: StagedScene| {
-        let wanted = contenders.iter_mut().enumerate();
+        let wanted = bound.iter_mut().enumerate();
         let wanted = wanted.filter(|(task, _)| tasks[*task].scenes.contains(&staged.name));
-        for (task, contender) in wanted {
-            take(task, sample(contender, &measure, &staged, timing)?);
+        for (task, candidate) in wanted {
+            take(task, sample(candidate, &measure, &staged, timing)?);
         }
         Ok(())
     })?;
-    Ok(contenders.iter().map(cost).collect())
+    Ok(bound.iter().map(cost).collect())
 }
 
-fn cost(contender: &Contender<'_>) -> Option<NetworkCost> {
-    let cost = contender.cost()?;
+fn cost(candidate: &BoundCandidate<'_>) -> Option<NetworkCost> {
+    let cost = candidate.cost()?;
     Some(NetworkCost {
         parameters: cost.parameters,
         flops: cost.flops,
-        scratch: contender.num_bytes()?,
+        scratch: candidate.num_bytes()?,
     })
 }
 
@@ -94,12 +94,12 @@ struct Run {
 }
 
 fn run(
-    contender: &mut Contender<'_>,
+    candidate: &mut BoundCandidate<'_>,
     staged: &StagedScene,
     options: &UntangleOptions,
 ) -> Result<Run, TrainError> {
     let finish = Finish::Untangle(*options);
-    contender.drape(staged, finish, |draper, placed, drape| {
+    candidate.drape(staged, finish, |draper, placed, drape| {
         let before = placed.positions(draper.garment());
         let Some(drape) = drape else {
             let (after, seconds) = (before.clone(), Seconds::default());
@@ -127,12 +127,12 @@ fn run(
 
 /// The sample of a candidate and a scene.
 fn sample(
-    contender: &mut Contender<'_>,
+    candidate: &mut BoundCandidate<'_>,
     measure: &Measure,
     staged: &StagedScene,
     timing: Timing,
 ) -> Result<Sample, TrainError> {
-    let mut run = || run(contender, staged, &timing.untangle);
+    let mut run = || run(candidate, staged, &timing.untangle);
     run()?;
     let runs = (0..timing.repeats.max(1)).map(|_| run());
     let mut runs: Vec<Run> = runs.collect::<Result<_, _>>()?;

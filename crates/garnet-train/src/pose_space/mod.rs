@@ -31,9 +31,9 @@ use garnet_net::pose_space::{PoseSpaceParts, deformation_name};
 use garnet_net::{Moment, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
 
+use crate::context::{Example, TrainingContext};
 use crate::examples::examples;
 use crate::publish::{HasSplits, add_variant, choose_default, named, scored_variant, weights_file};
-use crate::subject::{Example, Subject};
 use crate::validate::{Validation, validate_drapes};
 use crate::{
     EpochRecord, SceneName, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained,
@@ -63,13 +63,14 @@ pub struct PoseSpaceConfig {
     /// Whether each scene counts as its mirror image, too, if left and right of body and garment
     /// are alike.
     pub mirror: bool,
-    /// What tells the shares of the shapes.
-    pub told_by: ToldBy,
+    /// What predicts the shares of the shapes.
+    #[serde(alias = "told_by")]
+    pub predictor: Predictor,
     /// Folds of bodies, and as many of sequences of poses, that are left out in turn to find out
-    /// how `pose-space` would have told each scene without its body and its sequence: networks that
+    /// how `pose-space` would have predicted each scene without its body and its sequence: networks that
     /// start from it learn from that. As many fits as their square; 0 for none.
     pub folds: u32,
-    /// Principal shapes of each region that networks tell.
+    /// Principal shapes of each region that networks predict.
     pub region_shapes: u32,
     /// Scenes by which it is found out how much each feature counts in a region, at most.
     pub region_searched: u32,
@@ -79,10 +80,10 @@ pub struct PoseSpaceConfig {
     pub passes: u32,
 }
 
-/// What tells the shares of the shapes of a pose-space deformation.
+/// What predicts the shares of the shapes of a pose-space deformation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum ToldBy {
+pub enum Predictor {
     /// The scenes that it was fitted to, by how alike they are.
     Scenes,
     /// A small network for each region of the garment.
@@ -97,7 +98,7 @@ impl Default for PoseSpaceConfig {
             searched: 1000,
             rounds: 5,
             mirror: true,
-            told_by: ToldBy::Networks,
+            predictor: Predictor::Networks,
             folds: 3,
             region_shapes: 80,
             region_searched: 1000,
@@ -117,27 +118,27 @@ pub(crate) fn fit(
     stop: &AtomicBool,
 ) -> Result<Trained, TrainError> {
     stage.check_moment(moment)?;
-    let told_by = job.config.pose_space.told_by;
-    check_more(job, stage, told_by)?;
+    let predictor = job.config.pose_space.predictor;
+    check_more(job, stage, predictor)?;
     let name = &job.recipe.name;
     let mut network = job.config.network_config()?;
     network.start = Start::Shape;
-    let mut subject = Subject::new(stage, network, &job.config.loss)?;
-    subject.moment = moment;
-    let train = examples(stage, &subject, Split::Train, None, observer)?;
+    let mut context = TrainingContext::new(stage, network, &job.config.loss)?;
+    context.moment = moment;
+    let train = examples(stage, &context, Split::Train, None, observer)?;
     let mut left_out = Vec::new();
-    let (mut space, num_train) = match told_by {
-        ToldBy::Scenes => {
+    let (mut space, num_train) = match predictor {
+        Predictor::Scenes => {
             let count = train.len();
             check_enough(count)?;
             (fitted(&job.config, stage, &train, observer, stop)?, count)
         }
-        ToldBy::Networks => {
+        Predictor::Networks => {
             let mut samples = regions::samples_of(0, &train);
             for (number, path) in (1..).zip(&job.more) {
                 let more = Stage::new(GarmentPackage::read(&job.package)?, Dataset::open(path)?)?;
                 more.check_moment(moment)?;
-                let more = examples(&more, &subject, Split::Train, None, observer)?;
+                let more = examples(&more, &context, Split::Train, None, observer)?;
                 samples.extend(regions::samples_of(number, &more));
             }
             check_enough(samples.len())?;
@@ -164,9 +165,9 @@ pub(crate) fn fit(
     let rounded = Beginning::of(rounded);
     let mut scored = |split: Split| match stage.num_scenes(split) {
         Ok(_) => {
-            let started = examples(stage, &subject, split, Some(&rounded), observer)?;
+            let started = examples(stage, &context, split, Some(&rounded), observer)?;
             let drape = &mut |example: &Example| Ok(example.warped.positions.clone());
-            validate_drapes(stage, &subject, drape, &started).map(Some)
+            validate_drapes(stage, &context, drape, &started).map(Some)
         }
         Err(TrainError::EmptySplit { .. }) => Ok(None),
         Err(error) => Err(error),
@@ -216,8 +217,8 @@ pub(crate) fn check_no_more(more: &[PathBuf], what: &'static str) -> Result<(), 
 }
 
 /// Refuses further data sets that cannot be learned from, or are learned from already.
-fn check_more(job: &TrainJob, stage: &Stage, told_by: ToldBy) -> Result<(), TrainError> {
-    if told_by == ToldBy::Scenes {
+fn check_more(job: &TrainJob, stage: &Stage, predictor: Predictor) -> Result<(), TrainError> {
+    if predictor == Predictor::Scenes {
         return check_no_more(&job.more, "a pose-space deformation that scenes tell");
     }
     let mut known = vec![stage.dataset.manifest.fingerprint()];

@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::mirror::GarmentMirror;
-use crate::subject::Example;
+use crate::context::Example;
 
 /// The offsets of drapes from the warp, in the skinning frames, in metres.
 pub(super) struct Offsets {

@@ -7,7 +7,7 @@ use super::mirror::GarmentMirror;
 use super::principal::Principal;
 use super::regression::{Places, Regression};
 use super::scenes::left_out_with;
-use crate::subject::Example;
+use crate::context::Example;
 
 /// Numbers of a rotation are multiplied by this before the search: a quarter turn is a tenth of the
 /// distance at which scenes have nothing to do with each other.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::regions::Sample;
-use crate::subject::Example;
+use crate::context::Example;
 
 /// The scenes of each body, which follow each other.
 fn bodies(examples: &[&Example]) -> Vec<Range<usize>> {

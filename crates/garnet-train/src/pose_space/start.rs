@@ -13,7 +13,7 @@ use super::offsets::halves;
 use super::regression::{Places, Regression};
 use super::scenes::left_out_with;
 use super::starts::Starts;
-use crate::subject::Example;
+use crate::context::Example;
 use crate::{Stage, TrainError, training_folder};
 
 /// A deformation that networks start from.

@@ -2,7 +2,7 @@
 
 use garnet_data::{Dataset, Split};
 use garnet_drape::{DrapeOptions, GarmentPackage, Package};
-use garnet_train::{Candidate, Finish, Stage, StagedScene, evaluate, exhibit};
+use garnet_train::{Candidate, Finish, Stage, StagedScene, drape_scenes, evaluate};
 use garnet_untangle::UntangleOptions;
 
 use crate::invented::{Invented, run, tiny};
@@ -83,13 +83,13 @@ fn an_evaluation_drapes_as_a_package_does_to_the_bit() {
         settle,
     });
     let mut shown = Vec::new();
-    exhibit(
+    drape_scenes(
         &stage,
         Split::Test,
         &candidates,
         &UntangleOptions::default(),
         |_| true,
-        &mut |exhibit| shown.push(exhibit.drapes),
+        &mut |scene| shown.push(scene.drapes),
     )
     .unwrap();
     let mut bodies = Vec::new();

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use garnet_data::{
-    BodyRecord, Counts, DATASET_SCHEMA, DatasetManifest, Limits, Moment, Posed, SceneRecord, Shard,
-    Sizing, Split, Variations,
+    BodyRecord, Counts, DATASET_SCHEMA, DatasetManifest, Limits, Moment, Posed, Protocol,
+    SceneRecord, Shard, Sizing, Split, Variations,
 };
 use garnet_drape::{GarmentPackage, PackageParts, StoredFabric};
 use garnet_io::{ObjFile, write_obj};
@@ -179,6 +179,8 @@ fn manifest(package: &GarmentPackage) -> DatasetManifest {
         },
         poses: 6,
         mixed: false,
+        noise: 1.0,
+        protocol: Protocol::default(),
         quality: None,
         until: Moment::Rest,
         sizing: Sizing::OneSize,

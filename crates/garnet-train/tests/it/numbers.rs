@@ -1,7 +1,7 @@
 //! Each number of a configuration has a range, and what is out of it is told by name.
 
 use garnet_net::GarNetConfig;
-use garnet_train::{PoseSpaceConfig, ToldBy, TrainConfig, TrainError};
+use garnet_train::{PoseSpaceConfig, Predictor, TrainConfig, TrainError};
 use toml::{Table, Value};
 
 use crate::invented::{Invented, run, tiny};
@@ -178,7 +178,7 @@ fn widths_that_together_ask_for_too_much_are_refused() {
 #[test]
 fn the_least_of_each_number_is_fitted_with() {
     let invented = Invented::new();
-    for told_by in [ToldBy::Scenes, ToldBy::Networks] {
+    for predictor in [Predictor::Scenes, Predictor::Networks] {
         let pose_space = PoseSpaceConfig {
             shapes: 1,
             scenes: 1,
@@ -188,7 +188,7 @@ fn the_least_of_each_number_is_fitted_with() {
             region_searched: 1,
             hidden: 1,
             passes: 1,
-            told_by,
+            predictor,
             ..PoseSpaceConfig::default()
         };
         let config = TrainConfig {

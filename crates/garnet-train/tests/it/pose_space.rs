@@ -8,7 +8,7 @@ use garnet_mesh::Vector3;
 use garnet_net::PoseSpace;
 use garnet_sim::FALLEN;
 use garnet_train::{
-    Candidate, Finish, PoseSpaceConfig, Precision, Stage, StagedScene, ToldBy, TrainConfig,
+    Candidate, Finish, PoseSpaceConfig, Precision, Predictor, Stage, StagedScene, TrainConfig,
     TrainError, TrainEvent, TrainJob, evaluate, train,
 };
 
@@ -23,7 +23,7 @@ const MIDWAY: &str = "midway";
 /// What scenes tell.
 fn by_scenes() -> TrainConfig {
     let pose_space = PoseSpaceConfig {
-        told_by: ToldBy::Scenes,
+        predictor: Predictor::Scenes,
         ..PoseSpaceConfig::default()
     };
     TrainConfig {

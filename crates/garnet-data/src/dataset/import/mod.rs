@@ -16,7 +16,7 @@ use garnet_mesh::{Fingerprint, Unit};
 use serde::{Deserialize, Serialize};
 
 use super::manifest::{DATASET_SCHEMA, DatasetManifest, GENERATOR, Sizing};
-use super::plan::Counts;
+use super::plan::{Counts, Protocol};
 use super::record::{BodyRecord, Posed, SceneRecord, Split};
 use super::shard::{Layout, Shard};
 use super::variations::Variations;
@@ -258,6 +258,8 @@ fn described(
         bodies: Counts { train, valid, test },
         poses: most.unwrap_or(0),
         mixed: false,
+        noise: 1.0,
+        protocol: Protocol::default(),
         quality: None,
         vary: Variations::default(),
         until: Moment::Rest,

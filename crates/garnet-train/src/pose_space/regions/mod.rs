@@ -247,7 +247,7 @@ impl<'a> Ground<'a> {
             .map(|numbers| region.inputs(&self.owners, &self.center, numbers))
             .collect();
         let mut learned = |scenes: &[usize], number: u32| {
-            let lesson = network::Lesson {
+            let fit = network::Fit {
                 inputs: &inputs,
                 shares: &found.shares,
                 scenes,
@@ -256,7 +256,7 @@ impl<'a> Ground<'a> {
                 seed: seed.wrapping_add(u64::from(number) << 32),
             };
             let before = number * asked.passes;
-            lesson.learned(&mut |pass, loss| tell(Told::Learned(before + pass, loss)))
+            fit.learned(&mut |pass, loss| tell(Told::Learned(before + pass, loss)))
         };
         let all: Vec<usize> = (0..inputs.len()).collect();
         region.layers = learned(&all, 0);

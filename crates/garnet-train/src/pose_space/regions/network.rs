@@ -45,11 +45,11 @@ struct Network {
     layers: Vec<Linear>,
 }
 
-/// What a network is to learn.
-pub(super) struct Lesson<'a> {
-    /// What it is told `[scene][number]`.
+/// What a network is fitted to.
+pub(super) struct Fit<'a> {
+    /// Its inputs `[scene][number]`.
     pub(super) inputs: &'a [Vec<f32>],
-    /// What it is to tell `[scene, shape]`, in metres.
+    /// What it is to predict `[scene, shape]`, in metres.
     pub(super) shares: &'a Mat<f64>,
     /// The scenes that it learns from.
     pub(super) scenes: &'a [usize],
@@ -74,9 +74,9 @@ impl Network {
     }
 }
 
-impl Lesson<'_> {
-    /// Learns; the layers tell shares in metres. The loss is the distance of a scene from what is
-    /// told of it, not its square: most scenes, and those of sequences that were held out, came
+impl Fit<'_> {
+    /// Learns; the layers predict shares in metres. The loss is the distance of a scene from its
+    /// prediction, not its square: most scenes, and those of sequences that were held out, came
     /// nearer by it. `go_on` is told the passes that are done and the mean of that distance over
     /// the root mean square of the shares.
     pub(super) fn learned(&self, go_on: &mut dyn FnMut(u32, f64) -> bool) -> Vec<Layer> {
@@ -94,7 +94,7 @@ impl Lesson<'_> {
         let mut network = Network {
             layers: layers.collect(),
         };
-        // Of all scenes, whichever are learned from: it is a unit, not what they tell.
+        // Of all scenes, whichever are learned from: it is a unit, not what they predict.
         let count = (self.inputs.len() * num_shapes).max(1) as f64;
         let unit = (self.shares.squared_norm_l2() / count)
             .sqrt()
@@ -188,7 +188,7 @@ mod tests {
             0.01 * [a * b, a - b][shape]
         });
         let all: Vec<usize> = (0..200).collect();
-        let lesson = Lesson {
+        let fit = Fit {
             inputs: &inputs,
             shares: &shares,
             scenes: &all,
@@ -197,7 +197,7 @@ mod tests {
             seed: 3,
         };
         let mut losses = Vec::new();
-        let layers = lesson.learned(&mut |_, loss| {
+        let layers = fit.learned(&mut |_, loss| {
             losses.push(loss);
             true
         });
@@ -209,8 +209,8 @@ mod tests {
             .collect();
         assert_eq!(sizes, [(2, 32), (32, 32), (32, 32), (32, 2)]);
         // The same seed gives the same numbers, and a training that is stopped has layers, too.
-        assert_eq!(layers, lesson.learned(&mut |_, _| true));
-        assert_eq!(lesson.learned(&mut |_, _| false).len(), 4);
+        assert_eq!(layers, fit.learned(&mut |_, _| true));
+        assert_eq!(fit.learned(&mut |_, _| false).len(), 4);
     }
 
     #[test]

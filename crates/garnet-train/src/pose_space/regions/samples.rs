@@ -1,7 +1,7 @@
 //! What a fit keeps of a scene.
 
 use super::super::offsets::offsets_of;
-use crate::subject::Example;
+use crate::context::Example;
 
 /// What a fit keeps of a scene.
 #[derive(Debug, Clone)]

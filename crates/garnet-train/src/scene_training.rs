@@ -11,25 +11,25 @@ use garnet_net::{GarNet, GarmentGraph};
 use garnet_skin::WarpedGarment;
 use nalgebra::{Isometry3, UnitQuaternion};
 
-use crate::lesson::lesson;
+use crate::context::{Example, TrainingContext};
+use crate::scene_gradients::scene_gradients;
 use crate::state::optimizer;
-use crate::subject::{Example, Subject};
 use crate::{SceneName, TrainConfig, TrainError};
 
 /// A network that learns one scene again and again: what a training repeats, without a data set.
 ///
 /// ```
 /// use garnet_mesh::primitives::{capsule, tube};
-/// use garnet_train::{Exercise, TrainConfig};
+/// use garnet_train::{SceneTraining, TrainConfig};
 ///
 /// let (garment, body) = (tube(0.22, 0.7, 16, 12), capsule(0.2, 0.8, 16, 6));
 /// let config = TrainConfig::parse("preset = \"tiny\"")?;
-/// let mut exercise = Exercise::new(&config, &garment, &body, garment.positions())?;
-/// assert!(exercise.step()?.total().is_finite());
+/// let mut training = SceneTraining::new(&config, &garment, &body, garment.positions())?;
+/// assert!(training.step()?.total().is_finite());
 /// # Ok::<(), garnet_train::TrainError>(())
 /// ```
-pub struct Exercise {
-    subject: Subject,
+pub struct SceneTraining {
+    context: TrainingContext,
     example: Example,
     model: GarNet,
     optimizer: ModuleOptimizer,
@@ -37,15 +37,15 @@ pub struct Exercise {
     learning_rate: f64,
 }
 
-impl std::fmt::Debug for Exercise {
+impl std::fmt::Debug for SceneTraining {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         // The optimizer has no such form.
         let Self { model, .. } = self;
-        formatter.debug_tuple("Exercise").field(model).finish()
+        formatter.debug_tuple("SceneTraining").field(model).finish()
     }
 }
 
-impl Exercise {
+impl SceneTraining {
     /// Of a garment that lies on a body at rest, and where the teacher puts it `[vertex]`.
     ///
     /// # Errors
@@ -61,7 +61,8 @@ impl Exercise {
         config.validate()?;
         let network = config.network_config()?;
         let graph = GarmentGraph::new(garment, &[])?;
-        let subject = Subject::of_meshes(garment, body, graph.configured(network), &config.loss)?;
+        let context =
+            TrainingContext::of_meshes(garment, body, graph.configured(network), &config.loss)?;
         let device = Device::flex().autodiff();
         let example = Example {
             scene: SceneName {
@@ -79,16 +80,16 @@ impl Exercise {
             },
             body: body.positions().to_vec(),
             body_normals: vertex_normals(body.positions(), body.faces()),
-            parameters: vec![0.0; subject.config.num_body_parameters],
+            parameters: vec![0.0; context.config.num_body_parameters],
             draped: draped.to_vec(),
             neighbors: OnceLock::new(),
             mirrored_neighbors: OnceLock::new(),
         };
         Ok(Self {
-            model: subject.config.init(config.seed, &device)?,
+            model: context.config.init(config.seed, &device)?,
             optimizer: optimizer(config),
             learning_rate: config.learning_rate,
-            subject,
+            context,
             example,
             device,
         })
@@ -100,14 +101,14 @@ impl Exercise {
     ///
     /// [`TrainError::Diverged`] where loss or derivatives are not finite.
     pub fn step(&mut self) -> Result<LossReport, TrainError> {
-        let found = lesson(&self.subject, &self.example, &self.model, &self.device, 1.0)?;
-        let lesson = found.map_err(|trouble| TrainError::Diverged {
+        let found = scene_gradients(&self.context, &self.example, &self.model, &self.device, 1.0)?;
+        let derived = found.map_err(|trouble| TrainError::Diverged {
             epoch: 1,
             trouble,
             num_skipped: 1,
         })?;
         let model = self.model.clone();
-        self.model = (self.optimizer).step(self.learning_rate, model, lesson.gradients);
-        Ok(lesson.report)
+        self.model = (self.optimizer).step(self.learning_rate, model, derived.gradients);
+        Ok(derived.report)
     }
 }

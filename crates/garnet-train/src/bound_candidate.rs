@@ -12,7 +12,7 @@ use crate::{Candidate, Finish, Stage, StagedScene, TrainError, Worn};
 
 /// A candidate, bound to the garment.
 #[derive(Debug)]
-pub(crate) struct Contender<'a> {
+pub(crate) struct BoundCandidate<'a> {
     name: String,
     warp: Warp,
     model: Option<Arc<Model>>,
@@ -23,7 +23,7 @@ pub(crate) struct Contender<'a> {
     last: Option<(Arc<Worn>, Draper)>,
 }
 
-impl<'a> Contender<'a> {
+impl<'a> BoundCandidate<'a> {
     /// Reads the weights, if it has any.
     pub(crate) fn new(stage: &'a Stage, candidate: &Candidate) -> Result<Self, TrainError> {
         stage.check_moment(Moment::Rest)?;

@@ -5,13 +5,13 @@ use burn::tensor::Device;
 use garnet_net::losses::LossReport;
 use garnet_net::{GarNet, NetError, surrogate};
 
+use crate::context::{Example, TrainingContext};
 use crate::gradients;
-use crate::subject::{Example, Subject};
 use crate::{TrainError, Trouble, TroubleKind};
 
-/// What a scene teaches.
+/// The loss of a scene and its derivatives.
 #[derive(Debug)]
-pub(crate) struct Lesson {
+pub(crate) struct SceneGradients {
     /// The terms of the loss.
     pub(crate) report: LossReport,
     /// Derivatives of the loss by the weights, times the share.
@@ -24,40 +24,40 @@ pub(crate) struct Lesson {
 /// # Errors
 ///
 /// The inner one is what was not finite, the outer one is for scenes that cannot be used at all.
-pub(crate) fn lesson(
-    subject: &Subject,
+pub(crate) fn scene_gradients(
+    context: &TrainingContext,
     example: &Example,
     model: &GarNet,
     device: &Device,
     share: f32,
-) -> Result<Result<Lesson, Trouble>, TrainError> {
+) -> Result<Result<SceneGradients, Trouble>, TrainError> {
     // Inside the pool, parallel loops need no hand-over of their own.
-    rayon::scope(|_| taught(subject, example, model, device, share))
+    rayon::scope(|_| derived(context, example, model, device, share))
 }
 
-/// The work of [`lesson`].
-fn taught(
-    subject: &Subject,
+/// The work of [`scene_gradients`].
+fn derived(
+    context: &TrainingContext,
     example: &Example,
     model: &GarNet,
     device: &Device,
     share: f32,
-) -> Result<Result<Lesson, Trouble>, TrainError> {
-    let prepared = subject.prepared(example)?;
+) -> Result<Result<SceneGradients, Trouble>, TrainError> {
+    let prepared = context.prepared(example)?;
     let trouble = |kind| {
         Ok(Err(Trouble {
             scene: example.scene,
             kind,
         }))
     };
-    let output = model.forward(&example.graph, &subject.sampling, &prepared.scene, device);
+    let output = model.forward(&example.graph, &context.sampling, &prepared.scene, device);
     let translations: Vec<f32> =
         (output.to_data().try_into_vec()).expect("networks compute in single precision");
     let predicted = match prepared.scene.moved(&translations) {
         Err(NetError::Diverged { vertex }) => return trouble(TroubleKind::Place { vertex }),
         moved => moved?,
     };
-    let report = subject
+    let report = context
         .losses
         .evaluate(&predicted, &prepared.target, &prepared.body)?;
     let vertex = report.non_finite_vertex();
@@ -75,5 +75,5 @@ fn taught(
     if let Err(name) = gradients::norm(model, &gradients) {
         return trouble(TroubleKind::Weight { name });
     }
-    Ok(Ok(Lesson { report, gradients }))
+    Ok(Ok(SceneGradients { report, gradients }))
 }

@@ -14,7 +14,7 @@ use crate::{SceneName, Stage, StagedScene, TrainError};
 
 /// What a network and its losses know before any scene.
 #[derive(Debug)]
-pub(crate) struct Subject {
+pub(crate) struct TrainingContext {
     /// What the network is made of, with what the garment decides.
     pub(crate) config: GarNetConfig,
     pub(crate) sampling: BodySampling,
@@ -55,7 +55,7 @@ pub(crate) struct Prepared {
     pub(crate) body: LossBody,
 }
 
-impl Subject {
+impl TrainingContext {
     /// Fits a configuration to the garment of a stage.
     pub(crate) fn new(
         stage: &Stage,
