@@ -76,7 +76,7 @@ pub struct TrainConfig {
 }
 
 /// A deformation is fitted as often as the square of this, at most.
-const MOST_FOLDS: f64 = 8.0;
+const MOST_FOLDS: f64 = 16.0;
 
 /// The preset that is trained as the paper has it.
 const PAPER: &str = "paper";
@@ -291,7 +291,7 @@ impl TrainConfig {
 
     /// All numbers but those of the loss and of the network, which have ranges of their own. Any
     /// seed will do.
-    fn numbers(&self) -> [Number; 19] {
+    fn numbers(&self) -> [Number; 20] {
         let number = |field, value, min, max| Number {
             field,
             value,
@@ -316,6 +316,7 @@ impl TrainConfig {
             whole("pose_space.searched", space.searched, 1.0, 2e4),
             whole("pose_space.rounds", space.rounds, 0.0, 1e3),
             whole("pose_space.folds", space.folds, 0.0, MOST_FOLDS),
+            whole("pose_space.ensemble", space.ensemble, 1.0, 64.0),
             whole("pose_space.region_shapes", space.region_shapes, 1.0, 1024.0),
             whole(
                 "pose_space.region_searched",

@@ -76,7 +76,7 @@ pub use gallery::{DrapedScene, drape_scenes};
 pub use garnet_net::losses::{LossConfig, LossValue, Term};
 pub use garnet_net::{GarNetConfig, Moment, PRESET_NAMES, Precision, Variant};
 pub use percentiles::Percentiles;
-pub use pose_space::{PoseSpaceConfig, Predictor};
+pub use pose_space::{LeftOut, PoseSpaceConfig, Predictor};
 pub use publish::{DefaultVariant, DrapeScores, Trained, WhyDefault};
 pub use recipe::{Recipe, kind_name, kind_names};
 pub use scene_training::SceneTraining;

@@ -2,7 +2,7 @@
 
 pub use garnet_train::{
     Began, Begin, Candidate, Choice, Curve, Curves, DefaultVariant, DrapeScores, DrapedScene,
-    EpochRecord, EvalEvent, Evaluation, Finish, GarNetConfig, Left, LossConfig, LossValue,
+    EpochRecord, EvalEvent, Evaluation, Finish, GarNetConfig, Left, LeftOut, LossConfig, LossValue,
     PRESET_NAMES, Percentiles, PoseSpaceConfig, Precision, Predictor, Recipe, Row, SceneName,
     SceneTraining, Schedule, Scores, Stage, StageSeconds, StagedScene, Tally, Term, TrainConfig,
     TrainError, TrainEvent, TrainJob, Trained, Trouble, TroubleKind, Untangled, Variant,

@@ -39,6 +39,7 @@ use crate::{
     EpochRecord, SceneName, Scores, Stage, TrainConfig, TrainError, TrainEvent, TrainJob, Trained,
     training_folder,
 };
+pub use folds::LeftOut;
 use offsets::Offsets;
 use regression::{Places, Regression};
 use relevance::Relevance;
@@ -66,10 +67,13 @@ pub struct PoseSpaceConfig {
     /// What predicts the shares of the shapes.
     #[serde(alias = "told_by")]
     pub predictor: Predictor,
-    /// Folds of bodies, and as many of sequences of poses, that are left out in turn to find out
-    /// how `pose-space` would have predicted each scene without its body and its sequence: networks that
-    /// start from it learn from that. As many fits as their square; 0 for none.
+    /// Folds that are left out in turn to find out how `pose-space` would have predicted each scene
+    /// of the training without them: networks that start from it learn from that. 0 for none.
     pub folds: u32,
+    /// What the folds are of.
+    pub left_out: LeftOut,
+    /// Networks a region whose mean is distilled into one; 1 for none. Each takes as long as one.
+    pub ensemble: u32,
     /// Principal shapes of each region that networks predict.
     pub region_shapes: u32,
     /// Scenes by which it is found out how much each feature counts in a region, at most.
@@ -100,6 +104,8 @@ impl Default for PoseSpaceConfig {
             mirror: true,
             predictor: Predictor::Networks,
             folds: 3,
+            left_out: LeftOut::Both,
+            ensemble: 1,
             region_shapes: 80,
             region_searched: 1000,
             hidden: 384,
@@ -144,7 +150,8 @@ pub(crate) fn fit(
             check_enough(samples.len())?;
             let folds = match job.config.pose_space.folds {
                 count if count > 0 && *name == deformation_name(Moment::Rest) => {
-                    folds::folds(&samples, count as usize)
+                    let left_out = job.config.pose_space.left_out;
+                    folds::folds(&samples, count as usize, left_out)
                 }
                 _ => Vec::new(),
             };

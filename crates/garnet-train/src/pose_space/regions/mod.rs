@@ -5,6 +5,7 @@
 //! network of the region is told as much of each feature. Where left and right are alike there are
 //! regions of the left alone, and each scene counts as its mirror image, too.
 
+mod distil;
 mod layout;
 mod network;
 mod samples;
@@ -77,7 +78,7 @@ pub(super) fn fitted(
     let mut ground = Ground::new(layout.features, samples, mirror.as_ref(), asked)?;
     let mean = ground.centered();
     let of = layout.shares.len() as u32;
-    let passes = asked.passes * (1 + folds.len() as u32);
+    let passes = distil::passes(asked) + asked.passes * folds.len() as u32;
     let (teller, told) = mpsc::channel();
     let regions = std::thread::scope(|scope| {
         let work = || {
@@ -246,20 +247,17 @@ impl<'a> Ground<'a> {
         let inputs: Vec<Vec<f32>> = (self.numbers.iter())
             .map(|numbers| region.inputs(&self.owners, &self.center, numbers))
             .collect();
-        let mut learned = |scenes: &[usize], number: u32| {
-            let fit = network::Fit {
-                inputs: &inputs,
-                shares: &found.shares,
-                scenes,
-                hidden: asked.hidden as usize,
-                passes: asked.passes,
-                seed: seed.wrapping_add(u64::from(number) << 32),
-            };
-            let before = number * asked.passes;
-            fit.learned(&mut |pass, loss| tell(Told::Learned(before + pass, loss)))
+        let of_all = network::Fit {
+            inputs: &inputs,
+            shares: &found.shares,
+            scenes: &(0..inputs.len()).collect::<Vec<usize>>(),
+            hidden: asked.hidden as usize,
+            passes: asked.passes,
+            seed,
         };
-        let all: Vec<usize> = (0..inputs.len()).collect();
-        region.layers = learned(&all, 0);
+        region.layers = distil::learned(&of_all, asked, &mut |pass, loss| {
+            tell(Told::Learned(pass, loss))
+        });
         let count = self.samples.len();
         let mut left_out = vec![vec![0.0; found.shares.ncols()]; inputs.len()];
         for (number, fold) in (1..).zip(folds) {
@@ -272,7 +270,13 @@ impl<'a> Ground<'a> {
             if fold.learned.is_empty() {
                 continue;
             }
-            let layers = learned(&with_images(&fold.learned), number);
+            let fit = network::Fit {
+                scenes: &with_images(&fold.learned),
+                seed: seed.wrapping_add(u64::from(number) << 32),
+                ..of_all
+            };
+            let before = distil::passes(asked) + (number - 1) * asked.passes;
+            let layers = fit.learned(&mut |pass, loss| tell(Told::Learned(before + pass, loss)));
             for row in with_images(&fold.told) {
                 left_out[row] = told(&layers, inputs[row].clone());
             }

@@ -46,6 +46,7 @@ struct Network {
 }
 
 /// What a network is fitted to.
+#[derive(Clone, Copy)]
 pub(super) struct Fit<'a> {
     /// Its inputs `[scene][number]`.
     pub(super) inputs: &'a [Vec<f32>],
