@@ -8,7 +8,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Each crate and the crates of this workspace that it may use.
-const ARROWS: [(&str, &[&str]); 16] = [
+const ARROWS: [(&str, &[&str]); 17] = [
     ("garnet-mesh", &[]),
     ("garnet-knn", &["mesh"]),
     ("garnet-skin", &["mesh", "knn"]),
@@ -38,12 +38,13 @@ const ARROWS: [(&str, &[&str]); 16] = [
             "sim", "kernel",
         ],
     ),
+    ("garnet-stress", &["mesh", "knn", "skin", "body", "drape"]),
     ("garnet-view", &["mesh"]),
     (
         "garnet",
         &[
             "mesh", "knn", "skin", "untangle", "body", "io", "pattern", "sim", "drape", "data",
-            "kernel", "net", "train",
+            "kernel", "net", "train", "stress",
         ],
     ),
     ("garnet-cli", &["garnet", "view"]),

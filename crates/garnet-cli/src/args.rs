@@ -14,6 +14,7 @@ use crate::{
     parse::thread_count,
     render::RenderArgs,
     simulate::SimulateArgs,
+    stress::StressArgs,
     train::TrainArgs,
 };
 
@@ -49,6 +50,8 @@ pub(crate) enum Command {
     Eval(Box<EvalArgs>),
     /// Chart time against accuracy of all ways to drape a package, on this machine.
     Chart(Box<ChartArgs>),
+    /// Find the level at which each way to drape breaks.
+    Stress(Box<StressArgs>),
     /// Tell what is in a file, and what is unusual about a mesh.
     Info(InfoArgs),
     /// Draw a shaded picture of meshes.

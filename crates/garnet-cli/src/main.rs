@@ -22,6 +22,7 @@ mod render;
 mod rig_args;
 mod simulate;
 mod stderr;
+mod stress;
 mod train;
 
 use std::process::ExitCode;
@@ -62,6 +63,7 @@ fn run(command: Command, console: &Console) -> anyhow::Result<ExitStatus> {
         Command::Train(args) => train::run(&args, console),
         Command::Eval(args) => eval::run(&args, console),
         Command::Chart(args) => chart::run(&args, console),
+        Command::Stress(args) => stress::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Render(args) => render::run(&args, console),
     }

@@ -49,6 +49,8 @@ pub mod pattern;
 pub mod sim;
 pub mod skin;
 #[cfg(feature = "train")]
+pub mod stress;
+#[cfg(feature = "train")]
 pub mod train;
 pub mod untangle;
 

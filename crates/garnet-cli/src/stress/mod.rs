@@ -1,0 +1,142 @@
+//! `garnet stress`: the level at which each way to drape breaks.
+
+mod args;
+mod record;
+mod report;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::atomic::AtomicBool,
+};
+
+use garnet::{
+    Package,
+    package::GarmentPackage,
+    stress::{Method, StressOptions, holds, run as stress},
+};
+
+pub(crate) use args::StressArgs;
+use record::Keeper;
+use report::StressReport;
+
+use crate::{
+    console::{Console, print_data, print_document},
+    dataset::read_package,
+    failure::ExitStatus,
+    garment, output,
+};
+
+/// Vertices of the T-shirt that is cut where no package is given.
+const VERTICES: usize = 1250;
+
+/// Drapes all cells, writes the table, and tells whether one of ours breaks.
+pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    args.check()?;
+    output::open_folder(&args.output)?;
+    let folder = match &args.package {
+        Some(folder) => folder.clone(),
+        None => cut(&args.output)?,
+    };
+    let content = read_package(&folder)?;
+    let variants: Vec<String> = content
+        .manifest
+        .variants
+        .iter()
+        .map(|v| v.name.clone())
+        .collect();
+    let options = args.options(&variants)?;
+    let mut keeper = Keeper::open(
+        &args.output,
+        &content.manifest.positions,
+        sizes(&folder, &content, &options),
+        &options,
+    )?;
+    let package = Package::open(&folder)?;
+    let levels = options
+        .axes
+        .iter()
+        .map(|axis| axis.levels(options.is_quick).len());
+    let progress = console.progress(levels.sum::<usize>() * options.methods.len());
+    let known = keeper.cells().to_vec();
+    let mut unwritten = Ok(());
+    let found = stress(
+        &package,
+        &options,
+        &known,
+        &mut |cell| {
+            progress.inc(1);
+            progress.set_message(cell.axis.clone());
+            if unwritten.is_ok() {
+                unwritten = keeper.keep(cell);
+            }
+        },
+        &AtomicBool::new(false),
+    );
+    progress.finish_and_clear();
+    unwritten?;
+    keeper.write()?;
+    let cells = found?;
+
+    let holds = holds(&options, &cells);
+    let report = StressReport::new(&content.manifest.name, &options, &holds, &cells);
+    let again = again(args, &folder);
+    let table = report::table(&report, &options, &again);
+    let mut text = serde_json::to_string_pretty(&report)?;
+    text.push('\n');
+    output::write(&args.output.join("stress.json"), text.as_bytes())?;
+    output::write(&args.output.join("stress.md"), table.as_bytes())?;
+    if let Some(chart) = report::picture(&report, &options) {
+        let png = chart.to_image()?.to_png_bytes()?;
+        output::write(&args.output.join("stress.svg"), chart.to_svg()?.as_bytes())?;
+        output::write(&args.output.join("stress.png"), &png)?;
+    }
+    if console.is_json() {
+        print_document(&report)?;
+    } else {
+        print_data(table.trim_end())?;
+    }
+    if report.failures > 0 {
+        let failures = report.failures;
+        console.exceeded(&format_args!(
+            "{failures} of ours break at their bar or before"
+        ));
+        return Ok(ExitStatus::LimitExceeded);
+    }
+    Ok(ExitStatus::Done)
+}
+
+/// The T-shirt in the output folder, cut if it is not there.
+fn cut(output: &Path) -> anyhow::Result<PathBuf> {
+    let folder = output.join("tshirt");
+    if !GarmentPackage::is_at(&folder) {
+        garment::usual("tshirt", VERTICES)?.write(&folder)?;
+    }
+    Ok(folder)
+}
+
+/// The variants that are run, with the sizes of their weight files.
+fn sizes(folder: &Path, content: &GarmentPackage, options: &StressOptions) -> Vec<(String, u64)> {
+    let run = options.methods.iter();
+    let names = run.filter_map(|method| match method {
+        Method::Variant(name) => Some(name),
+        _ => None,
+    });
+    let with_size = names.map(|name| {
+        let variant = content.manifest.variants.iter().find(|v| v.name == *name);
+        let file = variant.map(|variant| folder.join(&variant.weights));
+        let size = file.and_then(|file| fs::metadata(file).ok());
+        (name.clone(), size.map_or(0, |data| data.len()))
+    });
+    with_size.collect()
+}
+
+/// The command that runs one axis again.
+fn again(args: &StressArgs, folder: &Path) -> String {
+    let quick = if args.quick { " --quick" } else { "" };
+    let seed = args.seed;
+    format!(
+        "garnet stress {} -o again{quick} --seed {seed}",
+        folder.display()
+    )
+}

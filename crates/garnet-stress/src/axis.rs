@@ -1,0 +1,375 @@
+//! What is made worse, and by how much.
+
+use serde::Serialize;
+
+/// One way in which scenes get harder.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Axis {
+    /// Its name in arguments and files.
+    pub name: &'static str,
+    /// What is made worse, in words.
+    pub title: &'static str,
+    /// The unit of its levels.
+    pub unit: &'static str,
+    /// The level up to which ours are to hold.
+    pub bar: f64,
+    /// Whether even simple methods hold: it checks that nothing is broken.
+    pub is_sanity_check: bool,
+    #[serde(skip)]
+    pub(crate) kind: Kind,
+    #[serde(skip)]
+    levels: &'static [f64],
+    #[serde(skip)]
+    quick: &'static [f64],
+}
+
+/// What is done to a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Elbow,
+    Knee,
+    Hip,
+    ShoulderUp,
+    Trunk,
+    AllJoints,
+    Twist,
+    ArmIntoTrunk,
+    ThighIntoThigh,
+    Stride,
+    ShoulderBeyond,
+    NeckBeyond,
+    Heavy,
+    Thin,
+    Larger,
+    Smaller,
+    FinerGarment,
+    FinerBody,
+    Noise,
+    Holes,
+    Slivers,
+    FlippedFaces,
+    SplitVertices,
+    Clearance,
+    Place,
+    Threads,
+}
+
+impl Kind {
+    /// Whether levels are degrees of one motion, in which cloth must not jump.
+    pub(crate) fn is_motion(self) -> bool {
+        matches!(
+            self,
+            Self::Elbow
+                | Self::Knee
+                | Self::Hip
+                | Self::ShoulderUp
+                | Self::Trunk
+                | Self::AllJoints
+                | Self::Twist
+                | Self::Stride
+                | Self::ShoulderBeyond
+                | Self::NeckBeyond
+        )
+    }
+}
+
+const DEGREES: &str = "degrees";
+
+const BY_TEN: &[f64] = &[
+    0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 110.0, 120.0, 130.0, 140.0,
+    150.0, 160.0, 170.0,
+];
+
+const FEW: &[f64] = &[0.0, 60.0, 120.0, 150.0];
+
+const BEYOND: &[f64] = &[0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0];
+
+const fn bend(name: &'static str, title: &'static str, kind: Kind, bar: f64) -> Axis {
+    Axis {
+        name,
+        title,
+        unit: DEGREES,
+        bar,
+        is_sanity_check: false,
+        kind,
+        levels: BY_TEN,
+        quick: FEW,
+    }
+}
+
+const fn axis(
+    [name, title, unit]: [&'static str; 3],
+    kind: Kind,
+    bar: f64,
+    levels: &'static [f64],
+    quick: &'static [f64],
+) -> Axis {
+    Axis {
+        name,
+        title,
+        unit,
+        bar,
+        is_sanity_check: false,
+        kind,
+        levels,
+        quick,
+    }
+}
+
+const fn sanity(axis: Axis) -> Axis {
+    Axis {
+        is_sanity_check: true,
+        ..axis
+    }
+}
+
+const DEPTHS: &[f64] = &[0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
+
+/// All axes.
+pub const AXES: &[Axis] = &[
+    bend("elbow", "both elbows bend", Kind::Elbow, 150.0),
+    bend("knee", "both knees bend", Kind::Knee, 150.0),
+    axis(
+        ["hip", "both thighs rise", DEGREES],
+        Kind::Hip,
+        130.0,
+        &BY_TEN.split_at(15).0,
+        &[0.0, 60.0, 110.0, 130.0],
+    ),
+    bend(
+        "overhead",
+        "both arms rise sideways",
+        Kind::ShoulderUp,
+        150.0,
+    ),
+    axis(
+        ["trunk", "the trunk bends forwards", DEGREES],
+        Kind::Trunk,
+        110.0,
+        &BY_TEN.split_at(13).0,
+        &[0.0, 60.0, 110.0],
+    ),
+    axis(
+        [
+            "joints",
+            "elbows, knees, hips, shoulders and trunk bend at once",
+            DEGREES,
+        ],
+        Kind::AllJoints,
+        100.0,
+        &BY_TEN.split_at(13).0,
+        &[0.0, 50.0, 100.0],
+    ),
+    axis(
+        ["twist", "an upper arm turns about itself", DEGREES],
+        Kind::Twist,
+        360.0,
+        &[
+            0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0, 210.0, 240.0, 270.0, 300.0, 330.0, 360.0,
+        ],
+        &[0.0, 120.0, 180.0, 270.0],
+    ),
+    axis(
+        ["arm-depth", "arms run into the trunk", "mm"],
+        Kind::ArmIntoTrunk,
+        60.0,
+        DEPTHS,
+        &[0.0, 20.0, 60.0],
+    ),
+    axis(
+        ["thigh-depth", "thighs run into each other", "mm"],
+        Kind::ThighIntoThigh,
+        60.0,
+        DEPTHS,
+        &[0.0, 20.0, 60.0],
+    ),
+    axis(
+        ["stride", "one leg swings forwards, the other back", DEGREES],
+        Kind::Stride,
+        90.0,
+        BEYOND,
+        &[0.0, 40.0, 90.0],
+    ),
+    axis(
+        [
+            "shoulder-beyond",
+            "arms swing back beyond the range of motion",
+            DEGREES,
+        ],
+        Kind::ShoulderBeyond,
+        60.0,
+        BEYOND,
+        &[0.0, 30.0, 60.0],
+    ),
+    axis(
+        [
+            "neck-beyond",
+            "the head bends beyond the range of motion",
+            DEGREES,
+        ],
+        Kind::NeckBeyond,
+        60.0,
+        BEYOND,
+        &[0.0, 30.0, 60.0],
+    ),
+    axis(
+        ["heavy", "body mass index", "kg/m²"],
+        Kind::Heavy,
+        45.0,
+        &[22.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0],
+        &[22.0, 35.0, 45.0],
+    ),
+    axis(
+        ["thin", "body mass index below 22 by", "kg/m²"],
+        Kind::Thin,
+        6.0,
+        &[0.0, 2.0, 4.0, 6.0, 8.0],
+        &[0.0, 4.0, 6.0],
+    ),
+    axis(
+        ["larger", "size of the body, the garment stays", "times"],
+        Kind::Larger,
+        1.25,
+        &[1.0, 1.1, 1.25, 1.5, 2.0, 2.5],
+        &[1.0, 1.25],
+    ),
+    axis(
+        [
+            "smaller",
+            "size of the body over this, the garment stays",
+            "times",
+        ],
+        Kind::Smaller,
+        1.25,
+        &[1.0, 1.1, 1.25, 1.5, 2.0, 2.5],
+        &[1.0, 1.25],
+    ),
+    axis(
+        ["finer-garment", "faces of the garment", "times"],
+        Kind::FinerGarment,
+        4.0,
+        &[1.0, 4.0, 16.0],
+        &[1.0, 4.0],
+    ),
+    axis(
+        ["finer-body", "faces of the body", "times"],
+        Kind::FinerBody,
+        4.0,
+        &[1.0, 4.0],
+        &[1.0, 4.0],
+    ),
+    axis(
+        ["noise", "noise on the body", "mm"],
+        Kind::Noise,
+        5.0,
+        &[0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0],
+        &[0.0, 2.0, 5.0],
+    ),
+    axis(
+        [
+            "holes",
+            "faces of the body that are missing, in patches",
+            "%",
+        ],
+        Kind::Holes,
+        10.0,
+        &[0.0, 2.0, 5.0, 10.0, 20.0, 30.0],
+        &[0.0, 5.0, 10.0],
+    ),
+    axis(
+        ["slivers", "faces of the garment that are slivers", "%"],
+        Kind::Slivers,
+        10.0,
+        &[0.0, 1.0, 2.0, 5.0, 10.0],
+        &[0.0, 2.0, 10.0],
+    ),
+    axis(
+        [
+            "flipped",
+            "faces of the garment that look to the other side",
+            "%",
+        ],
+        Kind::FlippedFaces,
+        10.0,
+        &[0.0, 1.0, 2.0, 5.0, 10.0],
+        &[0.0, 2.0, 10.0],
+    ),
+    axis(
+        ["split", "vertices of the garment that are there twice", "%"],
+        Kind::SplitVertices,
+        10.0,
+        &[0.0, 1.0, 2.0, 5.0, 10.0],
+        &[0.0, 2.0, 10.0],
+    ),
+    axis(
+        ["clearance", "distance that is kept from the skin", "mm"],
+        Kind::Clearance,
+        10.0,
+        &[0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0],
+        &[0.0, 2.0, 10.0],
+    ),
+    sanity(axis(
+        ["place", "the scene stands this far away, turned", "m"],
+        Kind::Place,
+        100.0,
+        &[0.0, 1.0, 10.0, 100.0],
+        &[0.0, 10.0],
+    )),
+    sanity(axis(
+        ["threads", "threads", "threads"],
+        Kind::Threads,
+        8.0,
+        &[1.0, 2.0, 4.0, 8.0],
+        &[1.0, 2.0],
+    )),
+];
+
+impl Axis {
+    /// The axis of a name.
+    ///
+    /// ```
+    /// use garnet_stress::Axis;
+    ///
+    /// assert_eq!(Axis::find("elbow").map(|axis| axis.bar), Some(150.0));
+    /// assert!(Axis::find("weather").is_none());
+    /// ```
+    pub fn find(name: &str) -> Option<&'static Self> {
+        AXES.iter().find(|axis| axis.name == name)
+    }
+
+    /// Its levels, the easiest first; of the quick form, those up to the bar alone.
+    pub fn levels(&self, is_quick: bool) -> &'static [f64] {
+        if is_quick { self.quick } else { self.levels }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn axes_have_names_of_their_own_and_levels_that_rise_to_the_bar() {
+        let names: BTreeSet<&str> = AXES.iter().map(|axis| axis.name).collect();
+        assert_eq!(names.len(), AXES.len());
+        for axis in AXES {
+            for levels in [axis.levels(true), axis.levels(false)] {
+                assert!(
+                    levels.windows(2).all(|pair| pair[0] < pair[1]),
+                    "{}",
+                    axis.name
+                );
+            }
+            assert!(axis.levels(false).contains(&axis.bar), "{}", axis.name);
+            let beyond = |level: &&f64| **level > axis.bar;
+            assert_eq!(
+                axis.levels(true).iter().filter(beyond).count(),
+                0,
+                "{}",
+                axis.name
+            );
+        }
+    }
+}

@@ -1,0 +1,534 @@
+//! Scenes at a level of an axis, all made of one package.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use garnet_body::poses::{BodyAngles, Poser, SelfContact};
+use garnet_body::shape::{BodyParameters, Measure, ParametricBody, tape_measures};
+use garnet_drape::{BoundGarment, Garment, Package};
+use garnet_knn::Surface;
+use garnet_mesh::{Point3, Topology, TriMesh, Vector3, subdivided, vertex_normals};
+use garnet_skin::{Body, Pose, PosedBody, SkinWeights};
+use nalgebra::{Isometry3, UnitQuaternion};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::StressError;
+use crate::axis::{Axis, Kind};
+
+/// Clearance of scenes that are about something else, in metres.
+const CLEARANCE: f32 = 0.002;
+
+/// The steepest angle of arms or legs that is tried for a depth, in degrees.
+const MOST_ADDUCTION: f64 = 60.0;
+
+/// Halvings of the angle that gives a depth.
+const HALVINGS: usize = 12;
+
+/// A garment on a body in a pose.
+pub(crate) struct Scene {
+    pub(crate) garment: Arc<BoundGarment>,
+    pub(crate) posed: PosedBody,
+    /// In metres.
+    pub(crate) clearance: f32,
+    /// Whether the garment is that of the package, on its body.
+    pub(crate) is_of_package: bool,
+    /// The skin that tells what is inside, if it is not that of the body.
+    whole: Option<Surface>,
+    /// What brings the scene of the first level here, where that is all that differs.
+    pub(crate) moved_by: Option<Isometry3<f32>>,
+    /// Threads to drape with, where their number is the level.
+    pub(crate) threads: Option<usize>,
+}
+
+impl Scene {
+    /// The skin by which inside is decided.
+    pub(crate) fn judge(&self) -> &Surface {
+        self.whole.as_ref().unwrap_or(self.posed.skin())
+    }
+
+    /// Shorter edges count as so long, in metres.
+    pub(crate) fn least_edge(&self) -> f32 {
+        let lengths = self.garment.cloth().graph().rest_lengths();
+        let sum: f64 = lengths.iter().map(|&length| f64::from(length)).sum();
+        0.1 * (sum / lengths.len().max(1) as f64) as f32
+    }
+
+    /// How large the garment is, in metres.
+    pub(crate) fn size(&self) -> f64 {
+        let places = self.garment.mesh().positions();
+        let (mut low, mut high) = (places[0], places[0]);
+        for place in places {
+            low = low.inf(place);
+            high = high.sup(place);
+        }
+        f64::from((high - low).norm())
+    }
+}
+
+/// Makes scenes of a package.
+pub(crate) struct Scenes<'a> {
+    package: &'a Package,
+    poser: Poser,
+    contact: SelfContact,
+    seed: u64,
+}
+
+impl<'a> Scenes<'a> {
+    pub(crate) fn new(package: &'a Package, seed: u64) -> Result<Self, StressError> {
+        Ok(Self {
+            package,
+            poser: Poser::new(package.body().skeleton())?,
+            contact: SelfContact::new(package.body())?,
+            seed,
+        })
+    }
+
+    /// The scene at a level; none where there is no such body.
+    pub(crate) fn at(&self, axis: &Axis, level: f64) -> Result<Option<Scene>, StressError> {
+        let mut random = self.random(axis, level);
+        let scene = match axis.kind {
+            Kind::Twist => self.posed(&self.twisted(level))?,
+            Kind::ArmIntoTrunk | Kind::ThighIntoThigh => match self.pressed(axis.kind, level)? {
+                Some(pose) => self.posed(&pose)?,
+                None => return Ok(None),
+            },
+            Kind::Heavy | Kind::Thin => {
+                let bmi = if axis.kind == Kind::Heavy {
+                    level
+                } else {
+                    22.0 - level
+                };
+                match self.of_mass(bmi)? {
+                    Some(scene) => scene,
+                    None => return Ok(None),
+                }
+            }
+            Kind::Larger => self.scaled(level as f32)?,
+            Kind::Smaller => self.scaled(1.0 / level as f32)?,
+            Kind::FinerGarment => self.with_garment(finer(self.mesh(), level)?)?,
+            Kind::FinerBody => self.with_body(finer_body(self.package.body(), level)?)?,
+            Kind::Noise => self.noisy(level, &mut random)?,
+            Kind::Holes => self.with_holes(level, &mut random)?,
+            Kind::Slivers => self.with_garment(slivers(self.mesh(), level, &mut random)?)?,
+            Kind::FlippedFaces => self.with_garment(flipped(self.mesh(), level, &mut random)?)?,
+            Kind::SplitVertices => self.with_garment(split(self.mesh(), level, &mut random)?)?,
+            Kind::Clearance => Scene {
+                clearance: (1e-3 * level) as f32,
+                ..self.usual()?
+            },
+            Kind::Place => self.elsewhere(level as f32)?,
+            Kind::Threads => Scene {
+                threads: Some(level as usize),
+                ..self.usual()?
+            },
+            kind => self.posed(&self.poser.pose(&bent(kind, level)))?,
+        };
+        Ok(Some(scene))
+    }
+
+    fn random(&self, axis: &Axis, level: f64) -> ChaCha8Rng {
+        let seed = self.seed ^ ((axis.kind as u64) << 32) ^ level.to_bits().rotate_left(17);
+        ChaCha8Rng::seed_from_u64(seed)
+    }
+
+    fn mesh(&self) -> &TriMesh {
+        self.package.garment().mesh()
+    }
+
+    /// The pose of scenes that are about something else.
+    fn usual_pose(&self) -> Pose {
+        self.poser.pose(&usual())
+    }
+
+    fn usual(&self) -> Result<Scene, StressError> {
+        self.posed(&self.usual_pose())
+    }
+
+    fn posed(&self, pose: &Pose) -> Result<Scene, StressError> {
+        Ok(self.on(self.package.body().posed(pose)?))
+    }
+
+    fn on(&self, posed: PosedBody) -> Scene {
+        Scene {
+            garment: Arc::clone(self.package.garment()),
+            posed,
+            clearance: CLEARANCE,
+            is_of_package: true,
+            whole: None,
+            moved_by: None,
+            threads: None,
+        }
+    }
+
+    /// An upper arm turned about itself.
+    fn twisted(&self, degrees: f64) -> Pose {
+        let mut pose = self.usual_pose();
+        let skeleton = self.package.body().skeleton();
+        let elbow = skeleton.find("left_elbow");
+        let parent = elbow.and_then(|elbow| skeleton.joints()[elbow].parent);
+        if let (Some(elbow), Some(shoulder)) = (elbow, parent) {
+            let joints = skeleton.joints();
+            let bone = joints[elbow].rest_position - joints[shoulder].rest_position;
+            if let Some(axis) = nalgebra::Unit::try_new(bone, 1e-9) {
+                let turn = UnitQuaternion::from_axis_angle(&axis, degrees.to_radians() as f32);
+                pose.rotations[shoulder] *= turn;
+            }
+        }
+        pose
+    }
+
+    /// Arms or thighs pressed inwards until they run so deep into each other; none if they never do.
+    fn pressed(&self, kind: Kind, millimetres: f64) -> Result<Option<Pose>, StressError> {
+        let pose = |degrees: f64| {
+            let mut angles = BodyAngles::default();
+            if kind == Kind::ArmIntoTrunk {
+                angles
+                    .arms
+                    .iter_mut()
+                    .for_each(|arm| arm.abduction = 20.0 - degrees);
+            } else {
+                angles = usual();
+                angles
+                    .legs
+                    .iter_mut()
+                    .for_each(|leg| leg.abduction = 10.0 - degrees);
+            }
+            self.poser.pose(&angles)
+        };
+        let is_deep = |degrees: f64| -> Result<bool, StressError> {
+            let report = self.contact.report(&pose(degrees))?;
+            Ok(f64::from(report.depth()) >= 1e-3 * millimetres)
+        };
+        if millimetres <= 0.0 {
+            return Ok(Some(pose(0.0)));
+        }
+        if !is_deep(MOST_ADDUCTION)? {
+            return Ok(None);
+        }
+        let (mut low, mut high) = (0.0, MOST_ADDUCTION);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if is_deep(middle)? {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        Ok(Some(pose(high)))
+    }
+
+    /// A body of another mass; none for bodies that are not built in, or a mass that none has.
+    fn of_mass(&self, bmi: f64) -> Result<Option<Scene>, StressError> {
+        let body = self.package.body();
+        let Some(measures) = tape_measures(body) else {
+            return Ok(None);
+        };
+        let stature = measures[Measure::Stature];
+        let parameters = BodyParameters::new(0.5).with(Measure::Stature, stature);
+        let Ok(other) = ParametricBody::build(&parameters.with_bmi(bmi)) else {
+            return Ok(None);
+        };
+        let target = other.body().posed(&self.usual_pose())?;
+        Ok(Some(self.on(body.fitted(target.skin().positions())?)))
+    }
+
+    fn scaled(&self, size: f32) -> Result<Scene, StressError> {
+        let body = self.package.body();
+        let posed = body.posed(&self.usual_pose())?;
+        let places = posed.skin().positions().iter();
+        let places: Vec<Point3> = places.map(|place| place * size).collect();
+        Ok(self.on(body.fitted(&places)?))
+    }
+
+    fn noisy(&self, millimetres: f64, random: &mut ChaCha8Rng) -> Result<Scene, StressError> {
+        let body = self.package.body();
+        let posed = body.posed(&self.usual_pose())?;
+        let skin = posed.skin();
+        let normals = vertex_normals(skin.positions(), skin.faces());
+        let mut bell = || {
+            (0..3)
+                .map(|_| random.random_range(-1.0..1.0_f32))
+                .sum::<f32>()
+        };
+        let places = skin.positions().iter().zip(&normals);
+        // The sum of three such numbers has variance one.
+        let places =
+            places.map(|(place, normal)| place + (1e-3 * millimetres as f32 * bell()) * normal);
+        let places: Vec<Point3> = places.collect();
+        Ok(self.on(body.fitted(&places)?))
+    }
+
+    fn with_garment(&self, mesh: TriMesh) -> Result<Scene, StressError> {
+        let garment = Garment::new(mesh).bind(self.package.body())?;
+        Ok(Scene {
+            garment: Arc::new(garment),
+            is_of_package: false,
+            ..self.usual()?
+        })
+    }
+
+    fn with_body(&self, body: Body) -> Result<Scene, StressError> {
+        let garment = Garment::new(self.mesh().clone()).bind(&body)?;
+        let posed = body.posed(&self.usual_pose())?;
+        Ok(Scene {
+            garment: Arc::new(garment),
+            posed,
+            is_of_package: false,
+            ..self.usual()?
+        })
+    }
+
+    fn with_holes(&self, percent: f64, random: &mut ChaCha8Rng) -> Result<Scene, StressError> {
+        let body = self.package.body();
+        let whole = body.posed(&self.usual_pose())?.skin().clone();
+        let rest = with_holes(body.rest(), percent, random)?;
+        let body = Body::new(rest, body.skeleton().clone(), body.weights().clone())?;
+        Ok(Scene {
+            whole: Some(whole),
+            ..self.with_body(body)?
+        })
+    }
+
+    fn elsewhere(&self, metres: f32) -> Result<Scene, StressError> {
+        let body = self.package.body();
+        let here = self.usual_pose();
+        let mut there = here.clone();
+        let root = body
+            .skeleton()
+            .parents_first()
+            .first()
+            .copied()
+            .unwrap_or(0);
+        if metres > 0.0 {
+            let axis = nalgebra::Unit::new_normalize(Vector3::new(1.0, 2.0, -0.5));
+            let turn = UnitQuaternion::from_axis_angle(&axis, 2.0);
+            there.rotations[root] = turn * there.rotations[root];
+            there.root_translation += Vector3::new(0.6, 0.0, -0.8) * metres;
+        }
+        let (before, after) = (body.posed(&here)?, body.posed(&there)?);
+        let moved = after.posed_from_rest()[root] * before.posed_from_rest()[root].inverse();
+        Ok(Scene {
+            moved_by: Some(moved),
+            ..self.on(after)
+        })
+    }
+}
+
+fn usual() -> BodyAngles {
+    let mut angles = BodyAngles::default();
+    for arm in &mut angles.arms {
+        (arm.abduction, arm.flexion, arm.elbow) = (45.0, 20.0, 30.0);
+    }
+    for leg in &mut angles.legs {
+        (leg.flexion, leg.abduction, leg.knee) = (15.0, 8.0, 20.0);
+    }
+    angles
+}
+
+fn bent(kind: Kind, degrees: f64) -> BodyAngles {
+    let mut angles = usual();
+    match kind {
+        Kind::Elbow => angles.arms.iter_mut().for_each(|arm| arm.elbow = degrees),
+        Kind::ShoulderUp => {
+            for arm in &mut angles.arms {
+                (arm.abduction, arm.flexion, arm.elbow) = (degrees + 10.0, 0.0, 0.0);
+            }
+        }
+        Kind::ShoulderBeyond => {
+            for arm in &mut angles.arms {
+                (arm.abduction, arm.flexion, arm.elbow) = (15.0, -60.0 - degrees, 0.0);
+            }
+        }
+        Kind::Knee => angles.legs.iter_mut().for_each(|leg| leg.knee = degrees),
+        Kind::Hip => angles.legs.iter_mut().for_each(|leg| {
+            (leg.flexion, leg.knee) = (degrees, degrees.min(90.0));
+        }),
+        Kind::Stride => {
+            let [left, right] = &mut angles.legs;
+            (left.flexion, right.flexion) = (degrees, -0.5 * degrees);
+        }
+        Kind::Trunk => angles.spine.flexion = degrees,
+        Kind::NeckBeyond => angles.neck.flexion = 45.0 + degrees,
+        Kind::AllJoints => {
+            angles.spine.flexion = 0.6 * degrees;
+            for arm in &mut angles.arms {
+                (arm.flexion, arm.elbow) = (degrees, degrees);
+            }
+            for leg in &mut angles.legs {
+                (leg.flexion, leg.knee) = (degrees, degrees);
+            }
+        }
+        _ => {}
+    }
+    angles
+}
+
+/// Split into four as often as it takes.
+fn finer(mesh: &TriMesh, times: f64) -> Result<TriMesh, StressError> {
+    let mut finer = mesh.clone();
+    let mut count = 1.0;
+    while 4.0 * count <= times {
+        finer = subdivided(&finer)?;
+        count *= 4.0;
+    }
+    Ok(finer)
+}
+
+fn finer_body(body: &Body, times: f64) -> Result<Body, StressError> {
+    if times < 4.0 {
+        return Ok(body.clone());
+    }
+    let rest = body.rest();
+    let topology = Topology::new(rest.num_vertices(), rest.faces());
+    let of_vertex = |vertex: u32| body.weights().vertex(vertex as usize);
+    let old = (0..rest.num_vertices() as u32).map(|vertex| of_vertex(vertex).collect());
+    let middles = topology.edges().iter().map(|&[a, b]| {
+        let ends = of_vertex(a).chain(of_vertex(b));
+        ends.map(|(joint, weight)| (joint, 0.5 * weight)).collect()
+    });
+    let rows: Vec<Vec<(usize, f32)>> = old.chain(middles).collect();
+    let weights = SkinWeights::from_influences(body.skeleton().num_joints(), rows)?;
+    Ok(Body::new(
+        subdivided(rest)?,
+        body.skeleton().clone(),
+        weights,
+    )?)
+}
+
+/// Without so many percent of its faces, in patches of a few hundred.
+fn with_holes(
+    mesh: &TriMesh,
+    percent: f64,
+    random: &mut ChaCha8Rng,
+) -> Result<TriMesh, StressError> {
+    const PATCH: usize = 150;
+    let count = mesh.num_faces();
+    let asked = (0.01 * percent * count as f64) as usize;
+    let topology = Topology::new(mesh.num_vertices(), mesh.faces());
+    let mut of_edge = vec![Vec::new(); topology.edges().len()];
+    let edge_of = |a: u32, b: u32| topology.edges().binary_search(&[a.min(b), a.max(b)]).ok();
+    let edges_of = |face: usize| {
+        let [a, b, c] = mesh.faces()[face];
+        [edge_of(a, b), edge_of(b, c), edge_of(c, a)]
+            .into_iter()
+            .flatten()
+    };
+    for face in 0..count {
+        for edge in edges_of(face) {
+            of_edge[edge].push(face);
+        }
+    }
+    let mut gone: BTreeSet<usize> = BTreeSet::new();
+    while gone.len() < asked {
+        let mut queue = std::collections::VecDeque::from([random.random_range(0..count)]);
+        let mut taken = 0;
+        while let Some(face) = queue.pop_front() {
+            if taken >= PATCH || gone.len() >= asked {
+                break;
+            }
+            if gone.insert(face) {
+                taken += 1;
+                queue.extend(edges_of(face).flat_map(|edge| of_edge[edge].iter().copied()));
+            }
+        }
+    }
+    let kept = mesh.faces().iter().enumerate();
+    let kept = kept.filter(|(face, _)| !gone.contains(face));
+    Ok(TriMesh::new(
+        mesh.positions().to_vec(),
+        kept.map(|(_, corners)| *corners).collect(),
+    )?)
+}
+
+/// Numbers of so many percent of `count`, each once.
+fn some(count: usize, percent: f64, random: &mut ChaCha8Rng) -> BTreeSet<usize> {
+    let asked = ((0.01 * percent * count as f64) as usize).min(count);
+    let mut found = BTreeSet::new();
+    while found.len() < asked {
+        found.insert(random.random_range(0..count));
+    }
+    found
+}
+
+fn slivers(mesh: &TriMesh, percent: f64, random: &mut ChaCha8Rng) -> Result<TriMesh, StressError> {
+    let mut places = mesh.positions().to_vec();
+    for face in some(mesh.num_faces(), percent, random) {
+        let [a, b, c] = mesh.faces()[face].map(|corner| corner as usize);
+        let middle = Point3::from(0.5 * (places[b].coords + places[c].coords));
+        places[a] = middle + 0.02 * (places[a] - middle);
+    }
+    Ok(TriMesh::new(places, mesh.faces().to_vec())?)
+}
+
+fn flipped(mesh: &TriMesh, percent: f64, random: &mut ChaCha8Rng) -> Result<TriMesh, StressError> {
+    let mut faces = mesh.faces().to_vec();
+    for face in some(mesh.num_faces(), percent, random) {
+        faces[face].swap(1, 2);
+    }
+    Ok(TriMesh::new(mesh.positions().to_vec(), faces)?)
+}
+
+fn split(mesh: &TriMesh, percent: f64, random: &mut ChaCha8Rng) -> Result<TriMesh, StressError> {
+    let mut places = mesh.positions().to_vec();
+    let mut faces = mesh.faces().to_vec();
+    let chosen = some(mesh.num_vertices(), percent, random);
+    let mut copies = std::collections::BTreeMap::new();
+    for corners in &mut faces {
+        for corner in corners {
+            let vertex = *corner as usize;
+            // Every second face of the vertex takes the copy.
+            if chosen.contains(&vertex) && random.random_range(0..2) == 1 {
+                *corner = *copies.entry(vertex).or_insert_with(|| {
+                    places.push(places[vertex]);
+                    places.len() as u32 - 1
+                });
+            }
+        }
+    }
+    Ok(TriMesh::new(places, faces)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use garnet_mesh::primitives::icosphere;
+
+    use super::*;
+
+    #[test]
+    fn meshes_are_made_worse_by_as_much_as_is_asked() {
+        let ball = icosphere(3, 0.2);
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let faces = ball.num_faces();
+        let holes = with_holes(&ball, 20.0, &mut random).unwrap();
+        assert_eq!(holes.num_faces(), faces - faces / 5);
+        let turned = flipped(&ball, 10.0, &mut random).unwrap();
+        let differing = turned
+            .faces()
+            .iter()
+            .zip(ball.faces())
+            .filter(|(a, b)| a != b);
+        assert_eq!(differing.count(), faces / 10);
+        let doubled = split(&ball, 10.0, &mut random).unwrap();
+        let added = doubled.num_vertices() - ball.num_vertices();
+        assert!((50..=64).contains(&added), "{added}");
+        let area = |mesh: &TriMesh, [a, b, c]: [u32; 3]| {
+            let at = |vertex: u32| mesh.positions()[vertex as usize];
+            (at(b) - at(a)).cross(&(at(c) - at(a))).norm()
+        };
+        let flat = slivers(&ball, 5.0, &mut random).unwrap();
+        let thin = flat
+            .faces()
+            .iter()
+            .filter(|face| area(&flat, **face) < 0.1 * area(&ball, **face));
+        assert!(thin.count() >= faces / 40);
+        for unchanged in [slivers, flipped, split, with_holes] {
+            assert_eq!(
+                unchanged(&ball, 0.0, &mut random).unwrap().faces(),
+                ball.faces()
+            );
+        }
+        assert_eq!(finer(&ball, 16.0).unwrap().num_faces(), 16 * faces);
+        assert_eq!(finer(&ball, 1.0).unwrap().num_faces(), faces);
+    }
+}
