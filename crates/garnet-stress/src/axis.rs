@@ -128,10 +128,10 @@ const DEPTHS: &[f64] = &[0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
 
 /// All axes.
 pub const AXES: &[Axis] = &[
-    bend("elbow", "both elbows bend", Kind::Elbow, 150.0),
-    bend("knee", "both knees bend", Kind::Knee, 150.0),
+    bend("elbow", "both elbows bend from rest", Kind::Elbow, 150.0),
+    bend("knee", "both knees bend from rest", Kind::Knee, 150.0),
     axis(
-        ["hip", "both thighs rise", DEGREES],
+        ["hip", "both thighs rise from rest", DEGREES],
         Kind::Hip,
         130.0,
         &BY_TEN.split_at(15).0,
@@ -139,12 +139,12 @@ pub const AXES: &[Axis] = &[
     ),
     bend(
         "overhead",
-        "both arms rise sideways",
+        "both arms rise sideways from hanging",
         Kind::ShoulderUp,
         150.0,
     ),
     axis(
-        ["trunk", "the trunk bends forwards", DEGREES],
+        ["trunk", "the trunk bends forwards from rest", DEGREES],
         Kind::Trunk,
         110.0,
         &BY_TEN.split_at(13).0,
@@ -153,7 +153,7 @@ pub const AXES: &[Axis] = &[
     axis(
         [
             "joints",
-            "elbows, knees, hips, shoulders and trunk bend at once",
+            "elbows, knees, hips, shoulders and trunk bend at once from rest",
             DEGREES,
         ],
         Kind::AllJoints,
@@ -310,7 +310,11 @@ pub const AXES: &[Axis] = &[
         &[0.0, 2.0, 10.0],
     ),
     sanity(axis(
-        ["place", "the scene stands this far away, turned", "m"],
+        [
+            "place",
+            "the scene stands this far away, turned about the vertical",
+            "m",
+        ],
         Kind::Place,
         100.0,
         &[0.0, 1.0, 10.0, 100.0],

@@ -122,7 +122,7 @@ impl<'a> Scenes<'a> {
                 threads: Some(level as usize),
                 ..self.usual()?
             },
-            kind => self.posed(&self.poser.pose(&bent(kind, level)))?,
+            kind => self.posed(&self.bent(kind, level))?,
         };
         Ok(Some(scene))
     }
@@ -136,7 +136,24 @@ impl<'a> Scenes<'a> {
         self.package.garment().mesh()
     }
 
-    /// The pose of scenes that are about something else.
+    /// Joints bent from the body at rest, where nothing is wrong; arms, from where they hang.
+    fn bent(&self, kind: Kind, degrees: f64) -> Pose {
+        let mut pose = self.poser.pose(&bent(kind, degrees));
+        if !matches!(kind, Kind::ShoulderUp | Kind::ShoulderBeyond) {
+            let start = self.poser.pose(&bent(kind, 0.0));
+            for (turn, before) in pose.rotations.iter_mut().zip(&start.rotations) {
+                *turn *= before.inverse();
+            }
+            pose.root_translation = Vector3::zeros();
+        }
+        pose
+    }
+
+    fn at_rest(&self) -> Pose {
+        Pose::rest(self.package.body().skeleton().num_joints())
+    }
+
+    /// The pose of scenes whose meshes are damaged.
     fn usual_pose(&self) -> Pose {
         self.poser.pose(&usual())
     }
@@ -163,7 +180,7 @@ impl<'a> Scenes<'a> {
 
     /// An upper arm turned about itself.
     fn twisted(&self, degrees: f64) -> Pose {
-        let mut pose = self.usual_pose();
+        let mut pose = self.at_rest();
         let skeleton = self.package.body().skeleton();
         let elbow = skeleton.find("left_elbow");
         let parent = elbow.and_then(|elbow| skeleton.joints()[elbow].parent);
@@ -229,13 +246,13 @@ impl<'a> Scenes<'a> {
         let Ok(other) = ParametricBody::build(&parameters.with_bmi(bmi)) else {
             return Ok(None);
         };
-        let target = other.body().posed(&self.usual_pose())?;
+        let target = other.body().posed(&self.at_rest())?;
         Ok(Some(self.on(body.fitted(target.skin().positions())?)))
     }
 
     fn scaled(&self, size: f32) -> Result<Scene, StressError> {
         let body = self.package.body();
-        let posed = body.posed(&self.usual_pose())?;
+        let posed = body.posed(&self.at_rest())?;
         let places = posed.skin().positions().iter();
         let places: Vec<Point3> = places.map(|place| place * size).collect();
         Ok(self.on(body.fitted(&places)?))
@@ -243,7 +260,7 @@ impl<'a> Scenes<'a> {
 
     fn noisy(&self, millimetres: f64, random: &mut ChaCha8Rng) -> Result<Scene, StressError> {
         let body = self.package.body();
-        let posed = body.posed(&self.usual_pose())?;
+        let posed = body.posed(&self.at_rest())?;
         let skin = posed.skin();
         let normals = vertex_normals(skin.positions(), skin.faces());
         let mut bell = || {
@@ -301,8 +318,8 @@ impl<'a> Scenes<'a> {
             .copied()
             .unwrap_or(0);
         if metres > 0.0 {
-            let axis = nalgebra::Unit::new_normalize(Vector3::new(1.0, 2.0, -0.5));
-            let turn = UnitQuaternion::from_axis_angle(&axis, 2.0);
+            // About the vertical: cloth hangs down.
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 2.0);
             there.rotations[root] = turn * there.rotations[root];
             there.root_translation += Vector3::new(0.6, 0.0, -0.8) * metres;
         }

@@ -72,6 +72,8 @@ pub struct Hold {
     pub held: Option<f64>,
     /// The level after it, and what broke there; none if all hold.
     pub broke: Option<(f64, Broken)>,
+    /// The first level at which another method draped in place of the network, if one did.
+    pub falls_back: Option<f64>,
     /// Whether it fails: it is ours, and breaks at the bar or before.
     pub fails: bool,
 }
@@ -331,11 +333,13 @@ pub fn holds(options: &StressOptions, cells: &[Cell]) -> Vec<Hold> {
             let held = cells[..first.unwrap_or(cells.len())]
                 .last()
                 .map(|cell| cell.level);
+            let falls_back = cells.iter().find(|cell| cell.fallback.is_some());
             let is_at_bar = |(level, _): &(f64, Broken)| *level <= axis.bar;
             holds.push(Hold {
                 axis: axis.name,
                 method: name,
                 held,
+                falls_back: falls_back.map(|cell| cell.level),
                 fails: method.is_ours() && broke.as_ref().is_some_and(is_at_bar),
                 broke,
             });

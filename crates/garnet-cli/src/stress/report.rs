@@ -80,7 +80,8 @@ pub(super) fn table(report: &StressReport<'_>, options: &StressOptions, again: &
         text.push('\n');
     }
     text += "\nBold: one of ours that breaks at its bar or before. `-`: the method drapes the garment of \
-             the package alone, or there is no such body.\n";
+             the package alone, or there is no such body. Falls back: the network is not trusted from \
+             that level on, which the report of a drape tells.\n";
     if report.axes.iter().any(|axis| axis.is_sanity_check) {
         text += "\n[^check]: A sanity check: simple methods hold, too.\n";
     }
