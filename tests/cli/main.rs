@@ -21,6 +21,7 @@ mod readme;
 mod refit;
 mod render;
 mod simulate;
+mod stress;
 mod train;
 
 use fixtures::Fixture;

@@ -38,7 +38,10 @@ const ARROWS: [(&str, &[&str]); 17] = [
             "sim", "kernel",
         ],
     ),
-    ("garnet-stress", &["mesh", "knn", "skin", "body", "drape"]),
+    (
+        "garnet-stress",
+        &["mesh", "knn", "skin", "body", "drape", "data"],
+    ),
     ("garnet-view", &["mesh"]),
     (
         "garnet",

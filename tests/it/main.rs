@@ -14,4 +14,5 @@ mod package;
 mod pattern;
 mod pipeline;
 mod stability;
+mod stress;
 mod take;

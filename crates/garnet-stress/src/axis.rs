@@ -45,6 +45,8 @@ pub(crate) enum Kind {
     Smaller,
     FinerGarment,
     FinerBody,
+    CoarserGarment,
+    CoarserBody,
     Noise,
     Holes,
     Slivers,
@@ -130,13 +132,7 @@ const DEPTHS: &[f64] = &[0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
 pub const AXES: &[Axis] = &[
     bend("elbow", "both elbows bend from rest", Kind::Elbow, 150.0),
     bend("knee", "both knees bend from rest", Kind::Knee, 150.0),
-    axis(
-        ["hip", "both thighs rise from rest", DEGREES],
-        Kind::Hip,
-        130.0,
-        &BY_TEN.split_at(15).0,
-        &[0.0, 60.0, 110.0, 130.0],
-    ),
+    bend("hip", "both thighs rise from rest", Kind::Hip, 150.0),
     bend(
         "overhead",
         "both arms rise sideways from hanging",
@@ -150,16 +146,11 @@ pub const AXES: &[Axis] = &[
         &BY_TEN.split_at(13).0,
         &[0.0, 60.0, 110.0],
     ),
-    axis(
-        [
-            "joints",
-            "elbows, knees, hips, shoulders and trunk bend at once from rest",
-            DEGREES,
-        ],
+    bend(
+        "joints",
+        "elbows, knees, hips, shoulders and trunk bend at once from rest",
         Kind::AllJoints,
-        100.0,
-        &BY_TEN.split_at(13).0,
-        &[0.0, 50.0, 100.0],
+        150.0,
     ),
     axis(
         ["twist", "an upper arm turns about itself", DEGREES],
@@ -255,6 +246,24 @@ pub const AXES: &[Axis] = &[
     axis(
         ["finer-body", "faces of the body", "times"],
         Kind::FinerBody,
+        4.0,
+        &[1.0, 4.0],
+        &[1.0, 4.0],
+    ),
+    axis(
+        [
+            "coarser-garment",
+            "vertices of the garment, one in",
+            "times",
+        ],
+        Kind::CoarserGarment,
+        4.0,
+        &[1.0, 2.0, 4.0, 8.0],
+        &[1.0, 4.0],
+    ),
+    axis(
+        ["coarser-body", "vertices of the body, one in", "times"],
+        Kind::CoarserBody,
         4.0,
         &[1.0, 4.0],
         &[1.0, 4.0],

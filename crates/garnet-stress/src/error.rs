@@ -17,6 +17,9 @@ pub enum StressError {
     /// The package cannot be simulated.
     #[error(transparent)]
     Package(#[from] PackageError),
+    /// The garment cannot be cut anew.
+    #[error(transparent)]
+    Data(#[from] garnet_data::DataError),
     /// The body cannot be posed.
     #[error(transparent)]
     Skin(#[from] SkinError),

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use garnet_body::poses::{BodyAngles, Poser, SelfContact};
 use garnet_body::shape::{BodyParameters, Measure, ParametricBody, tape_measures};
+use garnet_data::{Tailor, wearer_of};
 use garnet_drape::{BoundGarment, Garment, Package};
 use garnet_knn::Surface;
 use garnet_mesh::{Point3, Topology, TriMesh, Vector3, subdivided, vertex_normals};
@@ -108,6 +110,14 @@ impl<'a> Scenes<'a> {
             Kind::Smaller => self.scaled(1.0 / level as f32)?,
             Kind::FinerGarment => self.with_garment(finer(self.mesh(), level)?)?,
             Kind::FinerBody => self.with_body(finer_body(self.package.body(), level)?)?,
+            Kind::CoarserGarment => match self.coarser(level)? {
+                Some(mesh) => self.with_garment(mesh)?,
+                None => return Ok(None),
+            },
+            Kind::CoarserBody => match coarser_body(self.package.body(), level)? {
+                Some(body) => self.with_body(body)?,
+                None => return Ok(None),
+            },
             Kind::Noise => self.noisy(level, &mut random)?,
             Kind::Holes => self.with_holes(level, &mut random)?,
             Kind::Slivers => self.with_garment(slivers(self.mesh(), level, &mut random)?)?,
@@ -276,6 +286,25 @@ impl<'a> Scenes<'a> {
         Ok(self.on(body.fitted(&places)?))
     }
 
+    /// The garment cut anew with fewer vertices; none if it is from no pattern.
+    fn coarser(&self, times: f64) -> Result<Option<TriMesh>, StressError> {
+        if times <= 1.0 {
+            return Ok(Some(self.mesh().clone()));
+        }
+        let body = self.package.body();
+        let wearer = wearer_of(body).and_then(Result::ok);
+        let tailor = Tailor::of_package(self.package.content())?;
+        let (Some(tailor), Some(wearer)) = (tailor, wearer) else {
+            return Ok(None);
+        };
+        let count = (self.mesh().num_vertices() as f64 / times) as usize;
+        let fabric = self.package.manifest().fabric.clone();
+        let size = tailor.size();
+        let tailor = Tailor::new(tailor.parameters().clone(), count, fabric)?.with_size(size);
+        let worn = tailor.dress(body, &wearer, &AtomicBool::new(false))?;
+        Ok(Some(TriMesh::new(worn.positions, worn.sewn.faces)?))
+    }
+
     fn with_garment(&self, mesh: TriMesh) -> Result<Scene, StressError> {
         let garment = Garment::new(mesh).bind(self.package.body())?;
         Ok(Scene {
@@ -411,6 +440,22 @@ fn finer_body(body: &Body, times: f64) -> Result<Body, StressError> {
         body.skeleton().clone(),
         weights,
     )?)
+}
+
+/// The coarse level, of a quarter of the vertices; none for bodies that are not built in, and for
+/// other shares.
+fn coarser_body(body: &Body, times: f64) -> Result<Option<Body>, StressError> {
+    if times <= 1.0 {
+        return Ok(Some(body.clone()));
+    }
+    if times > 4.0 || tape_measures(body).is_none() {
+        return Ok(None);
+    }
+    let rest = ParametricBody::coarse(body.rest().positions());
+    let kept = ParametricBody::coarse_vertices().iter();
+    let rows = kept.map(|&vertex| body.weights().vertex(vertex as usize).collect::<Vec<_>>());
+    let weights = SkinWeights::from_influences(body.skeleton().num_joints(), rows)?;
+    Ok(Some(Body::new(rest, body.skeleton().clone(), weights)?))
 }
 
 /// Without so many percent of its faces, in patches of a few hundred.
