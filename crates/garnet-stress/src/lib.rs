@@ -1,7 +1,7 @@
 //! The level at which each way to drape breaks.
 //!
-//! Each [`Axis`] makes a scene of a package worse by degrees: a bent joint, a heavier body, noise on
-//! the skin. Each [`Method`] drapes it, and every drape is judged in the same way: whether its
+//! Each [`Axis`] makes a scene of a package worse by degrees: a bent joint, a heavier body, noise
+//! on the skin. Each [`Method`] drapes it, and every drape is judged in the same way: whether its
 //! coordinates are finite, whether a free vertex is inside the body, whether an edge is three times
 //! as long as at rest, whether cloth jumps. A cell of the table is the level at which the first of
 //! these breaks.

@@ -27,7 +27,8 @@ pub enum Method {
     UnsignedDualQuaternion,
     /// The warp: dual-quaternion skinning and the change of shape.
     Warp,
-    /// The warp, then every vertex is pushed out along the normal of the nearest vertex of the body.
+    /// The warp, then every vertex is pushed out along the normal of the nearest vertex of the
+    /// body.
     PushOut,
     /// The warp, untangled.
     Untangled,

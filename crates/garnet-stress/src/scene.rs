@@ -205,7 +205,8 @@ impl<'a> Scenes<'a> {
         pose
     }
 
-    /// Arms or thighs pressed inwards until they run so deep into each other; none if they never do.
+    /// Arms or thighs pressed inwards until they run so deep into each other; none if they never
+    /// do.
     fn pressed(&self, kind: Kind, millimetres: f64) -> Result<Option<Pose>, StressError> {
         let pose = |degrees: f64| {
             let mut angles = BodyAngles::default();
@@ -300,7 +301,11 @@ impl<'a> Scenes<'a> {
         let count = (self.mesh().num_vertices() as f64 / times) as usize;
         let fabric = self.package.manifest().fabric.clone();
         let size = tailor.size();
-        let tailor = Tailor::new(tailor.parameters().clone(), count, fabric)?.with_size(size);
+        // Patterns have a least number of vertices.
+        let Ok(tailor) = Tailor::new(tailor.parameters().clone(), count, fabric) else {
+            return Ok(None);
+        };
+        let tailor = tailor.with_size(size);
         let worn = tailor.dress(body, &wearer, &AtomicBool::new(false))?;
         Ok(Some(TriMesh::new(worn.positions, worn.sewn.faces)?))
     }

@@ -122,8 +122,8 @@ impl PoseSampler {
         Self { is_mixed, ..self }
     }
 
-    /// Bodies that run through themselves in a pose, even when it is corrected, get no other draw in
-    /// its place: all bodies have the same poses, and some have fewer.
+    /// Bodies that run through themselves in a pose, even when it is corrected, get no other draw
+    /// in its place: all bodies have the same poses, and some have fewer.
     #[must_use]
     pub const fn drawn_once(self) -> Self {
         Self { tries: 1, ..self }
@@ -157,8 +157,8 @@ impl PoseSampler {
     ///
     /// # Errors
     ///
-    /// [`SampleError::NoSoundPose`] after 8 draws, the last of them without noise; after one if poses
-    /// are [drawn once](Self::drawn_once).
+    /// [`SampleError::NoSoundPose`] after 8 draws, the last of them without noise; after one if
+    /// poses are [drawn once](Self::drawn_once).
     pub fn sample_for(
         &self,
         poser: &Poser,

@@ -44,7 +44,8 @@ pub(crate) struct DatasetArgs {
     /// `train --more`.
     #[arg(long, hide_short_help = true, conflicts_with = "import")]
     pub(crate) mixed: bool,
-    /// Noise of the poses' angles, as a share of the usual one; it stays within the ranges of motion.
+    /// Noise of the poses' angles, as a share of the usual one; it stays within the ranges of
+    /// motion.
     #[arg(
         long,
         hide_short_help = true,

@@ -33,6 +33,10 @@ const VERTICES: usize = 1250;
 /// Drapes all cells, writes the table, and tells whether one of ours breaks.
 pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitStatus> {
     args.check()?;
+    if args.package.is_none() {
+        // The garment that is cut has no variants: what is misspelt is told before it is cut.
+        args.options(&[])?;
+    }
     output::open_folder(&args.output)?;
     let folder = match &args.package {
         Some(folder) => folder.clone(),
@@ -107,9 +111,10 @@ pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitSt
 }
 
 /// The T-shirt in the output folder, cut if it is not there.
-fn cut(output: &Path) -> anyhow::Result<PathBuf> {
-    let folder = output.join("tshirt");
+fn cut(in_folder: &Path) -> anyhow::Result<PathBuf> {
+    let folder = in_folder.join("tshirt");
     if !GarmentPackage::is_at(&folder) {
+        output::make_folder(&folder)?;
         garment::usual("tshirt", VERTICES)?.write(&folder)?;
     }
     Ok(folder)

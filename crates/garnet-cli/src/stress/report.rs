@@ -49,8 +49,8 @@ impl<'a> StressReport<'a> {
     }
 }
 
-/// The table as Markdown: a row an axis, a column a method; `again` is the command that shows a cell
-/// again, but for its axis and method.
+/// The table as Markdown: a row an axis, a column a method; `again` is the command that shows a
+/// cell again, but for its axis and method.
 pub(super) fn table(report: &StressReport<'_>, options: &StressOptions, again: &str) -> String {
     let methods: Vec<String> = options.methods.iter().map(ToString::to_string).collect();
     let mut text = format!(

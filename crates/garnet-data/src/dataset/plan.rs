@@ -44,8 +44,8 @@ pub enum Protocol {
     /// Bodies and sequences of poses: the harder one.
     #[default]
     UnseenSequences,
-    /// Bodies alone: all are in the same poses, of walks, yoga and dances. GarNet++ is tested so, as
-    /// we read it.
+    /// Bodies alone: all are in the same poses, of walks, yoga and dances. GarNet++ is tested so,
+    /// as we read it.
     SeenPoses,
 }
 

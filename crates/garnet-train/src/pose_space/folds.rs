@@ -1,9 +1,9 @@
 //! Which fit tells a scene as if it had not seen it.
 //!
-//! Bodies are dealt into folds, and so are sequences of poses. A fit leaves out a fold of what drapes
-//! of the test have not: sequences, bodies, or both. Of both, fits leave out every body with every
-//! sequence, so each scene has a fit that knows neither its body nor its sequence; but it knows less
-//! than half of the scenes.
+//! Bodies are dealt into folds, and so are sequences of poses. A fit leaves out a fold of what
+//! drapes of the test have not: sequences, bodies, or both. Of both, fits leave out every body with
+//! every sequence, so each scene has a fit that knows neither its body nor its sequence; but it
+//! knows less than half of the scenes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -32,8 +32,8 @@ pub enum LeftOut {
     Bodies,
 }
 
-/// The folds of the samples of the first data set: `count` of bodies, of sequences, or of each times
-/// the other, as far as there are so many.
+/// The folds of the samples of the first data set: `count` of bodies, of sequences, or of each
+/// times the other, as far as there are so many.
 ///
 /// What all samples have in common is not left out; if that is body and sequence, samples are
 /// dealt themselves. Samples of other data sets are learned from, and their bodies are others.
