@@ -8,7 +8,7 @@ use crate::train::done;
 #[test]
 fn a_table_a_picture_and_numbers_are_left_and_gone_on_from() {
     let fixture = Fixture::new();
-    let asked = "stress -o out --quick --axis joints,place --method none";
+    let asked = "stress -o out --quick --axis elbow,place --method none";
     let report: Value = serde_json::from_str(&done(&fixture, &format!("{asked} --json"))).unwrap();
     assert_eq!(report["schema"], "garnet.stress/1");
     assert_eq!(report["garment"], "tshirt");
@@ -18,12 +18,12 @@ fn a_table_a_picture_and_numbers_are_left_and_gone_on_from() {
         let is = |hold: &&Value| hold["method"] == method && hold["axis"] == axis;
         holds.iter().find(is).unwrap().clone()
     };
-    let ours = of("warp, untangled", "joints");
+    let ours = of("warp, untangled", "elbow");
     assert_eq!(
         (&ours["fails"], &ours["broke"]),
         (&false.into(), &Value::Null)
     );
-    let plain = of("linear, nearest weights", "joints");
+    let plain = of("linear, nearest weights", "elbow");
     assert!(plain["broke"].is_array(), "{plain}");
     for name in [
         "out/stress.md",
@@ -36,7 +36,7 @@ fn a_table_a_picture_and_numbers_are_left_and_gone_on_from() {
     assert!(fixture.read("out/stress.png").starts_with(b"\x89PNG"));
     let table = String::from_utf8(fixture.read("out/stress.md")).unwrap();
     assert!(
-        table.contains("| `joints`: ") && table.contains(" [^check] |"),
+        table.contains("| `elbow`: ") && table.contains(" [^check] |"),
         "{table}"
     );
 
@@ -48,7 +48,7 @@ fn a_table_a_picture_and_numbers_are_left_and_gone_on_from() {
     let before = cells(&fixture.read("out/cells.json"));
     done(
         &fixture,
-        "stress -o out --quick --axis joints,clearance --method none -q",
+        "stress -o out --quick --axis elbow,clearance --method none -q",
     );
     let after = cells(&fixture.read("out/cells.json"));
     assert_eq!(after[..before.len()], before[..]);

@@ -11,7 +11,7 @@ use garnet::stress::{AXES, Broken, Method, StressOptions, holds, run};
 
 /// Axes on which the untangled warp of the small T-shirt is known to break at the bar; the page on
 /// stress says how.
-const KNOWN: [&str; 0] = [];
+const KNOWN: [&str; 1] = ["holes"];
 
 fn shirt(vertices: usize) -> GarmentPackage {
     let kind: GarmentKind = "tshirt".parse().unwrap();

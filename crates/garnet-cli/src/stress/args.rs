@@ -50,7 +50,7 @@ before.
 
 DIR gets
   stress.md                the table, with a command for each failure
-  stress.svg, stress.png   how deep cloth is inside while all joints bend
+  stress.svg, stress.png   how deep cloth is inside along `joints`, or the first axis
   stress.json              all numbers
   cells.json               what was found so far: a run that was stopped goes on from there";
 

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::machine;
 
-/// The axis that is drawn.
+/// The axis that is drawn if it is run; else the first is.
 const DRAWN: &str = "joints";
 
 /// What was found: `garnet.stress/1`, SI units but for the levels, whose unit each axis names.
@@ -112,13 +112,14 @@ fn cell(hold: &Hold) -> String {
     }
 }
 
-/// How deep cloth is inside the body while all joints bend; none if that was not run.
+/// How deep cloth is inside the body along one axis; none if nothing is known of that.
 pub(super) fn picture(report: &StressReport<'_>, options: &StressOptions) -> Option<Chart> {
-    let axis = report.axes.iter().find(|axis| axis.name == DRAWN)?;
+    let drawn = report.axes.iter().find(|axis| axis.name == DRAWN);
+    let axis = drawn.or_else(|| report.axes.first())?;
     let series = options.methods.iter().map(|method| {
         let name = method.to_string();
         let cells = report.cells.iter();
-        let cells = cells.filter(|cell| cell.axis == DRAWN && cell.method == name);
+        let cells = cells.filter(|cell| cell.axis == axis.name && cell.method == name);
         let points = cells.filter_map(|cell| {
             let deepest = cell.measured.as_ref()?.deepest;
             Some([cell.level, 1e3 * f64::from(deepest)])
