@@ -224,3 +224,44 @@ fn without_checksum(manifest: &Path) {
     assert!(lines.len() < text.lines().count());
     fs::write(manifest, lines.join("\n")).unwrap();
 }
+
+#[test]
+fn a_package_names_files_of_its_own_alone() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    package.write(folder.path()).unwrap();
+    let path = folder.path().join("garment.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    for name in ["/dev/zero", "../body.rig.npz", "a/../../body.rig.npz"] {
+        let weights = format!("\n[[variant]]\nname = \"fast\"\nweights = \"{name}\"\n");
+        for text in [
+            text.clone() + &weights,
+            text.replace("rig = \"body.rig.npz\"", &format!("rig = \"{name}\"")),
+        ] {
+            fs::write(&path, text).unwrap();
+            let error = GarmentPackage::read(folder.path()).unwrap_err();
+            assert!(matches!(error, PackageError::Foreign { .. }), "{error}");
+            assert!(
+                error.to_string().contains("outside of the package"),
+                "{error}"
+            );
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn weights_are_files_and_no_devices() {
+    let package = common::tshirt();
+    let folder = tempfile::tempdir().unwrap();
+    package.write(folder.path()).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("fast.safetensors")).unwrap();
+    let path = folder.path().join("garment.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    let weights = "\n[[variant]]\nname = \"fast\"\nweights = \"fast.safetensors\"\n";
+    fs::write(&path, text + weights).unwrap();
+    let package = garnet_drape::Package::open(folder.path()).unwrap();
+    let error = package.draper("fast").unwrap_err();
+    let text = told(&error);
+    assert!(text.contains("a pipe or a device"), "{text}");
+}

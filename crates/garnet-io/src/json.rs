@@ -1,7 +1,8 @@
 //! What the JSON files have in common: parsing with line and column, units, axes, joints.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
+use garnet_mesh::{MOST_BYTES, read_at_most};
 use garnet_skin::{Joint, Point3, Skeleton, SkinError};
 use serde::{Deserialize, de::DeserializeOwned};
 
@@ -12,7 +13,7 @@ pub(super) fn read_with<T>(
     path: &Path,
     parse: impl FnOnce(&[u8]) -> Result<T, FileProblem>,
 ) -> Result<T, FileError> {
-    let read = fs::read(path).map_err(FileProblem::from);
+    let read = read_at_most(path, MOST_BYTES).map_err(FileProblem::from);
     read.and_then(|bytes| parse(&bytes))
         .map_err(|problem| FileError {
             path: path.to_path_buf(),

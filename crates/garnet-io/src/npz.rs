@@ -10,8 +10,9 @@ use zip::{ZipArchive, result::ZipError};
 
 use super::{ArrayProblem, FileError, FileProblem, npy::NpyArray};
 
-/// The largest array that is unpacked: an archive may claim anything.
-const MAX_ARRAY_BYTES: u64 = 1 << 31;
+/// The largest array that is unpacked: an archive may claim anything. A quarter of an hour of an
+/// AMASS recording has 170 MB.
+const MAX_ARRAY_BYTES: u64 = 1 << 28;
 
 /// An npz archive, whose arrays are read one at a time.
 #[derive(Debug)]
@@ -89,6 +90,12 @@ impl NpzFile {
             Err(ZipError::FileNotFound) => return Ok(None),
             Err(error) => return Err(unpack(error.to_string())),
         };
+        // What it says of itself is looked at before anything is unpacked, and not believed.
+        if entry.size() > MAX_ARRAY_BYTES {
+            return Err(ArrayProblem::TooLarge {
+                limit: MAX_ARRAY_BYTES,
+            });
+        }
         let mut bytes = Vec::new();
         let read = entry.take(MAX_ARRAY_BYTES + 1).read_to_end(&mut bytes);
         read.map_err(|error| unpack(error.to_string()))?;

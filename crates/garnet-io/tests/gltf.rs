@@ -186,6 +186,48 @@ fn two_primitives_on_the_same_vertices_share_them() {
 }
 
 #[test]
+fn primitives_without_end_are_refused_before_they_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, binary) = file();
+    let primitive = json["meshes"][0]["primitives"][0].clone();
+    json["meshes"][0]["primitives"] = json!(vec![primitive; 700_001]);
+    let error = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap_err();
+    let text = format!("{error:#} {}", error.problem);
+    assert!(
+        text.contains("more than 4194304 vertices or faces"),
+        "{text}"
+    );
+}
+
+#[test]
+fn buffers_are_files_beside_the_gltf_of_a_gibibyte_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, binary) = file();
+    fs::create_dir(folder.path().join("in")).unwrap();
+    let path = folder.path().join("in/body.gltf");
+    let problem = |json: &Value| {
+        fs::write(&path, json.to_string()).unwrap();
+        read_rig(&path).unwrap_err().problem.to_string()
+    };
+    fs::write(folder.path().join("up.bin"), &binary).unwrap();
+    for uri in ["../up.bin", "/dev/zero", "a/../../up.bin"] {
+        json["buffers"][0]["uri"] = json!(uri);
+        let found = problem(&json);
+        assert!(found.contains("not beside the glTF"), "{found}");
+    }
+    // Each would be read anew.
+    let large = fs::File::create(folder.path().join("in/large.bin")).unwrap();
+    large.set_len(300 << 20).unwrap();
+    let buffer = json!({"byteLength": 9, "uri": "large.bin"});
+    json["buffers"] = json!(vec![buffer; 100_000]);
+    let found = problem(&json);
+    assert!(
+        found.contains("buffer 3") && found.contains("1 GiB"),
+        "{found}"
+    );
+}
+
+#[test]
 fn sparse_accessors_replace_single_vertices() {
     let folder = tempfile::tempdir().unwrap();
     let (mut json, mut binary) = file();

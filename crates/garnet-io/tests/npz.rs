@@ -391,3 +391,22 @@ fn models_of_the_smpl_family_are_rigs_in_the_shape_that_is_asked_for() {
         "{text}"
     );
 }
+
+#[test]
+fn an_array_that_says_that_it_is_huge_is_not_unpacked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bomb.npz");
+    let mut archive = ZipWriter::new(fs::File::create(&path).unwrap());
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
+    archive.start_file("poses.npy", options).unwrap();
+    let zeros = vec![0; 1 << 20];
+    for _ in 0..257 {
+        archive.write_all(&zeros).unwrap();
+    }
+    archive.finish().unwrap();
+    assert!(fs::metadata(&path).unwrap().len() < 1 << 20);
+    let mut npz = NpzFile::open(&path).unwrap();
+    let error = npz.array("poses").unwrap_err();
+    let text = error.problem.to_string();
+    assert!(text.contains("268435456"), "{text}");
+}

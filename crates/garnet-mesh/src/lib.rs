@@ -20,6 +20,7 @@
 
 mod atomic;
 mod boundary;
+mod bounded;
 mod compare;
 mod curvature;
 mod diagnosis;
@@ -37,6 +38,7 @@ mod tri_mesh;
 mod units;
 
 pub use atomic::{StagedFile, WriteError, remove_stale_temporaries, write_atomically};
+pub use bounded::{MOST_BYTES, read_at_most, read_bounded, stays_inside};
 pub use compare::{
     RestEdge, Spread, StretchSummary, distance_error, edge_stretch, edge_stretches, normal_angles,
     normal_error, pattern_stretches, share_below, vertex_distances,

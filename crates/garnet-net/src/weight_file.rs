@@ -1,10 +1,9 @@
 //! What the files of models have in common: safetensors with one JSON text that a checksum guards.
 
 use std::collections::HashMap;
-use std::fs;
 use std::path::Path;
 
-use garnet_mesh::Fingerprint;
+use garnet_mesh::{Fingerprint, MOST_BYTES, read_bounded};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
@@ -143,7 +142,7 @@ fn packed(row: &[f32]) -> (Vec<u8>, f32) {
 }
 
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, CheckpointError> {
-    fs::read(path).map_err(|source| CheckpointError::Io {
+    read_bounded(path, MOST_BYTES).map_err(|source| CheckpointError::Io {
         path: path.to_path_buf(),
         source,
     })

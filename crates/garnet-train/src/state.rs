@@ -8,7 +8,7 @@ use burn::optim::{AdamConfig, AdamWConfig, ModuleOptimizer, OptimizerRecord};
 use burn::store::RecordError;
 use burn::tensor::{Bytes, Device, Tensor};
 use burn_pack::{DType, Reader};
-use garnet_mesh::{Fingerprint, write_atomically};
+use garnet_mesh::{Fingerprint, MOST_BYTES, read_bounded, write_atomically};
 use garnet_net::losses::LossValue;
 use garnet_net::{Checkpoint, GarNet, Precision};
 use safetensors::tensor::TensorView;
@@ -270,7 +270,7 @@ fn completed(any: &mut serde_json::Value) {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, TrainError> {
-    std::fs::read(path).map_err(|source| TrainError::Read {
+    read_bounded(path, MOST_BYTES).map_err(|source| TrainError::Read {
         path: path.to_path_buf(),
         source,
     })

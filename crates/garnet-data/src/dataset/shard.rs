@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use garnet_drape::StoredParameters;
 use garnet_drape::tensors::{Array, Contents, to_bytes};
-use garnet_mesh::{Fingerprint, Point3, write_atomically};
+use garnet_mesh::{Fingerprint, MOST_BYTES, Point3, read_bounded, write_atomically};
 use garnet_skin::Pose;
 use serde::{Deserialize, Serialize};
 
@@ -207,7 +207,8 @@ impl Shard {
     /// [`DataError`] that names the file: it cannot be read, is cut off, altered or damaged, is of
     /// another version or of another data set.
     pub fn read(path: &Path, dataset: Fingerprint) -> Result<Self, DataError> {
-        let bytes = std::fs::read(path).map_err(|source| DataError::read(path, source))?;
+        let bytes =
+            read_bounded(path, 4 * MOST_BYTES).map_err(|source| DataError::read(path, source))?;
         let contents = Contents::of(&bytes).map_err(|source| DataError::tensors(path, source))?;
         let contents =
             contents.ok_or_else(|| DataError::foreign(path, "its metadata has no `garnet`"))?;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use garnet_mesh::{Fingerprint, TriMesh};
+use garnet_mesh::{Fingerprint, MOST_BYTES, TriMesh, read_bounded, stays_inside};
 use garnet_sim::Fabric;
 use serde::{Deserialize, Serialize};
 
@@ -129,8 +129,16 @@ impl Manifest {
             return Ok(());
         };
         let path = folder.join(&self.rest_body.rig);
-        let bytes = std::fs::read(&path).map_err(|source| PackageError::read(&path, source))?;
+        let bytes =
+            read_bounded(&path, MOST_BYTES).map_err(|source| PackageError::read(&path, source))?;
         PackageError::check(&path, Fingerprint::of_bytes(&bytes), expected)
+    }
+
+    /// A file that it names and that is not in its folder, if there is one.
+    pub(super) fn outside(&self) -> Option<&str> {
+        let weights = self.variants.iter().map(|variant| variant.weights.as_str());
+        let mut names = weights.chain([self.rest_body.rig.as_str()]);
+        names.find(|name| !stays_inside(name))
     }
 
     /// The variant of a name, which may be an [alias](Variant::aliases).

@@ -10,7 +10,7 @@ mod together;
 use std::path::{Path, PathBuf};
 
 use garnet_io::{ObjFile, read_rig, rig_npz};
-use garnet_mesh::{Fingerprint, RestEdge, StagedFile, TriMesh};
+use garnet_mesh::{Fingerprint, RestEdge, StagedFile, TriMesh, read_bounded};
 use garnet_sim::{Cloth, RestShape};
 use garnet_skin::{Body, Rig};
 
@@ -27,6 +27,9 @@ use together::Together;
 
 /// Name of the manifest in a package.
 pub const MANIFEST_FILE: &str = "garment.toml";
+
+/// The largest manifest that is read, in bytes: a thousand variants have 300 kB.
+const MOST_TEXT: u64 = 1 << 24;
 
 const TEMPLATE_FILE: &str = "template.obj";
 const BODY_FILE: &str = "body.rig.npz";
@@ -197,8 +200,9 @@ impl GarmentPackage {
     /// another version, or [`PackageError::Fabric`].
     pub fn read_manifest(folder: &Path) -> Result<Manifest, PackageError> {
         let path = folder.join(MANIFEST_FILE);
-        let text =
-            std::fs::read_to_string(&path).map_err(|source| PackageError::read(&path, source))?;
+        let bytes = read_bounded(&path, MOST_TEXT);
+        let text = bytes.and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other));
+        let text = text.map_err(|source| PackageError::read(&path, source))?;
         let manifest: Manifest =
             toml::from_str(&text).map_err(|source| PackageError::toml(&path, &text, &source))?;
         if manifest.schema != PACKAGE_SCHEMA {
@@ -206,6 +210,10 @@ impl GarmentPackage {
                 "its schema is `{}`, not `{PACKAGE_SCHEMA}`",
                 manifest.schema
             );
+            return Err(PackageError::foreign(&path, what));
+        }
+        if let Some(name) = manifest.outside() {
+            let what = format!("it names `{name}`, which is outside of the package");
             return Err(PackageError::foreign(&path, what));
         }
         let checked = manifest.fabric.fabric().check();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use garnet_mesh::StagedFile;
+use garnet_mesh::{MOST_BYTES, StagedFile, read_bounded};
 use garnet_sim::{GRIP, RestShape};
 
 use super::PackageError;
@@ -47,7 +47,8 @@ pub(crate) fn stage(path: &Path, rest: &RestShape) -> Result<Option<StagedFile>,
 
 /// Reads the file of a garment of so many faces.
 pub(crate) fn read(path: &Path, num_faces: usize) -> Result<RestShape, PackageError> {
-    let bytes = std::fs::read(path).map_err(|source| PackageError::read(path, source))?;
+    let bytes =
+        read_bounded(path, MOST_BYTES).map_err(|source| PackageError::read(path, source))?;
     let contents = Contents::of(&bytes).map_err(|source| PackageError::tensors(path, source))?;
     let foreign = |what: String| PackageError::foreign(path, what);
     let no_rest = || foreign(format!("it is no `{SCHEMA}`"));

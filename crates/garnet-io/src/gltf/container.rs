@@ -2,6 +2,7 @@
 
 use std::{fs, path::Path};
 
+use garnet_mesh::{MOST_BYTES, read_bounded, stays_inside};
 use gltf::json::Root;
 
 use super::{GltfProblem, base64};
@@ -67,17 +68,19 @@ pub(super) fn buffers(
     binary: Option<&[u8]>,
     folder: &Path,
 ) -> Result<Vec<Vec<u8>>, FileProblem> {
-    let mut buffers = Vec::with_capacity(root.buffers.len());
+    let mut buffers = Vec::new();
+    let mut left = MOST_BYTES;
     for (index, buffer) in root.buffers.iter().enumerate() {
         let wrong = |what| GltfProblem::Buffer {
             buffer: index,
             what,
         };
         let bytes = match (&buffer.uri, binary) {
-            (Some(uri), _) => from_uri(uri, folder, wrong)?,
+            (Some(uri), _) => from_uri(uri, folder, left, wrong)?,
             (None, Some(binary)) if index == 0 => binary.to_vec(),
             (None, _) => return Err(wrong("it has no URI and there is no binary chunk").into()),
         };
+        left = (left.checked_sub(bytes.len() as u64)).ok_or_else(|| wrong(TOO_MUCH))?;
         if (bytes.len() as u64) < buffer.byte_length.0 {
             return Err(wrong("it has fewer bytes than it says").into());
         }
@@ -86,9 +89,12 @@ pub(super) fn buffers(
     Ok(buffers)
 }
 
+const TOO_MUCH: &str = "with it, the buffers have more than 1 GiB";
+
 fn from_uri(
     uri: &str,
     folder: &Path,
+    left: u64,
     wrong: impl Fn(&'static str) -> GltfProblem,
 ) -> Result<Vec<u8>, FileProblem> {
     if let Some(data) = uri.strip_prefix("data:") {
@@ -101,6 +107,9 @@ fn from_uri(
         return Err(wrong("its URI is not a file").into());
     }
     let name = percent_decoded(uri).ok_or_else(|| wrong("its URI is not a file name"))?;
+    if !stays_inside(&name) {
+        return Err(wrong("its file is not beside the glTF, nor in a folder there").into());
+    }
     let path = folder.join(name);
     if !path.is_file() {
         return Err(FileProblem::MissingFile {
@@ -108,7 +117,10 @@ fn from_uri(
             path,
         });
     }
-    Ok(fs::read(path)?)
+    if fs::metadata(&path)?.len() > left {
+        return Err(wrong(TOO_MUCH).into());
+    }
+    Ok(read_bounded(&path, left)?)
 }
 
 /// Replaces `%20` and the like; none if the result is no text.

@@ -192,6 +192,7 @@ struct Pool {
     influences: Vec<Influences>,
     /// The skin of each vertex.
     skins: Vec<usize>,
+    num_faces: usize,
     /// What was read, of which skin, from which vertex on.
     sources: Vec<(Source, usize, usize)>,
 }
@@ -281,6 +282,12 @@ impl Reader<'_> {
             .map_or(&[][..], Vec::as_slice);
         for (place, primitive) in mesh.primitives.iter().enumerate() {
             let source = Self::source(place, primitive, morph)?;
+            self.check_size(
+                place,
+                primitive,
+                &source,
+                [pool.positions.len(), pool.num_faces],
+            )?;
             let known = pool.sources.iter();
             let mut known = known.map(|(other, skin, _)| (other, *skin));
             let known = known.position(|other| other == (&source, skin));
@@ -301,6 +308,7 @@ impl Reader<'_> {
                 .get(source + 1)
                 .map_or(pool.positions.len(), |next| next.2);
             let faces = self.faces(place, primitive, end - first)?;
+            pool.num_faces += faces.len();
             let material = primitive.material.as_ref().map(Index::value);
             let material = material.and_then(|material| self.root.materials.get(material));
             let object = [&self.root.nodes[instance.node].name, &mesh.name];

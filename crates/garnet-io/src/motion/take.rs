@@ -1,14 +1,12 @@
 //! Any file with poses: motion capture or our own pose JSON.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use garnet_body::{
     motion::{FrameRange, Motion, ReadOptions, Retarget, RetargetError, RetargetOptions},
     poses::{SelfContact, SeparationOptions, Timing, Turns},
 };
+use garnet_mesh::{MOST_BYTES, read_at_most};
 use garnet_skin::{Pose, Skeleton, SkinError};
 use serde::{Deserialize, de::IgnoredAny};
 
@@ -235,7 +233,7 @@ fn content(
     clip: Option<&str>,
     options: &ReadOptions,
 ) -> Result<Content, MotionProblem> {
-    let bytes = fs::read(path)?;
+    let bytes = read_at_most(path, MOST_BYTES)?;
     if bytes.starts_with(gltf::MAGIC) || is_gltf(path) {
         let folder = path.parent().unwrap_or(Path::new(""));
         let motion = gltf::read_clip(&bytes, folder, clip, options);

@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
-use garnet_mesh::{Fingerprint, write_atomically};
+use garnet_mesh::{Fingerprint, MOST_BYTES, read_bounded, write_atomically};
 use garnet_net::PoseSpace;
 use safetensors::tensor::TensorView;
 use safetensors::{Dtype, SafeTensors};
@@ -110,7 +110,7 @@ impl Starts {
         if !path.is_file() {
             return Ok(None);
         }
-        let bytes = std::fs::read(&path).map_err(|source| TrainError::Read {
+        let bytes = read_bounded(&path, MOST_BYTES).map_err(|source| TrainError::Read {
             path: path.clone(),
             source,
         })?;
