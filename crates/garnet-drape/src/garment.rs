@@ -120,6 +120,26 @@ impl BoundGarment {
         &self.binding
     }
 
+    /// How many nodes lie on other cloth of the garment and follow it.
+    pub fn num_layered(&self) -> usize {
+        self.binding.num_layered()
+    }
+
+    /// How many pairs of faces of the garment run through each other where its vertices are at
+    /// `positions` `[vertex]`, in metres. See [`Binding::cloth_crossings`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Untangle`] for positions out of any range.
+    ///
+    /// # Panics
+    ///
+    /// If there are fewer positions than vertices.
+    pub fn cloth_crossings(&self, positions: &[Point3]) -> Result<usize, Error> {
+        let nodes = self.cloth.weld().gather(positions);
+        Ok(self.binding.cloth_crossings(nodes)?)
+    }
+
     /// Positions `[vertex]` of the garment warped to a posed body, in metres.
     ///
     /// # Errors

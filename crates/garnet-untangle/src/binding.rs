@@ -5,6 +5,8 @@ use garnet_mesh::{Bounds, MeshError, Point3, TriMesh, Vector3, face_normals, ver
 use garnet_skin::{BoundGarment, ScreenedPoisson, SkinError};
 use rayon::prelude::*;
 
+use crate::layers::{Layers, Sheets, orientation_by_sheet};
+
 /// Skin this near to the skin that a node lies on, at rest, is its own even for tight cloth, in
 /// metres: the reach of cloth that slides along a limb. With a larger one, skin beyond an armpit or
 /// the crotch becomes own; with a smaller one, cloth that slides comes upon skin that it takes for
@@ -74,6 +76,8 @@ pub struct Binding {
     pub(crate) relax_system: ScreenedPoisson,
     /// 1 or -1 `[node]`: turns the normals of the faces to the outside of the garment.
     pub(crate) orientation: Vec<f32>,
+    /// Cloth that lies on cloth.
+    pub(crate) layers: Layers,
     /// The skin that each node lies on at rest `[node]`.
     pub(crate) skin: Vec<ClosestPoint>,
     rest: Vec<Point3>,
@@ -98,7 +102,13 @@ impl Binding {
         let body = garment.rest_skin();
         let body_normals = face_normals(body.positions(), body.faces());
         let mut rest_normals = vertex_normals(&rest, garment.faces());
-        let orientation = orientation(garment, &rest_normals, &body_normals);
+        let surface = Surface::new(&mesh);
+        let sheets = Sheets::new(garment, &body_normals);
+        let layers = Layers::new(garment, &surface, &sheets);
+        let mut orientation = orientation(garment, &rest_normals, &body_normals);
+        if !layers.is_single() {
+            orientation = orientation_by_sheet(&sheets, garment.topology(), &orientation, &layers);
+        }
         for (normal, sign) in rest_normals.iter_mut().zip(&orientation) {
             *normal *= *sign;
         }
@@ -136,9 +146,10 @@ impl Binding {
         };
         let (is_covered, relax_system) = rayon::join(is_covered, relax_system);
         Ok(Self {
-            surface: Surface::new(&mesh),
+            surface,
             relax_system: relax_system?,
             orientation,
+            layers,
             rest,
             rest_normals,
             skin: garment.skin().to_vec(),
@@ -148,6 +159,23 @@ impl Binding {
             face_normals: body_normals,
             is_covered: is_covered?,
         })
+    }
+
+    /// How many pairs of faces of the garment run through each other where its nodes are at
+    /// `positions_nodes`, in metres. Faces that share a corner count where they meet beyond it.
+    ///
+    /// # Errors
+    ///
+    /// [`UntangleError::Knn`] for another number of positions than nodes, or positions out of any
+    /// range.
+    pub fn cloth_crossings(&self, positions_nodes: Vec<Point3>) -> Result<usize, UntangleError> {
+        let surface = self.surface.moved(positions_nodes)?;
+        Ok(surface.self_intersections().len())
+    }
+
+    /// How many nodes lie on other cloth of the garment and follow it.
+    pub fn num_layered(&self) -> usize {
+        self.layers.num_followers()
     }
 
     /// Whether a face of the skin was near the skin that a node lay on at rest, and not on the far

@@ -86,7 +86,9 @@ impl<'a> Cloth<'a> {
             scene,
             positions: sweeper.anchors().to_vec(),
             contacts: Vec::new(),
-            clearances: vec![options.clearance + CLEARANCE_MARGIN; num_nodes],
+            clearances: (0..num_nodes)
+                .map(|node| goal(finder, options, node))
+                .collect(),
             ways_out: vec![None; num_nodes],
             is_left: vec![false; num_nodes],
             home_preference: HOME_PREFERENCES[0],
@@ -178,23 +180,65 @@ impl<'a> Cloth<'a> {
     }
 
     pub(crate) fn sweep(&mut self, times: usize, region: &Region) {
+        let layers = &self.scene.finder.binding.layers;
         self.scene.sweeper.sweep(
             times,
             &mut self.positions,
             &self.contacts,
             &self.clearances,
             region,
+            layers,
         );
+        self.place_followers();
+    }
+
+    /// Moves the nodes of a region between their neighbours, in front of the skin.
+    pub(crate) fn smooth(&mut self, region: &Region) {
+        let graph = self.scene.garment.graph();
+        let layers = &self.scene.finder.binding.layers;
+        for &node in region.nodes() {
+            let node = node as usize;
+            if self.contacts[node].is_held || layers.is_follower(node) {
+                continue;
+            }
+            let mut sum = Vector3::zeros();
+            let mut total = 0.0;
+            for half in graph.half_edges(node) {
+                sum += half.weight * self.positions[half.node as usize].coords;
+                total += half.weight;
+            }
+            if total > 0.0 {
+                let smooth = Point3::from(sum / total);
+                self.positions[node] =
+                    projected(smooth, &self.contacts[node], self.clearances[node]);
+            }
+        }
+        self.place_followers();
+    }
+
+    /// Puts cloth that lies on other cloth where that has it.
+    pub(crate) fn place_followers(&mut self) {
+        let layers = &self.scene.finder.binding.layers;
+        layers.place(self.scene.garment.faces(), &mut self.positions);
+    }
+
+    /// What a node is to keep from the skin, in metres.
+    pub(crate) fn goal(&self, node: usize) -> f32 {
+        goal(self.scene.finder, self.scene.options, node)
     }
 
     /// Projects the nodes of a region that lack clearance until none does, or as often as allowed.
     pub(crate) fn polish(&mut self, region: &Region) {
         let normals = self.normals(region);
-        let limit = self.scene.options.clearance + 0.5 * CLEARANCE_MARGIN;
-        let goal = self.scene.options.clearance + CLEARANCE_MARGIN;
+        let layers = &self.scene.finder.binding.layers;
         for _ in 0..POLISH_ROUNDS {
             let polished = |(&node, &normal): (&u32, &Vector3)| {
                 let node = node as usize;
+                if layers.is_follower(node) {
+                    return None;
+                }
+                let goal = self.goal(node);
+                let limit = goal - 0.5 * CLEARANCE_MARGIN;
                 let contact = &self.contacts[node];
                 let position = self.positions[node];
                 let moved = (position - contact.position).norm();
@@ -224,6 +268,7 @@ impl<'a> Cloth<'a> {
                 break;
             }
         }
+        self.place_followers();
     }
 
     /// The contacts of one node, which leaves foreign parts as its patch did before.
@@ -271,4 +316,9 @@ impl<'a> Cloth<'a> {
         let closest = &self.contacts[node].closest;
         self.scene.finder.traps.holds(closest)
     }
+}
+
+/// What a node is to keep from the skin, with room for layers below it, in metres.
+fn goal(finder: &ContactFinder<'_>, options: &UntangleOptions, node: usize) -> f32 {
+    options.clearance + CLEARANCE_MARGIN + finder.binding.layers.room(node)
 }

@@ -33,6 +33,7 @@ mod cloth;
 mod contact;
 mod crossing;
 mod directions;
+mod layers;
 mod lengths;
 mod options;
 mod passes;

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::UntangleOptions;
 use crate::contact::{Contact, OPPOSED_COSINE};
+use crate::layers::Layers;
 use crate::passes::{StretchRange, clamped_edges};
 use crate::region::Region;
 
@@ -97,6 +98,7 @@ impl<'a> Sweeper<'a> {
         contacts: &[Contact],
         clearances: &[f32],
         region: &Region,
+        layers: &Layers,
     ) {
         let flags = || positions.iter().map(|_| AtomicBool::new(false)).collect();
         let is_awake: [Vec<AtomicBool>; 2] = [flags(), flags()];
@@ -107,7 +109,7 @@ impl<'a> Sweeper<'a> {
             let (now, next) = (&is_awake[time % 2], &is_awake[(time + 1) % 2]);
             let settle = |node: usize, from: Point3, wanted: Point3| {
                 now[node].store(false, Relaxed);
-                if contacts[node].is_held {
+                if contacts[node].is_held || layers.is_follower(node) {
                     return from;
                 }
                 let to = projected(wanted, &contacts[node], clearances[node]);

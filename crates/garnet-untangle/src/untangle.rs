@@ -69,7 +69,8 @@ fn untangled(
     warped: &[Point3],
     options: &UntangleOptions,
 ) -> Result<Untangled, UntangleError> {
-    let anchors = passes::relax(garment, binding, warped, options);
+    let mut anchors = passes::relax(garment, binding, warped, options);
+    (binding.layers).place(garment.faces(), &mut anchors);
 
     let traps = Traps::near(body.skin(), warped)?;
     let skin_normals = SkinNormals::new(body.skin());
@@ -92,15 +93,27 @@ fn untangled(
 
     passes::push(cloth);
     let torn = passes::mend(cloth);
+    passes::unfold(cloth)?;
     let mut crossing = passes::lift(cloth)?;
     if cloth.tears().excess > torn {
         passes::mend(cloth);
         crossing = passes::lift(cloth)?;
     }
-    let mut moved = passes::rescue(cloth, &crossing);
+    if passes::unfold(cloth)? {
+        crossing = passes::lift(cloth)?;
+    }
+    let layers = &binding.layers;
+    let mut moved = passes::rescue(cloth, &crossing, |node| !layers.is_follower(node));
     moved.extend(passes::ease(cloth));
     moved.extend(passes::give_in(cloth));
     if !moved.is_empty() {
+        moved.extend(passes::follow(cloth, &moved));
+        crossing.refresh(cloth, &moved)?;
+    }
+    if !layers.is_single() {
+        let flattened = passes::flatten(cloth, &crossing);
+        crossing.refresh(cloth, &flattened)?;
+        let moved = passes::rescue(cloth, &crossing, |node| layers.is_follower(node));
         crossing.refresh(cloth, &moved)?;
     }
     let (report, is_trapped) = passes::verify(cloth, warped, &crossing);

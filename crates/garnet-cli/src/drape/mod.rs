@@ -91,6 +91,8 @@ struct Bound {
     garment_frame: Frame,
     /// Edges of the polygons of the garment.
     edges: Vec<[u32; 2]>,
+    /// Pairs of its faces that run through each other at rest.
+    crossings_at_rest: usize,
     rest: RestSource,
     targets: Vec<Target>,
     pose: Option<PoseSource>,
@@ -120,6 +122,7 @@ impl Bound {
             let (garment, body) = (garment_file.path().display(), rest.path.display());
             format!("cannot bind `{garment}` to `{body}`")
         })?;
+        let crossings_at_rest = garment.cloth_crossings(garment.mesh().positions())?;
         let start = warning::of_start(&garment);
         let at = |path: &Path| {
             let path = path.to_path_buf();
@@ -142,6 +145,7 @@ impl Bound {
             garment_file,
             garment_frame,
             edges,
+            crossings_at_rest,
             rest,
             targets,
             pose,
@@ -271,6 +275,7 @@ fn drape_one(
         problems.extend(warning::of_penetration(&found));
         Some(found)
     };
+    let cloth_crossings = bound.garment.cloth_crossings(&drape.positions)?;
     let positions = bound.garment_frame.to_file(drape.positions);
     let write = || bound.garment_file.write_with_positions(output, &positions);
     let (written, write) = timed(write);
@@ -289,6 +294,8 @@ fn drape_one(
         simulated,
         fallback,
         steps,
+        cloth_crossings,
+        cloth_crossings_at_rest: bound.crossings_at_rest,
         stretch: Stretch {
             p50: stretch.p50,
             p99: stretch.p99,
@@ -390,6 +397,7 @@ fn report_of(
             faces: bound.garment_file.num_polygons(),
             triangles: bound.garment.mesh().num_faces(),
             nodes: bound.garment.cloth().rest_nodes().len(),
+            layered: bound.garment.num_layered(),
             units: bound.garment_frame.unit.to_string(),
             up: bound.garment_frame.up.to_string(),
         },

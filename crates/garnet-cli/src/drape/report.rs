@@ -72,6 +72,8 @@ pub(crate) struct GarmentReport {
     pub(crate) triangles: usize,
     /// Vertices at different places.
     pub(crate) nodes: usize,
+    /// Those of them that lie on other cloth of the garment and follow it.
+    pub(crate) layered: usize,
     /// The unit it was read in: `m`, `dm`, `cm` or `mm`.
     pub(crate) units: String,
     /// The axis that was taken as up: `y` or `z`.
@@ -132,6 +134,10 @@ pub(crate) struct DrapeOutput {
     pub(crate) fallback: Option<String>,
     /// How the frame goes on from the last one of its motion; none of a drape alone.
     pub(crate) steps: Option<StepsReport>,
+    /// Pairs of faces of the garment that run through each other.
+    pub(crate) cloth_crossings: usize,
+    /// The same of the garment at rest.
+    pub(crate) cloth_crossings_at_rest: usize,
     /// Length over rest length of the edges of the garment's polygons.
     pub(crate) stretch: Stretch,
     /// Times of this drape; of the last one, if it was repeated.

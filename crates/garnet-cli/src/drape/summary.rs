@@ -13,6 +13,9 @@ pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Consol
     console.summary(&headline(report, folder));
     console.summary(&format_args!("  {}", result(&report.drapes)));
     console.summary(&format_args!("  {}", stretch(&report.drapes)));
+    if let Some(line) = cloth_crossings(report) {
+        console.summary(&format_args!("  {line}"));
+    }
     if let Some(line) = steps(&report.drapes) {
         console.summary(&format_args!("  {line}"));
     }
@@ -168,6 +171,36 @@ fn stretch(drapes: &[DrapeOutput]) -> String {
         worst(|drape| drape.stretch.p99),
         worst(|drape| drape.stretch.max)
     )
+}
+
+/// Of garments of one layer more pairs than this for each of their faces are told: a few are in
+/// every fold.
+const TOLD_CROSSINGS: f64 = 0.01;
+
+/// Cloth that runs through cloth, where more of it does than at rest.
+fn cloth_crossings(report: &DrapeReport) -> Option<String> {
+    let garment = &report.garment;
+    let is_told = |drape: &&DrapeOutput| {
+        let grown = drape
+            .cloth_crossings
+            .saturating_sub(drape.cloth_crossings_at_rest);
+        let many = TOLD_CROSSINGS * garment.triangles as f64;
+        grown > 0 && (garment.layered > 0 || grown as f64 > many)
+    };
+    let told = report.drapes.iter().filter(is_told);
+    let worst = told.max_by_key(|drape| drape.cloth_crossings)?;
+    let pairs = match worst.cloth_crossings {
+        1 => "1 pair".to_owned(),
+        count => format!("{count} pairs"),
+    };
+    let where_to = match report.drapes.len() {
+        1 => String::new(),
+        _ => format!(", most of them in `{}`", worst.output),
+    };
+    let at_rest = worst.cloth_crossings_at_rest;
+    Some(format!(
+        "cloth through cloth: {pairs} of faces, {at_rest} at rest{where_to}"
+    ))
 }
 
 fn is_converted(report: &DrapeReport) -> bool {

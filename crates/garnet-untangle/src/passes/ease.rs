@@ -29,12 +29,16 @@ pub(crate) fn ease(cloth: &mut Cloth<'_>) -> Vec<u32> {
         return Vec::new();
     }
     let graph = cloth.scene.garment.graph();
+    let layers = &cloth.scene.finder.binding.layers;
     let rings = rings_of(graph, EASE_RADIUS).max(2);
     let region = Region::around(graph, tears.nodes, rings);
     for _ in 0..EASE_SWEEPS {
         let mut farthest = 0.0_f32;
         for &node in region.nodes() {
             let node = node as usize;
+            if layers.is_follower(node) {
+                continue;
+            }
             let position = cloth.positions[node];
             if let Some(place) = eased_place(cloth, node) {
                 farthest = farthest.max((place - position).norm());
@@ -45,7 +49,8 @@ pub(crate) fn ease(cloth: &mut Cloth<'_>) -> Vec<u32> {
             break;
         }
     }
-    region.nodes().to_vec()
+    let led = |&node: &u32| !layers.is_follower(node as usize);
+    region.nodes().iter().copied().filter(led).collect()
 }
 
 /// A free place on the way to where the neighbours want a node.

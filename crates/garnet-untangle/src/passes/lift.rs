@@ -76,7 +76,21 @@ fn lift_corners(cloth: &mut Cloth<'_>, free: &[[u32; 3]]) -> Region {
     cloth.report.crossing_rounds += 1;
     let graph = cloth.scene.garment.graph();
     let rings = rings_of(graph, LIFT_RADIUS).max(2);
-    let region = Region::around(graph, free.iter().flatten().copied(), rings);
+    let layers = &cloth.scene.finder.binding.layers;
+    let mut seeds: Vec<u32> = free.iter().flatten().copied().collect();
+    if !layers.is_single() {
+        let mut is_seed = vec![false; cloth.positions.len()];
+        for &seed in &seeds {
+            is_seed[seed as usize] = true;
+        }
+        for (node, leads) in layers.leads().rev() {
+            if is_seed[node as usize] {
+                leads.iter().for_each(|&lead| is_seed[lead as usize] = true);
+                seeds.extend(leads);
+            }
+        }
+    }
+    let region = Region::around(graph, seeds, rings);
     let normals = cloth.normals(&region);
     raise_clearances(
         cloth.scene.finder,
@@ -87,6 +101,13 @@ fn lift_corners(cloth: &mut Cloth<'_>, free: &[[u32; 3]]) -> Region {
         &mut cloth.clearances,
         cloth.scene.options.clearance + MAX_LIFT,
     );
+    // What lies on other cloth is lifted with it.
+    for (node, leads) in layers.leads().rev() {
+        let lift = cloth.clearances[node as usize] - cloth.goal(node as usize);
+        for lead in leads.map(|lead| lead as usize) {
+            cloth.clearances[lead] = cloth.clearances[lead].max(cloth.goal(lead) + lift);
+        }
+    }
     for _ in 0..LIFT_SEARCHES {
         cloth.find_contacts(&region, Refresh::Moved);
         cloth.sweep(SWEEPS / 2, &region);

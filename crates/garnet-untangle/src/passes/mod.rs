@@ -2,19 +2,23 @@
 //! them.
 
 mod ease;
+mod follow;
 mod give_in;
 mod lift;
 mod mend;
 mod push;
 mod relax;
 mod rescue;
+mod unfold;
 mod verify;
 
 pub(crate) use ease::ease;
+pub(crate) use follow::{flatten, follow};
 pub(crate) use give_in::give_in;
 pub(crate) use lift::lift;
 pub(crate) use mend::mend;
 pub(crate) use push::push;
 pub(crate) use relax::{StretchRange, clamped_edges, relax};
 pub(crate) use rescue::rescue;
+pub(crate) use unfold::unfold;
 pub(crate) use verify::verify;

@@ -34,14 +34,19 @@ const FREE_STRETCH: f32 = 1.5;
 const STRETCH_COST: f32 = 0.03;
 
 /// Moves single nodes that are left inside the body or too near to it to the nearest free
-/// place; returns those that found one.
-pub(crate) fn rescue(cloth: &mut Cloth<'_>, crossing: &Crossing) -> Vec<u32> {
+/// place, of those that may move; returns those that found one.
+pub(crate) fn rescue(
+    cloth: &mut Cloth<'_>,
+    crossing: &Crossing,
+    may_move: impl Fn(usize) -> bool,
+) -> Vec<u32> {
     let is_inside = inside(
         cloth.scene.garment,
         cloth.scene.finder.skin,
         &cloth.positions,
         &crossing.faces,
     );
+    let layers = &cloth.scene.finder.binding.layers;
     let lacks = |&node: &u32| {
         let node = node as usize;
         let position = cloth.positions[node];
@@ -55,11 +60,14 @@ pub(crate) fn rescue(cloth: &mut Cloth<'_>, crossing: &Crossing) -> Vec<u32> {
         }
         let hint = contact.closest.face;
         let closest = cloth.scene.finder.skin.closest_from(position, hint);
-        let is_near = closest.distance_squared < cloth.scene.options.clearance.powi(2);
+        // What lies on other cloth is as near as that lets it.
+        let is_near = !layers.is_follower(node)
+            && closest.distance_squared < cloth.scene.options.clearance.powi(2);
         let is_trapped = cloth.scene.finder.traps.holds(&closest);
         (is_inside[node] || is_near) && !is_trapped
     };
     let nodes = 0..cloth.positions.len() as u32;
+    let nodes = nodes.filter(|&node| may_move(node as usize));
     let lacking: Vec<u32> = nodes.filter(lacks).collect();
     let goal = cloth.scene.options.clearance + 0.5 * CLEARANCE_MARGIN;
     let places = free_places(
