@@ -83,6 +83,12 @@ pub enum GltfProblem {
         /// What is wrong with it.
         what: &'static str,
     },
+    /// Its primitives name vertices again and again.
+    #[error("its primitives have more than {most} vertices or faces")]
+    TooLarge {
+        /// How many are read at most.
+        most: usize,
+    },
     /// The nodes are no forest.
     #[error("node {node} (`{name}`) is its own ancestor, or a child of two nodes")]
     CyclicNodes {

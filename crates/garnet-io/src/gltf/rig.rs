@@ -177,6 +177,10 @@ fn rank(read: &ReadRig) -> (bool, u32) {
     (is_figure, size.to_bits())
 }
 
+/// Vertices, and faces, that are read at most: primitives may be named again and again. Bodies of
+/// films have a million.
+const MOST_ELEMENTS: usize = 1 << 22;
+
 /// A primitive that has been read.
 struct Piece {
     instance: usize,
@@ -282,12 +286,12 @@ impl Reader<'_> {
             .map_or(&[][..], Vec::as_slice);
         for (place, primitive) in mesh.primitives.iter().enumerate() {
             let source = Self::source(place, primitive, morph)?;
-            self.check_size(
-                place,
-                primitive,
-                &source,
-                [pool.positions.len(), pool.num_faces],
-            )?;
+            if pool.positions.len().max(pool.num_faces) > MOST_ELEMENTS {
+                return Err(GltfProblem::TooLarge {
+                    most: MOST_ELEMENTS,
+                }
+                .into());
+            }
             let known = pool.sources.iter();
             let mut known = known.map(|(other, skin, _)| (other, *skin));
             let known = known.position(|other| other == (&source, skin));

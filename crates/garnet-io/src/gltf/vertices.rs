@@ -34,10 +34,6 @@ pub(super) struct Source {
     targets: Vec<(usize, u64)>,
 }
 
-/// Vertices, and faces, that are read at most: primitives may be named again and again. Bodies of
-/// films have a million.
-const MOST_ELEMENTS: usize = 1 << 22;
-
 impl Reader<'_> {
     /// What a primitive reads, with the default weights of the morph targets of its mesh.
     pub(super) fn source(
@@ -76,32 +72,6 @@ impl Reader<'_> {
             sets,
             targets: targets.collect(),
         })
-    }
-
-    /// Refuses more than can be meant, by what accessors say and before they are read.
-    pub(super) fn check_size(
-        &self,
-        place: usize,
-        primitive: &Primitive,
-        source: &Source,
-        [num_vertices, num_faces]: [usize; 2],
-    ) -> Result<(), GltfProblem> {
-        let count = |accessor: usize| {
-            let accessor = self.root.accessors.get(accessor);
-            accessor.map_or(0, |accessor| accessor.count.0 as usize)
-        };
-        let vertices = count(source.positions);
-        let corners = primitive
-            .indices
-            .map_or(vertices, |indices| count(indices.value()));
-        let is_too_much = |before: usize, more: usize| before.saturating_add(more) > MOST_ELEMENTS;
-        if is_too_much(num_vertices, vertices) || is_too_much(num_faces, corners / 3) {
-            return Err(GltfProblem::Primitive {
-                primitive: place,
-                what: "with it, the body has more than 4194304 vertices or faces",
-            });
-        }
-        Ok(())
     }
 
     /// The vertices that a primitive reads.
