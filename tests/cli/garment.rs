@@ -350,3 +350,16 @@ fn a_size_that_does_not_fit_is_warned_of() {
         "{report}"
     );
 }
+
+#[test]
+fn files_of_a_folder_that_is_no_package_are_not_written_over() {
+    let fixture = Fixture::new();
+    fs::create_dir(fixture.path("mine")).unwrap();
+    fs::write(fixture.path("mine/template.obj"), "v 0 0 0\n").unwrap();
+    refused(
+        &fixture,
+        "garment tshirt --vertices 600 -o mine",
+        &["`mine` has a file `template.obj`", "name another folder"],
+    );
+    assert_eq!(fixture.read("mine/template.obj"), b"v 0 0 0\n");
+}

@@ -552,3 +552,20 @@ fn a_fit_without_validation_says_so() {
     assert!(report["valid"].is_null(), "{report}");
     assert!(report["test"]["distance"].as_f64().is_some(), "{report}");
 }
+
+#[test]
+fn info_tells_which_weights_are_damaged() {
+    let fixture = prepared();
+    done(&fixture, "train net scenes --preset tiny --epochs 1 -q");
+    assert!(!done(&fixture, "info net").contains("cannot be used"));
+    let path = fixture.path("net/local.safetensors");
+    let mut bytes = fs::read(&path).unwrap();
+    let last = bytes.len() - 3;
+    bytes[last] ^= 4;
+    fs::write(&path, bytes).unwrap();
+    let told = done(&fixture, "info net");
+    assert!(
+        told.contains("cannot be used: ") && told.contains("checksum"),
+        "{told}"
+    );
+}

@@ -349,4 +349,16 @@ fn the_shirts_of_wang_2018_are_listed() {
     assert!(manifest.check().is_ok());
     assert_eq!(manifest.scenes[1].body_mesh, Path::new("BBB/body.obj"));
     assert!((manifest.scenes[0].parameters["p1"] - 0.25).abs() < 1e-12);
+    // What is no number is refused before anything is written.
+    for word in ["nan", "inf", "x"] {
+        let text = format!("0\n\n0.5 {word} 1\n\n");
+        fs::write(folder.path().join("BBB/shirt_info.txt"), text).unwrap();
+        let listed = ImportManifest::wang_2018(folder.path(), "body.obj", garnet_mesh::Unit::Metre);
+        let text = listed.unwrap_err().to_string();
+        let place = format!("line 3: `{word}`");
+        assert!(
+            text.contains("shirt_info.txt") && text.contains(&place),
+            "{text}"
+        );
+    }
 }

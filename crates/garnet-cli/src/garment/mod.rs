@@ -84,11 +84,21 @@ fn check_apart(folder: &Path, own: &OwnArgs) -> anyhow::Result<()> {
 }
 
 /// Refuses a folder with trained networks, which would be left with another garment than they have
-/// learned.
+/// learned, and one that is no package and has a file of the name of one of a package's.
 fn check_free(folder: &Path) -> anyhow::Result<()> {
     const ADVICE: &str = "name another folder with `-o`, or remove this one first";
     if !GarmentPackage::is_at(folder) {
-        return Ok(());
+        let taken = GarmentPackage::file_names()
+            .into_iter()
+            .find(|name| folder.join(name).exists());
+        return match taken {
+            None => Ok(()),
+            Some(name) => Err(refused(
+                format!("`{}` has a file `{name}`", folder.display()),
+                "the folder is no garment package, and that file would be written over",
+                ADVICE,
+            )),
+        };
     }
     let manifest = GarmentPackage::read_manifest(folder).hint(|| ADVICE.to_owned())?;
     let variants = manifest.variants.len();

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use garnet::Package;
 use garnet::package::{GarmentPackage, Variant};
 use serde::Serialize;
 
@@ -37,6 +38,8 @@ struct VariantInfo {
     /// The same after settling.
     settled_error_m: Option<f64>,
     flop: Option<f64>,
+    /// Why its weights cannot be used; none if they can.
+    problem: Option<String>,
 }
 
 impl PackageInfo {
@@ -47,6 +50,15 @@ impl PackageInfo {
             body,
             ..
         } = GarmentPackage::read(folder)?;
+        let bound = if manifest.variants.is_empty() {
+            None
+        } else {
+            Some(Package::open(folder))
+        };
+        let problem = |name: &str| match bound.as_ref()? {
+            Ok(package) => package.draper(name).err().map(|error| causes(&error)),
+            Err(error) => Some(causes(error)),
+        };
         let default = manifest.default_variant().map(|variant| &variant.name);
         let of = |variant: &Variant| VariantInfo {
             name: variant.name.clone(),
@@ -55,6 +67,7 @@ impl PackageInfo {
             error_m: variant.distance_error,
             settled_error_m: variant.settled_error,
             flop: variant.flop,
+            problem: problem(&variant.name),
         };
         Ok(Self {
             template: shown(&GarmentPackage::template_at(folder)),
@@ -96,10 +109,24 @@ impl VariantInfo {
             of(self.settled_error_m, "settled"),
             self.flop.map(|flop| format!("{:.2} GFLOP", flop / 1e9)),
             self.is_default.then(|| "the default".to_owned()),
+            self.problem
+                .as_ref()
+                .map(|why| format!("cannot be used: {why}")),
         ];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
         parts.join(", ")
     }
+}
+
+/// An error with its causes.
+fn causes(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(cause) = source {
+        text = format!("{text}: {cause}");
+        source = cause.source();
+    }
+    text
 }
 
 fn shown(path: &Path) -> String {

@@ -139,16 +139,22 @@ impl ImportManifest {
 /// The numbers of the last line, as `p0`, `p1`, ….
 fn shirt_parameters(path: &Path) -> Result<BTreeMap<String, f64>, DataError> {
     let text = fs::read_to_string(path).map_err(|source| DataError::read(path, source))?;
-    let line = text.lines().rfind(|line| !line.trim().is_empty());
-    let words = line.unwrap_or_default().split_whitespace().enumerate();
+    let lines = text.lines().enumerate();
+    let last = lines.filter(|(_, line)| !line.trim().is_empty()).last();
+    let (number, line) = last.unwrap_or_default();
+    let words = line.split_whitespace().enumerate();
     words
         .map(|(index, word)| {
+            let wrong = |reason: &str| DataError::Text {
+                path: path.to_path_buf(),
+                reason: format!("line {}: `{word}`: {reason}", number + 1),
+            };
+            let value = word.parse();
             let value =
-                word.parse()
-                    .map_err(|error: std::num::ParseFloatError| DataError::Text {
-                        path: path.to_path_buf(),
-                        reason: format!("line {}: `{word}`: {error}", text.lines().count()),
-                    })?;
+                value.map_err(|error: std::num::ParseFloatError| wrong(&error.to_string()))?;
+            if !f64::is_finite(value) {
+                return Err(wrong("it is not finite"));
+            }
             Ok((format!("p{index}"), value))
         })
         .collect()
