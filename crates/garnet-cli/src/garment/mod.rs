@@ -90,7 +90,7 @@ fn check_free(folder: &Path) -> anyhow::Result<()> {
     if !GarmentPackage::is_at(folder) {
         let taken = GarmentPackage::file_names()
             .into_iter()
-            .find(|name| folder.join(name).exists());
+            .find(|name| folder.join(name).is_file());
         return match taken {
             None => Ok(()),
             Some(name) => Err(refused(
