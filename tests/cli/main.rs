@@ -14,6 +14,7 @@ mod fixtures;
 mod garbage;
 mod garment;
 mod glb;
+mod lists;
 mod outputs;
 #[cfg(unix)]
 mod pages;

@@ -11,8 +11,10 @@ use crate::{
     eval::EvalArgs,
     garment::GarmentArgs,
     info::InfoArgs,
+    lists::VariantsArgs,
     parse::thread_count,
     render::RenderArgs,
+    shell::{CompletionsArgs, ManArgs},
     simulate::SimulateArgs,
     stress::StressArgs,
     train::TrainArgs,
@@ -56,6 +58,14 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Draw a shaded picture of meshes.
     Render(RenderArgs),
+    /// List the poses of the library.
+    Poses,
+    /// List the variants of a package, with their error and time.
+    Variants(VariantsArgs),
+    /// Print the script with which a shell completes this command.
+    Completions(CompletionsArgs),
+    /// Write pages of the manual.
+    Man(ManArgs),
 }
 
 /// Options that every subcommand has.

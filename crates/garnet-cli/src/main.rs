@@ -14,12 +14,14 @@ mod failure;
 mod garment;
 mod hints;
 mod info;
+mod lists;
 mod machine;
 mod motion;
 mod output;
 mod parse;
 mod render;
 mod rig_args;
+mod shell;
 mod simulate;
 mod stderr;
 mod stress;
@@ -66,6 +68,10 @@ fn run(command: Command, console: &Console) -> anyhow::Result<ExitStatus> {
         Command::Stress(args) => stress::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Render(args) => render::run(&args, console),
+        Command::Poses => lists::poses(console),
+        Command::Variants(args) => lists::variants(&args, console),
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man(args) => shell::man(&args, console),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Key poses by name, and the words that the library is written in.
 
-use super::{Arm, Bend, BodyAngles, Leg, library};
+use super::{Arm, Bend, BodyAngles, Group, Leg, library};
 
 /// A named pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,13 +13,26 @@ pub struct KeyPose {
 
 /// All key poses of the library, by group.
 pub fn key_poses() -> impl Iterator<Item = &'static KeyPose> {
-    let groups = [
-        library::EVERYDAY,
-        library::YOGA,
-        library::DANCE,
-        library::REACH,
-    ];
-    groups.into_iter().flatten()
+    let groups = [Group::Everyday, Group::Yoga, Group::Dance, Group::Reach];
+    groups.into_iter().flat_map(key_poses_of)
+}
+
+/// The key poses of a group; none of [`Group::Walk`], whose poses are those of the gait cycle.
+///
+/// ```
+/// use garnet_body::poses::{Group, key_poses_of};
+///
+/// assert!(key_poses_of(Group::Yoga).iter().any(|pose| pose.name == "warrior_two"));
+/// assert!(key_poses_of(Group::Walk).is_empty());
+/// ```
+pub const fn key_poses_of(group: Group) -> &'static [KeyPose] {
+    match group {
+        Group::Everyday => library::EVERYDAY,
+        Group::Yoga => library::YOGA,
+        Group::Dance => library::DANCE,
+        Group::Reach => library::REACH,
+        Group::Walk => &[],
+    }
 }
 
 /// The key pose of a name.

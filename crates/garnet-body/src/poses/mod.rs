@@ -41,7 +41,7 @@ pub use contact::{Contact, ContactKind, ContactReport, SelfContact};
 pub use eased::{Timing, Turns, turn};
 pub use folds::{SkinFolds, skin_folds};
 pub use gait::GaitCycle;
-pub use key_pose::{KeyPose, key_pose, key_poses};
+pub use key_pose::{KeyPose, key_pose, key_poses, key_poses_of};
 pub use parts::{Part, parts_of_vertices};
 pub use poser::Poser;
 pub use ranges::{Range, ranges};

@@ -1,0 +1,71 @@
+//! `garnet completions` and `garnet man`: what shells and manuals need.
+
+use std::path::PathBuf;
+
+use clap::{Args, CommandFactory};
+use clap_complete::Shell;
+
+use crate::{
+    args::Cli,
+    console::{Console, print_data},
+    failure::ExitStatus,
+    output,
+};
+
+/// Arguments of `completions`.
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArgs {
+    /// The shell.
+    #[arg(value_name = "SHELL")]
+    shell: Shell,
+}
+
+/// Arguments of `man`.
+#[derive(Debug, Args)]
+pub(crate) struct ManArgs {
+    /// Folder of the pages.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+/// Prints the script with which a shell completes the command.
+pub(crate) fn completions(args: &CompletionsArgs) -> anyhow::Result<ExitStatus> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "garnet", &mut script);
+    print_data(String::from_utf8(script)?.trim_end())?;
+    Ok(ExitStatus::Done)
+}
+
+/// Writes a page of the manual for the command and for each of its subcommands.
+pub(crate) fn man(args: &ManArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    output::check_output_folder(&args.output)?;
+    output::open_folder(&args.output)?;
+    let mut command = Cli::command().disable_help_subcommand(true);
+    command.build();
+    let mut count = 0;
+    write(&command, "garnet", &args.output, &mut count)?;
+    console.summary(&format_args!(
+        "{count} pages are in `{}`",
+        args.output.display()
+    ));
+    Ok(ExitStatus::Done)
+}
+
+fn write(
+    command: &clap::Command,
+    name: &str,
+    folder: &std::path::Path,
+    count: &mut usize,
+) -> anyhow::Result<()> {
+    let mut page = Vec::new();
+    clap_mangen::Man::new(command.clone())
+        .title(name.to_uppercase())
+        .render(&mut page)?;
+    output::write(&folder.join(format!("{name}.1")), &page)?;
+    *count += 1;
+    for subcommand in command.get_subcommands() {
+        let name = format!("{name}-{}", subcommand.get_name());
+        write(subcommand, &name, folder, count)?;
+    }
+    Ok(())
+}

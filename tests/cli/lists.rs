@@ -1,0 +1,51 @@
+//! What there is to choose from, and what shells and manuals need.
+
+use serde_json::Value;
+
+use crate::fixtures::{Fixture, refused_with_hint};
+use crate::train::{done, prepared};
+
+#[test]
+fn poses_are_listed_by_group_with_what_is_bent() {
+    let fixture = Fixture::new();
+    let listed: Value = serde_json::from_str(&done(&fixture, "poses --json")).unwrap();
+    let listed = listed.as_array().unwrap();
+    assert_eq!(listed.len(), garnet::body::poses::key_poses().count());
+    let warrior = listed.iter().find(|pose| pose["name"] == "warrior_two").unwrap();
+    assert_eq!(warrior["group"], "yoga");
+    assert!(warrior["note"].as_str().unwrap().contains("arms raised"));
+    let text = done(&fixture, "poses");
+    assert!(text.starts_with("everyday\n  stand") && text.contains("\ndance\n"), "{text}");
+    // Each can be asked for.
+    for pose in listed.iter().step_by(20) {
+        done(&fixture, &format!("body --pose {} -o one.obj -q", pose["name"].as_str().unwrap()));
+    }
+}
+
+#[test]
+fn variants_are_listed_with_their_errors() {
+    let fixture = prepared();
+    assert_eq!(done(&fixture, "variants net"), "");
+    done(&fixture, "train net scenes --preset tiny --epochs 1 -q");
+    let text = done(&fixture, "variants net");
+    assert!(text.starts_with("local ") && text.contains(" mm") && text.contains("the default"));
+    let listed: Value = serde_json::from_str(&done(&fixture, "variants net --json")).unwrap();
+    assert_eq!(listed[0]["name"], "local");
+    assert!(listed[0]["error_m"].as_f64().unwrap() > 0.0);
+    refused_with_hint(&fixture, "variants sleeve.obj", &["is no garment package"]);
+}
+
+#[test]
+fn shells_and_manuals_know_every_subcommand() {
+    let fixture = Fixture::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = done(&fixture, &format!("completions {shell}"));
+        assert!(script.contains("drape") && script.contains("stress"), "{shell}");
+    }
+    done(&fixture, "man -o pages -q");
+    let page = String::from_utf8(fixture.read("pages/garnet-drape.1")).unwrap();
+    assert!(page.contains(".TH GARNET-DRAPE 1") && page.contains("clearance"));
+    for name in ["garnet.1", "garnet-stress.1", "garnet-garment-tshirt.1"] {
+        assert!(!fixture.read(&format!("pages/{name}")).is_empty());
+    }
+}
