@@ -7,6 +7,7 @@
 
 mod bad_input;
 mod body;
+mod caches;
 mod chart;
 mod dataset;
 mod drape;

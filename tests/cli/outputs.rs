@@ -17,20 +17,22 @@ const SIMULATE: &str = "simulate sleeve.obj bent.obj --rig body.rig.npz --qualit
 #[test]
 fn names_of_other_formats_are_refused() {
     let fixture = Fixture::new();
-    for name in ["x.glb", "x.usd", "x.PLY", "x.obj.gz"] {
+    let drapes = "drapes are written as OBJ, GLB, PC2, MDD or npz, not";
+    let meshes = "meshes are written as OBJ, not";
+    for name in ["x.fbx", "x.usd", "x.PLY", "x.obj.gz"] {
         let kind = name.rsplit('.').next().unwrap();
-        for arguments in [
-            format!("{DRAPE} -o {name}"),
-            format!("{DRAPE} -o out.obj --body-out {name}"),
-            format!("{SIMULATE} -o {name}"),
-            format!("body -o {name}"),
+        for (arguments, what) in [
+            (format!("{DRAPE} -o {name}"), drapes),
+            (format!("{DRAPE} -o out.obj --body-out {name}"), drapes),
+            (format!("{SIMULATE} -o {name}"), drapes),
+            (format!("body -o {name}"), meshes),
         ] {
             refused(
                 &fixture,
                 &arguments,
                 &[
                     &format!("cannot write `{name}`"),
-                    &format!("meshes are written as OBJ, not {kind}"),
+                    &format!("{what} {kind}"),
                     "ends with .obj",
                 ],
             );
@@ -43,7 +45,7 @@ fn names_of_other_formats_are_refused() {
     }
     for arguments in [
         "garment tshirt -o x.glb",
-        "drape sleeve.obj body.obj bent.obj --rig body.rig.npz -o x.glb",
+        "drape sleeve.obj body.obj bent.obj --rig body.rig.npz -o x.fbx",
         "body --sample 2 -o x.obj",
     ] {
         let expected = ["the name of a file", "a folder is needed"];

@@ -4,8 +4,8 @@ use std::{error::Error, fmt, process::ExitCode};
 
 /// How the command ends.
 ///
-/// An interrupted command is ended by the signal itself, which shells show as 130; since outputs
-/// appear whole or not at all, nothing needs to be put in order before.
+/// An interrupted command is ended by the signal itself, which shells show as 130: outputs appear
+/// whole or not at all. Where a file is being written for long, it is taken away first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ExitStatus {
     /// 0: all was done.
@@ -14,6 +14,8 @@ pub(crate) enum ExitStatus {
     LimitExceeded,
     /// 2: it was not done: usage, unreadable or mismatched input, disk.
     NotDone,
+    /// 130: it was told to stop.
+    Interrupted,
 }
 
 impl From<ExitStatus> for ExitCode {
@@ -22,6 +24,7 @@ impl From<ExitStatus> for ExitCode {
             ExitStatus::Done => 0,
             ExitStatus::LimitExceeded => 1,
             ExitStatus::NotDone => 2,
+            ExitStatus::Interrupted => 130,
         })
     }
 }

@@ -14,6 +14,7 @@ mod failure;
 mod garment;
 mod hints;
 mod info;
+mod interrupt;
 mod lists;
 mod machine;
 mod motion;
@@ -26,6 +27,7 @@ mod simulate;
 mod stderr;
 mod stress;
 mod train;
+mod workers;
 
 use std::process::ExitCode;
 

@@ -37,6 +37,21 @@ pub(crate) fn check_obj(path: &Path) -> anyhow::Result<()> {
     check_file(path)
 }
 
+/// How drapes can be written.
+const DRAPES: [&str; 5] = ["obj", "glb", "pc2", "mdd", "npz"];
+
+/// Refuses a drape that cannot be written, or whose name says that it is of another format than is
+/// written.
+pub(crate) fn check_drape(path: &Path) -> anyhow::Result<()> {
+    check_named(path, "name a file")?;
+    check_kinds(
+        path,
+        "drapes are written as OBJ, GLB, PC2, MDD or npz",
+        &DRAPES,
+    )?;
+    check_file(path)
+}
+
 /// Refuses a picture that cannot be written, or whose name says that it is of another format than
 /// is written.
 pub(crate) fn check_png(path: &Path) -> anyhow::Result<()> {
@@ -45,16 +60,35 @@ pub(crate) fn check_png(path: &Path) -> anyhow::Result<()> {
     check_file(path)
 }
 
-/// A name without an extension says nothing.
 fn check_kind(path: &Path, what: &str, kind: &str) -> anyhow::Result<()> {
+    check_kinds(path, what, &[kind])
+}
+
+/// Refuses a name that is of none of some kinds; one without an extension says nothing.
+pub(crate) fn check_kinds(path: &Path, what: &str, kinds: &[&str]) -> anyhow::Result<()> {
     let extension = path.extension().map(OsStr::to_string_lossy);
     match extension {
-        Some(extension) if !extension.eq_ignore_ascii_case(kind) => Err(refused(
-            format!("cannot write `{}`", path.display()),
-            format!("{what}, not {extension}"),
-            format!("name a file that ends with .{kind}"),
-        )),
+        Some(extension)
+            if !kinds
+                .iter()
+                .any(|kind| extension.eq_ignore_ascii_case(kind)) =>
+        {
+            Err(refused(
+                format!("cannot write `{}`", path.display()),
+                format!("{what}, not {extension}"),
+                format!("name a file that ends with {}", either(kinds)),
+            ))
+        }
         _ => Ok(()),
+    }
+}
+
+/// Extensions as people list them.
+fn either(kinds: &[&str]) -> String {
+    match kinds {
+        [] => String::new(),
+        [kind] => format!(".{kind}"),
+        [first @ .., last] => format!(".{} or .{last}", first.join(", .")),
     }
 }
 
@@ -113,6 +147,16 @@ pub(crate) fn check_folder(folder: &Path) -> anyhow::Result<()> {
 /// As [`check_folder`], and refuses a new folder whose name is that of a file, which was meant
 /// perhaps.
 pub(crate) fn check_output_folder(folder: &Path) -> anyhow::Result<()> {
+    check_new_folder(folder, "name a folder with `-o`, or end the name with `/`")
+}
+
+/// As [`check_output_folder`], of several drapes, which may go into one file, too.
+pub(crate) fn check_drape_folder(folder: &Path) -> anyhow::Result<()> {
+    let advice = "name a folder, or a file of all frames that ends with .pc2, .mdd, .npz or .glb";
+    check_new_folder(folder, advice)
+}
+
+fn check_new_folder(folder: &Path, advice: &str) -> anyhow::Result<()> {
     let extension = folder.extension().map(OsStr::to_string_lossy);
     let kind = extension.filter(|found| {
         let mut kinds = KINDS_OF_FILES.into_iter();
@@ -122,7 +166,7 @@ pub(crate) fn check_output_folder(folder: &Path) -> anyhow::Result<()> {
         Some(kind) if !folder.exists() && !names_folder(folder) => Err(refused(
             format!("cannot write into `{}`", folder.display()),
             format!("it has the name of a file ({kind}), and a folder is needed"),
-            "name a folder with `-o`, or end the name with `/`",
+            advice,
         )),
         _ => check_folder(folder),
     }
@@ -171,7 +215,11 @@ pub(crate) fn make_folder(folder: &Path) -> anyhow::Result<()> {
     if folder.is_dir() {
         return Ok(());
     }
-    fs::create_dir(folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))
+    match fs::create_dir(folder) {
+        // Another part of the same work has made it meanwhile.
+        Err(_) if folder.is_dir() => Ok(()),
+        made => made.with_context(|| format!("cannot make the folder `{}`", folder.display())),
+    }
 }
 
 /// Makes a folder that was checked, and removes the temporary files that killed runs have left in

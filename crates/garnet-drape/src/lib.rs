@@ -7,6 +7,7 @@
 //! Without features the crate warps and untangles. `package` adds garment packages, pose-space
 //! deformations and the simulator; `network` adds GarNet, which runs on Burn.
 
+mod coverage;
 mod draper;
 mod error;
 mod garment;
@@ -18,6 +19,8 @@ mod take;
 mod body_path;
 #[cfg(feature = "package")]
 mod choice;
+#[cfg(feature = "package")]
+mod following;
 #[cfg(feature = "package")]
 mod lock;
 #[cfg(feature = "package")]
@@ -43,13 +46,14 @@ mod unfamiliar;
 pub use body_path::BodyPath;
 #[cfg(feature = "package")]
 pub use choice::{Candidate, Choice, Limit, calibration};
+pub use coverage::{Coverage, CoverageOptions};
 pub use draper::{
     Drape, DrapeOptions, DrapeSeconds, Draper, Fallback, Placed, PlacedBy, Provenance,
 };
 pub use error::Error;
 pub use garment::{BoundGarment, Garment};
 #[cfg(feature = "package")]
-pub use garnet_sim::Moment;
+pub use garnet_sim::{Moment, MovingCloth};
 #[cfg(feature = "package")]
 pub use lock::{Attempt, FileLock};
 #[cfg(feature = "package")]

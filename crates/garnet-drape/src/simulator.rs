@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_mesh::Point3;
 use garnet_sim::{
-    Cloth, Collider, Drape, Event, Fabric, MovingBody, RestShape, Scene, Schedule, SimError, Wind,
-    drape, settle,
+    Cloth, Collider, Drape, Event, Fabric, Motion, MovingBody, RestShape, Scene, Schedule,
+    SimError, Wind, drape, settle,
 };
 use garnet_skin::{Body, BoundGarment, Garment, PosedBody};
 
@@ -223,20 +223,55 @@ impl Simulator {
         let offsets = self.garment.shape_offsets_nodes(path.shape());
         let carried =
             |time: f32| self.simulated(&path.carried_nodes(&self.garment, &offsets, time));
-        run(&Scene {
+        run(&self.scene(start, &motion, &carried))
+    }
+
+    /// Runs a scene in which the body moves and the air goes along, and the garment was put on as
+    /// it lies at rest.
+    pub(crate) fn with_scene<T>(
+        &self,
+        motion: &Motion<'_>,
+        air: &Motion<'_>,
+        run: impl FnOnce(&Scene<'_>) -> T,
+    ) -> T {
+        run(&self.scene(&self.start, motion, air))
+    }
+
+    fn scene<'a>(
+        &'a self,
+        start: &'a [Point3],
+        motion: &'a Motion<'a>,
+        air: &'a Motion<'a>,
+    ) -> Scene<'a> {
+        Scene {
             cloth: &self.cloth,
             start,
             body: Some(MovingBody {
                 collider: &self.collider,
-                motion: &motion,
+                motion,
                 wind: Some(Wind {
-                    motion: &carried,
+                    motion: air,
                     looseness: &self.looseness,
                 }),
                 allowed_parts: self.allowed.as_deref(),
                 likely_faces: None,
             }),
-        })
+        }
+    }
+
+    /// The garment.
+    pub(crate) fn garment(&self) -> &BoundGarment {
+        &self.garment
+    }
+
+    /// Positions of the simulated nodes of those of the garment's mesh `[vertex]`.
+    pub(crate) fn of_vertices(&self, vertices: &[Point3]) -> Vec<Point3> {
+        self.simulated(&self.garment.weld().gather(vertices))
+    }
+
+    /// What a simulation says of its nodes, said of the vertices of the garment's mesh.
+    pub(crate) fn named(&self, error: SimError) -> SimError {
+        of_vertices(error, &self.garment, &self.nodes)
     }
 
     /// Simulates a garment that something else has put on its way to a posed body, a network say,
@@ -311,7 +346,7 @@ impl Simulator {
     }
 
     /// A schedule as the layers of the garment ask for it.
-    fn layered(&self, schedule: Schedule) -> Schedule {
+    pub(crate) fn layered(&self, schedule: Schedule) -> Schedule {
         if self.is_sewn {
             schedule.of_one_layer()
         } else {
@@ -320,7 +355,7 @@ impl Simulator {
     }
 
     /// Positions of the simulated nodes of those of all nodes `[node]`.
-    fn simulated(&self, at_nodes: &[Point3]) -> Vec<Point3> {
+    pub(crate) fn simulated(&self, at_nodes: &[Point3]) -> Vec<Point3> {
         let nodes = self.nodes.iter();
         nodes.map(|&node| at_nodes[node as usize]).collect()
     }

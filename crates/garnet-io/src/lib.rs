@@ -12,6 +12,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cache;
 mod error;
 mod gltf;
 mod json;
@@ -30,20 +31,21 @@ mod scene_json;
 mod units;
 mod weights_json;
 
+pub use self::cache::{CacheError, CacheKind, CachePart, CacheWriter};
 pub use self::gltf::{GltfProblem, LeftOut, RigPart, read_rig_gltf};
 pub use error::{FileError, FileProblem};
 pub use motion::{MotionError, MotionProblem, Take, TakeError};
 pub use npy::{ArrayProblem, NpyArray, NpyValues};
 pub use npz::NpzFile;
-pub use obj::{ObjElement, ObjError, ObjFile, ObjLineProblem, ObjParseError, write_obj};
+pub use obj::{ObjElement, ObjError, ObjFile, ObjLineProblem, ObjLook, ObjParseError, write_obj};
 pub use placement::{Misplaced, check_offsets, check_sizes};
 pub use pose_json::read_pose;
 pub use read_rig::{PartsNote, ReadRig, RigOptions, read_rig, read_rig_with};
 pub use rig_npz::{WriteRigError, read_rig_npz, rig_npz, write_rig_npz};
 pub use scene::{
     Aim, Frame, MotionOptions, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource,
-    Posing, RestSource, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem, SceneUnits,
-    Target, is_rig, largest_distance, read_mesh, rig_beside,
+    Posing, RestSource, RigRest, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem,
+    SceneUnits, Target, is_rig, largest_distance, read_mesh, rig_beside,
 };
 pub use scene_json::SceneJson;
 pub use units::{guess_body_unit, guess_garment_units, guess_up_axis};

@@ -3,7 +3,7 @@
 use std::{
     ffi::OsStr,
     fs::{self, DirEntry, File, OpenOptions},
-    io::{self, BufWriter, Write},
+    io::{self, BufWriter, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -90,6 +90,75 @@ impl StagedFile {
         path: impl AsRef<Path>,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<Self, WriteError> {
+        let mut file = OpenFile::create(path)?;
+        match write(&mut file) {
+            Ok(()) => file.close(),
+            Err(source) => Err(file.failed(source)),
+        }
+    }
+
+    /// Puts the file into its place, instead of the one that is there.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError::Io`] if the system refuses; the place is then as it was.
+    pub fn put(self) -> Result<(), WriteError> {
+        let Self { path, staged } = self;
+        let Some((temporary, target)) = staged else {
+            return Ok(());
+        };
+        match temporary.persist(target) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(WriteError::Io {
+                path,
+                source: error.error,
+            }),
+        }
+    }
+}
+
+/// A file that is being written, piece by piece, under a temporary name beside its place.
+///
+/// If the value is dropped the temporary file goes, and its place is as it was.
+///
+/// # Examples
+///
+/// ```
+/// use std::io::Write;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("frames.bin");
+/// let mut file = garnet_mesh::OpenFile::create(&path)?;
+/// file.write_all(b"one")?;
+/// file.write_all(b"two")?;
+/// assert!(!path.exists());
+/// file.close()?.put()?;
+/// assert_eq!(std::fs::read(&path)?, b"onetwo");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct OpenFile {
+    /// As it was named.
+    path: PathBuf,
+    writer: Open,
+}
+
+/// Where the bytes go.
+#[derive(Debug)]
+enum Open {
+    /// Into a temporary file, for its place, with the permissions of the one that is there.
+    Temporary(BufWriter<NamedTempFile>, PathBuf, Option<fs::Permissions>),
+    /// Into a pipe or device.
+    Through(BufWriter<File>),
+}
+
+impl OpenFile {
+    /// Begins a file.
+    ///
+    /// # Errors
+    ///
+    /// [`WriteError`] if the folder is missing or the system refuses.
+    pub fn create(path: impl AsRef<Path>) -> Result<Self, WriteError> {
         let path = path.as_ref();
         let failed = |source| WriteError::Io {
             path: path.to_path_buf(),
@@ -102,10 +171,10 @@ impl StagedFile {
                 });
             }
             Ok(metadata) if !metadata.is_file() => {
-                write_through(path, write).map_err(failed)?;
+                let file = OpenOptions::new().write(true).open(path).map_err(failed)?;
                 return Ok(Self {
                     path: path.to_path_buf(),
-                    staged: None,
+                    writer: Open::Through(BufWriter::new(file)),
                 });
             }
             Ok(metadata) => {
@@ -129,48 +198,82 @@ impl StagedFile {
                 (target, None)
             }
         };
-        let temporary = written(folder_of(&target), permissions, write).map_err(failed)?;
+        let temporary = temporary_in(folder_of(&target)).map_err(failed)?;
         Ok(Self {
             path: path.to_path_buf(),
-            staged: Some((temporary, target)),
+            writer: Open::Temporary(BufWriter::new(temporary), target, permissions),
         })
     }
 
-    /// Puts the file into its place, instead of the one that is there.
+    /// The path, as it was named.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The error that the system refused to write it.
+    pub fn failed(&self, source: io::Error) -> WriteError {
+        WriteError::Io {
+            path: self.path.clone(),
+            source,
+        }
+    }
+
+    /// The file is written: it is still to be [put](StagedFile::put) into its place.
     ///
     /// # Errors
     ///
-    /// [`WriteError::Io`] if the system refuses; the place is then as it was.
-    pub fn put(self) -> Result<(), WriteError> {
-        let Self { path, staged } = self;
-        let Some((temporary, target)) = staged else {
-            return Ok(());
-        };
-        match temporary.persist(target) {
-            Ok(_) => Ok(()),
-            Err(error) => Err(WriteError::Io {
-                path,
-                source: error.error,
-            }),
+    /// [`WriteError::Io`] if the system refuses.
+    pub fn close(self) -> Result<StagedFile, WriteError> {
+        let Self { path, writer } = self;
+        match closed(writer) {
+            Ok(staged) => Ok(StagedFile { path, staged }),
+            Err(source) => Err(WriteError::Io { path, source }),
         }
     }
 }
 
-/// A temporary file in a folder, written to the end.
-fn written(
-    folder: &Path,
-    permissions: Option<fs::Permissions>,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<NamedTempFile> {
-    let mut writer = BufWriter::new(temporary_in(folder)?);
-    write(&mut writer)?;
-    let temporary = writer
-        .into_inner()
-        .map_err(io::IntoInnerError::into_error)?;
-    if let Some(permissions) = permissions {
-        temporary.as_file().set_permissions(permissions)?;
+fn closed(writer: Open) -> io::Result<Option<(NamedTempFile, PathBuf)>> {
+    match writer {
+        Open::Temporary(writer, target, permissions) => {
+            let temporary = writer
+                .into_inner()
+                .map_err(io::IntoInnerError::into_error)?;
+            if let Some(permissions) = permissions {
+                temporary.as_file().set_permissions(permissions)?;
+            }
+            Ok(Some((temporary, target)))
+        }
+        Open::Through(mut writer) => {
+            writer.flush()?;
+            Ok(None)
+        }
     }
-    Ok(temporary)
+}
+
+impl Write for OpenFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.writer {
+            Open::Temporary(writer, ..) => writer.write(bytes),
+            Open::Through(writer) => writer.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.writer {
+            Open::Temporary(writer, ..) => writer.flush(),
+            Open::Through(writer) => writer.flush(),
+        }
+    }
+}
+
+/// Pipes and devices cannot be sought in.
+impl Seek for OpenFile {
+    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
+        match &mut self.writer {
+            Open::Temporary(writer, ..) => writer.seek(place),
+            Open::Through(writer) => writer.seek(place),
+        }
+    }
 }
 
 /// What the names of temporary files begin with.
@@ -237,16 +340,6 @@ fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
         .prefix(PREFIX)
         .rand_bytes(NUM_RANDOM)
         .tempfile_in(folder)
-}
-
-fn write_through(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
-    let file: File = OpenOptions::new().write(true).open(path)?;
-    let mut writer = BufWriter::new(file);
-    write(&mut writer)?;
-    writer.flush()
 }
 
 /// The file that a chain of symbolic links names, which need not exist.

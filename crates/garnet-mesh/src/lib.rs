@@ -37,7 +37,7 @@ mod topology;
 mod tri_mesh;
 mod units;
 
-pub use atomic::{StagedFile, WriteError, remove_stale_temporaries, write_atomically};
+pub use atomic::{OpenFile, StagedFile, WriteError, remove_stale_temporaries, write_atomically};
 pub use bounded::{MOST_BYTES, read_at_most, read_bounded, stays_inside};
 pub use compare::{
     RestEdge, Spread, StretchSummary, distance_error, edge_stretch, edge_stretches, normal_angles,

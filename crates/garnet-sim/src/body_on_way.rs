@@ -24,6 +24,8 @@ pub(crate) struct BodyOnWay<'a> {
     wind: Vec<(Vector3, f32)>,
     motion_frames: u32,
     motion_part: [f32; 2],
+    /// How far the time of the body is at each share of the motion.
+    pace: fn(f32) -> f32,
     refreshes: u32,
     /// From one refresh to the next, in seconds.
     interval: f32,
@@ -31,11 +33,25 @@ pub(crate) struct BodyOnWay<'a> {
 }
 
 impl<'a> BodyOnWay<'a> {
+    /// A body that starts and ends its way gently.
     pub(crate) fn new(body: MovingBody<'a>, schedule: &Schedule) -> Result<Self, SimError> {
+        Self::at_pace(body, schedule, eased)
+    }
+
+    /// A body whose time runs evenly: it is in the middle of a longer motion.
+    pub(crate) fn evenly(body: MovingBody<'a>, schedule: &Schedule) -> Result<Self, SimError> {
+        Self::at_pace(body, schedule, |time| time)
+    }
+
+    fn at_pace(
+        body: MovingBody<'a>,
+        schedule: &Schedule,
+        pace: fn(f32) -> f32,
+    ) -> Result<Self, SimError> {
         let time = if schedule.motion_frames == 0 {
             1.0
         } else {
-            eased(schedule.motion_part[0])
+            pace(schedule.motion_part[0])
         };
         let from = (body.motion)(time);
         Ok(Self {
@@ -47,6 +63,7 @@ impl<'a> BodyOnWay<'a> {
             wind: Vec::new(),
             motion_frames: schedule.motion_frames,
             motion_part: schedule.motion_part,
+            pace,
             refreshes: schedule.refreshes_per_frame,
             interval: schedule.frame_seconds / schedule.refreshes_per_frame as f32,
             time,
@@ -129,7 +146,7 @@ impl<'a> BodyOnWay<'a> {
     fn time_of(&self, frame: u32) -> f32 {
         let [from, to] = self.motion_part;
         let share = frame as f32 / self.motion_frames as f32;
-        eased(from + (to - from) * share)
+        (self.pace)(from + (to - from) * share)
     }
 
     /// Moves the skin to the beginning of an interval of the frame.

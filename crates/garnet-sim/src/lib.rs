@@ -4,6 +4,7 @@
 //! it from where it lies on a body at rest to the body's last place, along a [`Schedule`] of fixed
 //! steps, and reports how it lies there.
 
+mod along;
 mod body_on_way;
 mod cloth;
 mod collider;
@@ -21,6 +22,7 @@ mod schedule;
 mod solver;
 mod xpbd;
 
+pub use along::{MovingCloth, go_along};
 pub use cloth::{BENDING_FACTOR, BendingHinge, Cloth, Spring};
 pub use collider::{Collider, MAX_PARTS, Motion};
 pub use drape::{Drape, Event, drape, settle};

@@ -8,7 +8,7 @@ use crate::xpbd::particles::{Particles, Push};
 use crate::xpbd::patch::Pace;
 use crate::xpbd::patchwork::Patchwork;
 use crate::xpbd::quad::Quad;
-use crate::{Cloth, Point3, Scene, Schedule, SelfContact, SimError, Stage, Vector3};
+use crate::{Cloth, MovingCloth, Point3, Scene, Schedule, SelfContact, SimError, Stage, Vector3};
 
 /// The state of one run.
 #[derive(Debug)]
@@ -151,6 +151,32 @@ impl<'a> Solver<'a> {
     /// Gives the cloth the velocity of the air that goes along with the body, where that is known.
     pub(crate) fn set_off(&mut self) {
         self.particles.set_off(&self.wind);
+    }
+
+    /// Goes on from cloth as it was left, or from rest with the velocity of the air.
+    pub(crate) fn take_up(&mut self, from: &MovingCloth) {
+        self.particles.put(&from.positions);
+        let sum: nalgebra::Vector3<f64> = (from.positions.iter())
+            .map(|p| p.coords.cast::<f64>())
+            .sum();
+        self.center = (sum / from.positions.len().max(1) as f64).cast();
+        if from.velocities.is_empty() {
+            self.particles.set_off(&self.wind);
+        } else {
+            self.particles.set_velocities(&from.velocities, self.step);
+        }
+        if !from.faces.is_empty() {
+            self.contacts.take_up(&from.faces);
+        }
+    }
+
+    /// The cloth as it is left for the next stretch.
+    pub(crate) fn left(&self) -> MovingCloth {
+        MovingCloth {
+            positions: self.particles.positions(),
+            velocities: self.particles.velocities(self.step),
+            faces: self.contacts.own_faces(),
+        }
     }
 
     /// Looks for contacts anew. `frame` counts from the start of the run.

@@ -1,3 +1,5 @@
 //! The steps of a drape, for those who time or replace them.
 
-pub use garnet_drape::{Placed, PlacedBy, Refit, StepLimit, Take, TakeFrame};
+pub use garnet_drape::{
+    Coverage, CoverageOptions, Placed, PlacedBy, Refit, StepLimit, Take, TakeFrame,
+};

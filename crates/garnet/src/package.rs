@@ -2,7 +2,7 @@
 
 pub use garnet_drape::{
     BodyPath, Candidate, Choice, GarmentPackage, Limit, MANIFEST_FILE, Manifest, MeasuredCost,
-    Moment, PACKAGE_SCHEMA, PackageError, PackageParts, Progress, Quality, Settling, Simulator,
-    StoredCost, StoredFabric, StoredParameters, StoredPattern, StoredRestBody, Variant,
+    Moment, MovingCloth, PACKAGE_SCHEMA, PackageError, PackageParts, Progress, Quality, Settling,
+    Simulator, StoredCost, StoredFabric, StoredParameters, StoredPattern, StoredRestBody, Variant,
     quality_name, quality_of,
 };

@@ -241,7 +241,7 @@ fn write_subject(
     outputs: &Outputs<'_>,
     report: &mut BodyReport,
 ) -> anyhow::Result<()> {
-    let Posing { poses, notes } = match source {
+    let Posing { poses, notes, .. } = match source {
         Some(source) => source.read(&subject.body, &args.placing.options())?,
         None => Posing::default(),
     };

@@ -11,8 +11,10 @@ use garnet::{
     package::{GarmentPackage, Limit, Quality, StoredFabric},
 };
 
+use super::sink::CacheFile;
 use crate::{
     failure::{Hint, refused},
+    garment,
     motion::MotionArgs,
     output,
     parse::{millimetres, milliseconds, settle_frames, tolerance},
@@ -25,12 +27,17 @@ use crate::{
 pub(crate) struct DrapeArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Where the draped OBJ goes; a folder for several bodies, or if it ends with `/`.
+    /// Where the drape goes: an OBJ, or a GLB with the body; for several bodies a folder of OBJ, or
+    /// one file of all frames: .pc2, .mdd, .npz or .glb. A name that ends with `/` is a folder.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// With `--pose`: write the posed body, as OBJ; a folder for several.
-    #[arg(long, value_name = "OBJ", requires = "pose")]
+    /// With `--pose`: write the posed body, as the drape is written; a folder for several OBJ.
+    #[arg(long, value_name = "OUT", requires = "pose")]
     body_out: Option<PathBuf>,
+    /// Write which faces of the body the garment covers in all drapes, so that they need not be
+    /// drawn: JSON, or a number a line if it ends with .txt.
+    #[arg(long, value_name = "FILE")]
+    hide: Option<PathBuf>,
     /// A variant of the package: fast, balanced, accurate, or one of the paper's networks (naive,
     /// global, local …); or auto (its default, else warp), warp, dqs, lbs, sim.
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = MethodName::parse)]
@@ -47,6 +54,13 @@ pub(crate) struct DrapeArgs {
     /// [default: by the method, see docs/reference/options.md].
     #[arg(long, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
+    /// Fabric of all that is simulated: silk, jersey, interlock, cotton, knit or denim
+    /// [default: that of the package, else cotton].
+    #[arg(long, value_name = "NAME")]
+    fabric: Option<String>,
+    /// Drape the K-th of N parts of the bodies or frames, each on a machine of its own.
+    #[arg(long, hide_short_help = true, value_name = "K/N", value_parser = Shard::parse)]
+    shard: Option<Shard>,
     /// Smallest distance between cloth and skin, in millimetres.
     #[arg(long, hide_short_help = true, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
     clearance: f32,
@@ -198,6 +212,29 @@ pub(crate) fn units(text: &str) -> Result<SceneUnits, String> {
     })
 }
 
+/// A part of many drapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Shard {
+    /// From 1.
+    pub(crate) number: usize,
+    pub(crate) count: usize,
+}
+
+impl Shard {
+    fn parse(text: &str) -> Result<Self, String> {
+        let numbers = text.split_once('/').and_then(|(number, count)| {
+            Some((number.parse::<u32>().ok()?, count.parse::<u32>().ok()?))
+        });
+        match numbers {
+            Some((number, count)) if (1..=count).contains(&number) => Ok(Self {
+                number: number as usize,
+                count: count as usize,
+            }),
+            _ => Err("expected a part and their number, as 2/8".to_owned()),
+        }
+    }
+}
+
 /// What is to be done, checked as far as that goes without reading files.
 #[derive(Debug)]
 pub(crate) struct Job {
@@ -206,8 +243,20 @@ pub(crate) struct Job {
     pub(crate) source: Source,
     /// One for each target; none where the frames of a motion name them.
     pub(crate) outputs: Vec<PathBuf>,
+    /// The file of all frames that they go to instead.
+    pub(crate) cache: Option<CacheFile>,
+    /// The file of all frames that the bodies go to.
+    pub(crate) body_cache: Option<CacheFile>,
+    /// Where it is told which faces of the body are covered.
+    pub(crate) hide: Option<PathBuf>,
+    /// Which part of the targets is draped; all without it.
+    pub(crate) shard: Option<Shard>,
+    /// Fabric of what is simulated, instead of that of the package or cotton.
+    pub(crate) fabric: Option<StoredFabric>,
     /// The folder that the outputs go to, if there are several.
     pub(crate) folder: Option<PathBuf>,
+    /// Whether there may be several drapes.
+    is_several: bool,
     /// Folders that single outputs go to.
     pub(crate) new_folders: Vec<PathBuf>,
     /// What a single output in a folder is named after.
@@ -265,7 +314,32 @@ impl Job {
     pub(crate) fn new(args: DrapeArgs) -> anyhow::Result<Self> {
         let mut job = Self::of_input(args.input, args.output)?;
         job.take_report(args.report)?;
-        let body_out = args.body_out.map(|path| job.named(path)).transpose()?;
+        job.body_cache = args.body_out.as_deref().and_then(CacheFile::of);
+        let body_out = match (args.body_out, &job.body_cache) {
+            (Some(path), Some(_)) => {
+                output::check_file(&path)?;
+                Some(path)
+            }
+            (path, _) => path.map(|path| job.named(path)).transpose()?,
+        };
+        if let Some(path) = &args.hide {
+            output::check_kinds(
+                path,
+                "covered faces are written as JSON or text",
+                &["json", "txt"],
+            )?;
+            output::check_file(path)?;
+        }
+        job.hide = args.hide;
+        job.shard = args.shard;
+        if job.shard.is_some() && !job.is_several {
+            return Err(refused(
+                "`--shard` is for several drapes",
+                "there is one",
+                "give several bodies, or a range of frames with `--pose FILE:FIRST:END`",
+            ));
+        }
+        job.fabric = args.fabric.as_deref().map(garment::fabric).transpose()?;
         job.options = DrapeOptions::default()
             .with_warp(args.method.warp())
             .with_clearance(args.clearance);
@@ -275,7 +349,7 @@ impl Job {
         job.options.relax_frames = args.settle;
         job.simulation = (args.method == MethodName::Sim).then_some(Simulation {
             quality: Quality::Teacher,
-            fabric: None,
+            fabric: job.fabric.clone(),
             frames: None,
         });
         job.network = args.method.network();
@@ -308,8 +382,11 @@ impl Job {
         let has_frames = input.pose.as_ref().is_some_and(PoseSource::is_several);
         let is_several = input.bodies.len() > 1 || has_frames;
         let mut outputs = Vec::new();
-        if is_several {
-            output::check_output_folder(&output)?;
+        let cache = CacheFile::of(&output);
+        if cache.is_some() {
+            output::check_file(&output)?;
+        } else if is_several {
+            output::check_drape_folder(&output)?;
             if !has_frames {
                 outputs = output::names_in(&output, &input.bodies)?;
             }
@@ -319,7 +396,13 @@ impl Job {
             stem: input.stem(),
             source: Source::Scene(PathBuf::new()),
             outputs,
-            folder: is_several.then(|| output.clone()),
+            cache: None,
+            folder: (is_several && cache.is_none()).then(|| output.clone()),
+            is_several,
+            body_cache: None,
+            hide: None,
+            shard: None,
+            fabric: None,
             new_folders: Vec::new(),
             body_out: None,
             report: None,
@@ -334,9 +417,10 @@ impl Job {
             repeat: 1,
             frames_alone: true,
         };
-        if !is_several {
+        if !is_several && cache.is_none() {
             job.outputs = vec![job.named(output)?];
         }
+        job.cache = cache;
         job.source = input.source()?;
         Ok(job)
     }
@@ -344,12 +428,12 @@ impl Job {
     /// Where the one output goes that `path` names, of a folder into that; several outputs have a
     /// folder of their own.
     fn named(&mut self, path: PathBuf) -> anyhow::Result<PathBuf> {
-        if self.folder.is_some() {
-            output::check_output_folder(&path)?;
+        if self.is_several {
+            output::check_drape_folder(&path)?;
             return Ok(path);
         }
         if !output::names_folder(&path) {
-            output::check_obj(&path)?;
+            output::check_drape(&path)?;
             return Ok(path);
         }
         output::check_output_folder(&path)?;

@@ -1,41 +1,36 @@
 //! `garnet drape`: a garment on bodies.
 
+mod all;
 mod args;
 mod choice;
+mod hide;
 mod outputs;
 mod prepared;
 mod ready;
 mod report;
 mod simulated;
+mod sink;
 mod summary;
 mod timing;
 mod warning;
 
-use std::{
-    path::{Path, PathBuf},
-    sync::{Arc, atomic::AtomicBool},
-};
+use std::{path::Path, sync::Arc};
 
 use anyhow::Context;
 use garnet::{
-    Body, BoundGarment, Drape, Garment, Point3, PosedBody, TriMesh, Warp,
-    data::SceneReport,
-    drape::{Refit, Take},
+    Body, BoundGarment, Garment, Point3, TriMesh, Warp,
+    drape::Refit,
     io::{self, Frame, MotionOptions, PoseSource, RestSource, Target},
-    mesh::edge_stretch,
-    package::Moment,
 };
 
+use all::{All, Part, drape_all};
 pub(crate) use args::DrapeArgs;
 pub(crate) use args::{InputArgs, Job, Simulation, Source, SourceFiles, UpName, units};
-use outputs::{body_out_of, check_outputs, outputs_on};
+use outputs::{check_outputs, outputs_on};
 pub(crate) use prepared::Prepared;
-use ready::{Found, Method, Ready};
+use ready::{Found, Ready};
 pub(crate) use report::WarningReport;
-use report::{
-    BodyReport, DrapeOutput, DrapeReport, DrapeSeconds, GarmentReport, OnceSeconds,
-    PenetrationReport, PoseReport, RepeatedSeconds, StepsReport, Stretch,
-};
+use report::{BodyReport, DrapeOutput, DrapeReport, GarmentReport, OnceSeconds, PoseReport};
 use timing::timed;
 pub(crate) use warning::warnings_of;
 use warning::{Problem, Warning};
@@ -43,6 +38,7 @@ use warning::{Problem, Warning};
 use crate::{
     console::{Console, print_document},
     failure::ExitStatus,
+    interrupt::Interrupted,
     machine, output,
 };
 
@@ -59,24 +55,33 @@ pub(crate) fn do_job(
     let (done, total) = timed(|| {
         let job = make()?;
         let (prepared, read) = timed(|| Prepared::read(&job.source));
-        let prepared = prepared?;
-        let outputs = outputs_on(&prepared.targets, &job);
-        check_outputs(&prepared, &outputs, &job)?;
+        let mut prepared = prepared?;
+        let all = outputs_on(&prepared.targets, &job);
+        check_outputs(&prepared, &all, &job)?;
+        let part = Part::of(&job, &mut prepared, all)?;
         for note in &prepared.notes {
             console.summary(&format_args!("note: {note}"));
         }
         let ((bound, bind), found) =
             rayon::join(|| timed(|| Bound::new(prepared)), || Found::read(&job));
         let mut ready = Ready::new(bound?, found?, &job, console)?;
-        let drapes = drape_all(&mut ready, &job, &outputs, console)?;
+        let (done, drape) = timed(|| drape_all(&mut ready, &job, &part, console));
+        let done = done?;
         let seconds = OnceSeconds {
             read,
             bind,
+            drape,
             total: 0.0,
         };
-        anyhow::Ok((report_of(ready, &job, drapes, seconds), job))
+        anyhow::Ok((report_of(ready, &job, done, seconds), job))
     });
-    let (mut report, job) = done?;
+    let (mut report, job) = match done {
+        Err(error) if error.downcast_ref::<Interrupted>().is_some() => {
+            console.failure(&error);
+            return Ok(ExitStatus::Interrupted);
+        }
+        done => done?,
+    };
     report.seconds.total = total;
     publish(&report, &job, console)?;
     Ok(judge(&report, &job, console))
@@ -97,6 +102,8 @@ struct Bound {
     targets: Vec<Target>,
     pose: Option<PoseSource>,
     motion: MotionOptions,
+    /// Seconds from each target to the next, if they are frames of a motion that says.
+    frame_time: Option<f64>,
     warnings: Vec<Warning>,
 }
 
@@ -112,6 +119,7 @@ impl Bound {
             targets,
             pose,
             motion,
+            frame_time,
             notes: _,
         } = prepared;
         let unusual = || unusual(&garment, &body);
@@ -150,6 +158,7 @@ impl Bound {
             targets,
             pose,
             motion,
+            frame_time,
         })
     }
 }
@@ -174,212 +183,15 @@ fn unusual(garment: &TriMesh, body: &Body) -> Unusual {
     Unusual { garment, body }
 }
 
-fn drape_all(
-    ready: &mut Ready,
-    job: &Job,
-    outputs: &[PathBuf],
-    console: &Console,
-) -> anyhow::Result<Vec<DrapeOutput>> {
-    let bound = &ready.bound;
-    for folder in job.folder.iter().chain(&job.new_folders) {
-        output::open_folder(folder)?;
-    }
-    let has_named = bound.targets.iter().any(|target| target.stem.is_some());
-    if let Some(folder) = job.body_out.as_ref().filter(|_| has_named) {
-        output::open_folder(folder)?;
-    }
-    let is_take = bound.pose.is_some() && bound.targets.len() > 1 && !job.frames_alone;
-    let mut take = is_take.then(|| Take::new(&ready.draper));
-    let bar = console.progress(bound.targets.len());
-    let mut drapes = Vec::with_capacity(bound.targets.len());
-    for (target, output) in bound.targets.iter().zip(outputs) {
-        bar.set_message(target.path.display().to_string());
-        let (drape, problems) = drape_one((ready, take.as_mut()), target, output, job, console)?;
-        let warnings = problems.into_iter().map(|problem| Warning {
-            path: output.clone(),
-            problem,
-        });
-        drapes.push((drape, warnings.collect::<Vec<_>>()));
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    let (drapes, warnings): (Vec<_>, Vec<_>) = drapes.into_iter().unzip();
-    ready.bound.warnings.extend(warnings.into_iter().flatten());
-    Ok(drapes)
-}
-
-#[expect(
-    clippy::too_many_lines,
-    reason = "a part of the report after the other"
-)]
-fn drape_one(
-    (ready, take): (&Ready, Option<&mut Take<'_>>),
-    target: &Target,
-    output: &Path,
-    job: &Job,
-    console: &Console,
-) -> anyhow::Result<(DrapeOutput, Vec<Problem>)> {
-    let bound = &ready.bound;
-    let mut times = Vec::with_capacity(job.repeat as usize);
-    let mut draped = drape_timed(ready, target, console)?;
-    times.push(draped.time);
-    for _ in 1..job.repeat {
-        draped = drape_timed(ready, target, console)?;
-        times.push(draped.time);
-    }
-    let Draped {
-        posed,
-        mut drape,
-        simulated,
-        mut time,
-    } = draped;
-    let mut steps = None;
-    if let Some(take) = take {
-        let drape_untangle = drape.seconds.untangle;
-        let frame = take.go_on(&posed, drape)?;
-        time.untangle += frame.drape.seconds.untangle - drape_untangle;
-        steps = Some(StepsReport::of(&frame));
-        drape = frame.drape;
-    }
-    let provenance = &drape.provenance;
-    let fallback = provenance.fallback.as_ref().map(ToString::to_string);
-    let unsettled = (provenance.unrelaxed.as_ref()).map(|error| {
-        let error = anyhow::Error::new(Arc::clone(error)).context("the cloth does not settle");
-        format!("{error:#}")
-    });
-    let is_from_rest = provenance.relaxed_from == Some(Moment::Start);
-    let rest = bound.rest_positions();
-    let (free, trapped): (Vec<[u32; 2]>, Vec<[u32; 2]>) = bound
-        .edges
-        .iter()
-        .partition(|edge| !edge.iter().any(|&vertex| is_trapped(&drape, vertex)));
-    let stretch = edge_stretch(rest, &drape.positions, &free)?;
-    let stretch_at_trapped = edge_stretch(rest, &drape.positions, &trapped)?;
-    let mut problems: Vec<Problem> = warning::of_fit(posed.max_residual()).into_iter().collect();
-    problems.extend((fallback.clone()).map(|reason| Problem::Fallback(reason, is_from_rest)));
-    problems.extend(unsettled.map(Problem::Unsettled));
-    problems.extend(warning::of_stretch(&stretch));
-    let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
-    problems.extend(simulated.as_ref().and_then(warning::of_rest));
-    let failed = balance.filter(|balance| !balance.is_reached);
-    problems.extend(failed.map(|found| Problem::OutOfBalance(found.steps, found.residual)));
-    let inside = if let Some(report) = &drape.report {
-        problems.extend(warning::of_result(report));
-        None
-    } else {
-        let draped = bound
-            .garment
-            .mesh()
-            .with_positions(drape.positions.clone())?;
-        let found = PenetrationReport::of(&draped, posed.skin(), simulated.is_some());
-        problems.extend(warning::of_penetration(&found));
-        Some(found)
-    };
-    let cloth_crossings = bound.garment.cloth_crossings(&drape.positions)?;
-    let positions = bound.garment_frame.to_file(drape.positions);
-    let write = || bound.garment_file.write_with_positions(output, &positions);
-    let (written, write) = timed(write);
-    written?;
-    if let Some(path) = &job.body_out {
-        write_body(&body_out_of(path, target), &bound.rest, &posed)?;
-    }
-    time.write = write;
-    let output = DrapeOutput {
-        target: target.path.display().to_string(),
-        output: output.display().to_string(),
-        fit_residual_m: posed.max_residual(),
-        has_other_shape: posed.shape_offsets().is_some(),
-        untangle: drape.report.as_ref().map(Into::into),
-        penetration: inside,
-        simulated,
-        fallback,
-        steps,
-        cloth_crossings,
-        cloth_crossings_at_rest: bound.crossings_at_rest,
-        stretch: Stretch {
-            p50: stretch.p50,
-            p99: stretch.p99,
-            max: stretch.max,
-            edges: stretch.count,
-            max_at_trapped: (!trapped.is_empty()).then_some(stretch_at_trapped.max),
-        },
-        seconds: time,
-        repeated: RepeatedSeconds::of(&times),
-    };
-    Ok((output, problems))
-}
-
-/// Whether a vertex is caught where the body runs through itself.
-fn is_trapped(drape: &Drape, vertex: u32) -> bool {
-    drape
-        .is_trapped
-        .get(vertex as usize)
-        .is_some_and(|&is_trapped| is_trapped)
-}
-
-/// A garment on a body, and how long it took.
-struct Draped {
-    posed: PosedBody,
-    drape: Drape,
-    simulated: Option<SceneReport>,
-    time: DrapeSeconds,
-}
-
-fn drape_timed(ready: &Ready, target: &Target, console: &Console) -> anyhow::Result<Draped> {
-    let Ready { bound, draper, .. } = ready;
-    let (posed, fit) = timed(|| target.posed(bound.garment.body()));
-    let posed = posed?;
-    let cannot = || {
-        let garment = bound.garment_file.path().display();
-        format!("cannot drape `{garment}` on `{}`", target.path.display())
-    };
-    let placed = match &ready.method {
-        Method::Simulation(simulated) => {
-            let placed = simulated.drape((bound, draper), target, &posed, console);
-            placed.map(|(placed, report)| (placed, Some(report)))
-        }
-        Method::Warp | Method::Network(_) => {
-            let placed = draper.place(&posed, &AtomicBool::new(false));
-            placed
-                .map(|placed| (placed, None))
-                .map_err(anyhow::Error::from)
-        }
-    };
-    let (placed, simulated) = placed.with_context(cannot)?;
-    let drape = draper.untangle(placed).with_context(cannot)?;
-    let time = DrapeSeconds {
-        fit,
-        warp: drape.seconds.warp,
-        network: drape.seconds.predict,
-        settle: drape.seconds.relax,
-        untangle: drape.seconds.untangle,
-        write: 0.0,
-    };
-    Ok(Draped {
-        posed,
-        drape,
-        simulated,
-        time,
-    })
-}
-
-/// Writes a posed body with the text of the rest body's OBJ, or plainly if there is none.
-fn write_body(path: &Path, rest: &RestSource, posed: &PosedBody) -> anyhow::Result<()> {
-    let positions = rest.file_frame.to_file(posed.skin().positions().to_vec());
-    if let Some(file) = &rest.file {
-        file.write_with_positions(path, &positions)?;
-    } else {
-        let faces = posed.skin().faces().to_vec();
-        io::write_obj(path, &TriMesh::new(positions, faces)?)?;
-    }
-    Ok(())
-}
-
 /// The report of a job that is done.
 fn report_of(
     ready: Ready,
     job: &Job,
-    drapes: Vec<DrapeOutput>,
+    All {
+        drapes,
+        hidden_faces,
+        threads,
+    }: All,
     seconds: OnceSeconds,
 ) -> DrapeReport {
     let (method, settle_frames) = (ready.method_name(), ready.relax_frames());
@@ -429,7 +241,10 @@ fn report_of(
         max_penetration_m: job.max_penetration,
         max_crossing_faces: job.max_crossing,
         threads: rayon::current_num_threads(),
+        threads_a_drape: threads,
         repeat: job.repeat,
+        drapes_per_second: drapes.len() as f64 / seconds.drape.max(1e-9),
+        hidden_faces,
         drapes,
         peak_bytes: machine::peak_bytes(),
         seconds,
@@ -455,7 +270,8 @@ fn publish(report: &DrapeReport, job: &Job, console: &Console) -> anyhow::Result
     if console.is_json() || job.prints_report {
         print_document(report)?;
     }
-    summary::tell(report, job.folder.as_deref(), console);
+    let cache = job.cache.as_ref().map(|cache| cache.path.as_path());
+    summary::tell(report, job.folder.as_deref().or(cache), console);
     Ok(())
 }
 

@@ -15,7 +15,17 @@ use super::{
 use crate::output;
 
 /// Where the drape on each target goes.
+///
+/// A frame of a file of all frames is told by its number after a colon.
 pub(super) fn outputs_on(targets: &[Target], job: &Job) -> Vec<PathBuf> {
+    if let Some(cache) = &job.cache {
+        if targets.len() == 1 {
+            return vec![cache.path.clone()];
+        }
+        let path = cache.path.display();
+        let frame = |number: usize| PathBuf::from(format!("{path}:{number}"));
+        return (0..targets.len()).map(frame).collect();
+    }
     let named = targets.iter().filter_map(|target| target.stem.as_ref());
     let folder = job.folder.as_deref().unwrap_or(Path::new(""));
     let named = named.map(|stem| folder.join(format!("{stem}.obj")));
@@ -52,14 +62,14 @@ pub(super) fn check_outputs(
     inputs.extend(prepared.pose.iter().map(|pose| pose.path.as_path()));
     inputs.extend(in_package.iter().map(PathBuf::as_path));
     let bodies = bodies_out(&prepared.targets, job);
-    let beside: Vec<&Path> = job
-        .report
-        .iter()
-        .chain(&bodies)
-        .map(PathBuf::as_path)
-        .collect();
-    let drapes = outputs.iter().map(PathBuf::as_path);
-    let all: Vec<&Path> = drapes.chain(beside).collect();
+    let own = job.report.iter().chain(&job.hide).chain(&bodies);
+    let beside = own.map(PathBuf::as_path);
+    let all: Vec<&Path> = match &job.cache {
+        Some(cache) => std::iter::once(cache.path.as_path())
+            .chain(beside)
+            .collect(),
+        None => outputs.iter().map(PathBuf::as_path).chain(beside).collect(),
+    };
     output::check_apart(&all, &inputs)
 }
 
@@ -68,8 +78,18 @@ fn bodies_out(targets: &[Target], job: &Job) -> Vec<PathBuf> {
     let Some(path) = &job.body_out else {
         return Vec::new();
     };
+    if job.body_cache.is_some() {
+        return vec![path.clone()];
+    }
     let of_target = |target: &Target| body_out_of(path, target);
     targets.iter().map(of_target).collect()
+}
+
+/// The folder that posed bodies go to, if there are several.
+pub(super) fn bodies_folder<'a>(targets: &[Target], job: &'a Job) -> Option<&'a Path> {
+    let is_several = targets.iter().any(|target| target.stem.is_some());
+    let folder = job.body_out.as_deref();
+    folder.filter(|_| is_several && job.body_cache.is_none())
 }
 
 /// Where the posed body of a target goes, of what was named with `--body-out`.

@@ -26,6 +26,8 @@ pub(crate) struct Prepared {
     pub(crate) pose: Option<PoseSource>,
     /// Where its motion goes.
     pub(crate) motion: MotionOptions,
+    /// Seconds from each target to the next, if they are frames of a motion that says.
+    pub(crate) frame_time: Option<f64>,
     /// What was taken for granted while poses were read.
     pub(crate) notes: Vec<String>,
 }
@@ -71,6 +73,7 @@ impl Prepared {
             targets: scene.targets,
             pose,
             motion,
+            frame_time: scene.frame_time,
             notes: scene.notes.iter().map(ToString::to_string).collect(),
         }
     }

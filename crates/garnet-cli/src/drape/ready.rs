@@ -213,7 +213,7 @@ impl Ready {
             draper = draper.with_simulator(simulator);
             method = Method::Simulation(simulated);
         } else if draper.relaxation().takes_time() {
-            match simulator_of(&bound, None, &job.source) {
+            match simulator_of(&bound, job.fabric.as_ref(), &job.source) {
                 Ok((simulator, _)) => draper = draper.with_simulator(simulator),
                 Err(error) if job.options.relax_frames.is_some() => return Err(error),
                 // A template that was cut and put on can be simulated, on its own body at least.

@@ -49,8 +49,15 @@ pub(crate) struct DrapeReport {
     pub(crate) max_crossing_faces: Option<usize>,
     /// How many threads worked.
     pub(crate) threads: usize,
+    /// How many of them shared a drape: 1 where each made drapes of its own.
+    pub(crate) threads_a_drape: usize,
     /// How often each body was draped.
     pub(crate) repeat: u32,
+    /// Drapes over the time of all of them, from the posed bodies to what is written.
+    pub(crate) drapes_per_second: f64,
+    /// Faces of the body that the garment covers in all drapes; none without `--hide`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) hidden_faces: Option<usize>,
     /// What came out, in the order of the bodies.
     pub(crate) drapes: Vec<DrapeOutput>,
     /// Times of what is done once.
@@ -303,6 +310,8 @@ pub(crate) struct OnceSeconds {
     pub(crate) read: f64,
     /// Binding the garment to the rest body, and looking for what is unusual.
     pub(crate) bind: f64,
+    /// All drapes, with posing, untangling and writing.
+    pub(crate) drape: f64,
     /// All of the command.
     pub(crate) total: f64,
 }

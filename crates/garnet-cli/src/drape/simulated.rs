@@ -17,6 +17,8 @@ use garnet::{
     sim::{Event, Fabric, RestShape},
 };
 
+use indicatif::ProgressBar;
+
 use super::{
     Bound,
     args::{Simulation, Source},
@@ -104,12 +106,12 @@ impl Simulated {
         (bound, draper): (&Bound, &Draper),
         target: &Target,
         body: &'a PosedBody,
-        console: &Console,
+        (console, stop): (Option<&Console>, &AtomicBool),
     ) -> anyhow::Result<(Placed<'a>, SceneReport)> {
         let frames = self.frames_of(bound, target);
         let mut num_written = 0;
         let mut written: anyhow::Result<()> = Ok(());
-        let bar = console.progress(1000);
+        let bar = console.map_or_else(ProgressBar::hidden, |console| console.progress(1000));
         let mut watch = |progress: Progress<'_>| match progress.event {
             &Event::Frame {
                 num_done,
@@ -140,8 +142,7 @@ impl Simulated {
             }
             _ => {}
         };
-        let stop = AtomicBool::new(false);
-        let simulated = draper.simulate(body, self.quality, &stop, &mut watch);
+        let simulated = draper.simulate(body, self.quality, stop, &mut watch);
         bar.finish_and_clear();
         written?;
         let (placed, report) = simulated?;

@@ -19,6 +19,11 @@ pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Consol
     if let Some(line) = steps(&report.drapes) {
         console.summary(&format_args!("  {line}"));
     }
+    if let Some(hidden) = report.hidden_faces {
+        console.summary(&format_args!(
+            "  {hidden} faces of the body are covered in all of it"
+        ));
+    }
     if is_converted(report) {
         console.summary(&format_args!("  {}", frames(report)));
     }
@@ -102,8 +107,21 @@ fn headline(report: &DrapeReport, folder: Option<&Path>) -> String {
             let folder = folder.unwrap_or(Path::new("")).display();
             let count = drapes.len();
             let method = method(report);
-            format!("draped `{garment}` on {count} bodies{method} into `{folder}` in {seconds}")
+            let rate = rate(report.drapes_per_second);
+            format!(
+                "draped `{garment}` on {count} bodies{method} into `{folder}` in {seconds}, {rate} a \
+                 second"
+            )
         }
+    }
+}
+
+/// Drapes a second as people read them.
+fn rate(rate: f64) -> String {
+    if rate < 10.0 {
+        format!("{rate:.2}")
+    } else {
+        format!("{rate:.0}")
     }
 }
 

@@ -182,6 +182,13 @@ fn in_c_order<T: Clone>(values: &[T], shape: &[usize]) -> Vec<T> {
 
 /// The bytes of an `.npy` file, version 1, of little-endian `data` in C order.
 pub(super) fn encode(descr: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
+    let mut bytes = header(descr, shape);
+    bytes.extend(data);
+    bytes
+}
+
+/// What stands before the data of an `.npy` file.
+pub(super) fn header(descr: &str, shape: &[usize]) -> Vec<u8> {
     let axes: Vec<String> = shape.iter().map(|axis| format!("{axis},")).collect();
     let axes = axes.join(" ");
     let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({axes}), }}");
@@ -192,7 +199,6 @@ pub(super) fn encode(descr: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.as_bytes());
-    bytes.extend(data);
     bytes
 }
 

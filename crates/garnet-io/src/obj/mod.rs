@@ -3,6 +3,7 @@
 mod error;
 mod file;
 mod foreign;
+mod look;
 mod normals;
 mod output;
 mod parse;
@@ -11,4 +12,5 @@ mod words;
 
 pub use error::{ObjElement, ObjError, ObjLineProblem, ObjParseError};
 pub use file::ObjFile;
+pub use look::ObjLook;
 pub use output::write_obj;

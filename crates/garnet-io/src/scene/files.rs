@@ -1,6 +1,9 @@
 //! Reading all that a scene needs, in parallel.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, OnceLock},
+};
 
 use garnet_body::shape::{Recognized, recognized};
 use garnet_mesh::{Point3, Unit, UpAxis};
@@ -86,8 +89,8 @@ pub(super) struct BodyFile {
     pub(super) path: PathBuf,
     /// In the unit of the file.
     pub(super) positions: Vec<Point3>,
-    /// Of its polygons.
-    pub(super) edges: Vec<[u32; 2]>,
+    /// Of its polygons: bodies of one topology share them.
+    pub(super) edges: Arc<Vec<[u32; 2]>>,
     pub(super) file: Option<ObjFile>,
     /// Of a rig: positions in the rest pose of the rig, where it shows another one.
     pub(super) at_rest: Option<Vec<Point3>>,
@@ -188,13 +191,20 @@ fn read_rest(files: &SceneFiles, rig: Option<&Path>) -> Result<Option<ObjFile>, 
 fn read_bodies(files: &SceneFiles) -> Result<Vec<BodyFile>, SceneError> {
     let paths = &files.bodies;
     let is_single = paths.len() == 1;
+    let first_edges = OnceLock::new();
     let read = |path: &PathBuf| -> Result<BodyFile, SceneError> {
         let ShownMesh { file, at_rest } = read_mesh_with(path, &files.rig_options)?;
+        let edges = file.polygon_edges();
+        let shared: &Arc<Vec<[u32; 2]>> = first_edges.get_or_init(|| Arc::new(edges.clone()));
         Ok(BodyFile {
             at_rest,
             path: path.clone(),
             positions: file.positions().to_vec(),
-            edges: file.polygon_edges(),
+            edges: if **shared == edges {
+                Arc::clone(shared)
+            } else {
+                Arc::new(edges)
+            },
             file: (is_single && !is_rig(path)).then_some(file),
         })
     };

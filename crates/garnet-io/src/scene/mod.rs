@@ -14,11 +14,14 @@ mod rest_body;
 mod rest_mesh;
 mod rig_search;
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use garnet_knn::Surface;
 use garnet_mesh::{Bounds, KnownMesh, Point3, TriMesh, Unit, UpAxis};
-use garnet_skin::{Body, Method, Pose, PosedBody, Rig, skin_linear};
+use garnet_skin::{Body, Method, Pose, PosedBody, Rig, SkinError, skin_linear};
 use nalgebra::Isometry3;
 
 pub use error::{SceneError, SceneProblem};
@@ -53,6 +56,8 @@ pub struct Scene {
     pub targets: Vec<Target>,
     /// What was taken for granted while poses were read.
     pub notes: Vec<PoseNote>,
+    /// Seconds from each target to the next, if they are frames of a motion that says.
+    pub frame_time: Option<f64>,
 }
 
 /// A garment as read.
@@ -105,7 +110,13 @@ pub enum Aim {
     Transforms(Vec<Point3>, Vec<Isometry3<f32>>),
     /// The pose of the rest body.
     Pose(Pose),
+    /// The pose of the body as its rig has it, which garments do not lie on.
+    PoseOfRig(Pose, RigRest),
 }
+
+/// The body in the pose zero of its rig, and the way from there to the rest body.
+#[derive(Debug, Clone)]
+pub struct RigRest(Arc<Zero>);
 
 impl Target {
     /// The rest body in the pose and shape of the target.
@@ -118,6 +129,7 @@ impl Target {
             Aim::Vertices(positions) => body.fitted(positions),
             Aim::Transforms(positions, transforms) => body.fitted_by(positions, transforms.clone()),
             Aim::Pose(pose) => body.posed(pose),
+            Aim::PoseOfRig(pose, rig) => rig.posed(pose, body),
         };
         posed.map_err(|source| SceneError::Unfitted {
             path: self.path.clone(),
@@ -216,6 +228,7 @@ impl Scene {
                 aim,
             }],
             notes: Vec::new(),
+            frame_time: None,
         })
     }
 
@@ -294,9 +307,17 @@ impl Scene {
             rig: rig_path.clone(),
             degrees,
         }));
-        let (targets, of_poses) = match &files.pose {
-            Some(pose) => posed_targets((pose, &files.motion), &body, &bodies, &frames, &rig_path)?,
-            None => (mesh_targets(bodies, &body.rest, &frames)?, Vec::new()),
+        let RestBodies { rest, zero, .. } = body;
+        let zero = zero.map(Arc::new);
+        let (targets, of_poses, frame_time) = match &files.pose {
+            Some(pose) => posed_targets(
+                (pose, &files.motion),
+                (&rest, zero.as_ref()),
+                &bodies,
+                &frames,
+                &rig_path,
+            )?,
+            None => (mesh_targets(bodies, &rest, &frames)?, Vec::new(), None),
         };
         notes.extend(of_poses);
         Ok(Self {
@@ -321,9 +342,10 @@ impl Scene {
                 },
                 file: rest_obj,
             },
-            body: body.rest,
+            body: rest,
             targets,
             notes,
+            frame_time,
         })
     }
 }
@@ -416,15 +438,14 @@ fn mesh_targets(
 
 fn posed_targets(
     (source, of_motion): (&PoseSource, &MotionOptions),
-    bodies: &RestBodies,
+    (rest, zero): (&Body, Option<&Arc<Zero>>),
     given: &[BodyFile],
     frames: &Frames,
     rig: &Path,
-) -> Result<(Vec<Target>, Vec<PoseNote>), SceneError> {
-    let rest = &bodies.rest;
+) -> Result<(Vec<Target>, Vec<PoseNote>, Option<f64>), SceneError> {
     for (body, frame) in given.iter().zip(&frames.bodies) {
         let positions = frame.to_metres(body.positions.clone());
-        let from_zero = bodies.zero.iter().map(|zero| zero.body.rest());
+        let from_zero = zero.iter().map(|zero| zero.body.rest());
         let rests = std::iter::once(rest.rest()).chain(from_zero);
         let at_rest = body
             .at_rest
@@ -445,14 +466,18 @@ fn posed_targets(
             });
         }
     }
-    let posed = bodies.zero.as_ref().map_or(rest, |zero| &zero.body);
+    let posed = zero.map_or(rest, |zero| &zero.body);
     let posing = source.read(posed, of_motion);
-    let Posing { poses, notes } = posing.map_err(|error| error.of_rig(rig))?;
+    let Posing {
+        poses,
+        notes,
+        seconds,
+    } = posing.map_err(|error| error.of_rig(rig))?;
     let mut targets = Vec::with_capacity(poses.len());
     for named in poses {
-        let aim = match &bodies.zero {
+        let aim = match zero {
             None => Aim::Pose(named.pose),
-            Some(zero) => from_zero(zero, &named.pose)?,
+            Some(zero) => Aim::PoseOfRig(named.pose, RigRest(Arc::clone(zero))),
         };
         let is_several = source.is_several();
         targets.push(Target {
@@ -465,16 +490,19 @@ fn posed_targets(
             aim,
         });
     }
-    Ok((targets, notes))
+    Ok((targets, notes, seconds))
 }
 
-/// A pose of the body that the rig has in its pose zero.
-fn from_zero(zero: &Zero, pose: &Pose) -> Result<Aim, SceneError> {
-    let posed_from_zero = zero.body.skeleton().transforms(pose)?;
-    let positions = zero
-        .body
-        .transformed_positions(&posed_from_zero, Method::DualQuaternion);
-    let pairs = posed_from_zero.iter().zip(&zero.rest_from_zero);
-    let posed_from_rest = pairs.map(|(posed, rest)| posed * rest.inverse()).collect();
-    Ok(Aim::Transforms(positions, posed_from_rest))
+impl RigRest {
+    /// A rest body in a pose of the body that the rig has in its pose zero.
+    fn posed(&self, pose: &Pose, body: &Body) -> Result<PosedBody, SkinError> {
+        let zero = &self.0;
+        let posed_from_zero = zero.body.skeleton().transforms(pose)?;
+        let positions = zero
+            .body
+            .transformed_positions(&posed_from_zero, Method::DualQuaternion);
+        let pairs = posed_from_zero.iter().zip(&zero.rest_from_zero);
+        let posed_from_rest = pairs.map(|(posed, rest)| posed * rest.inverse()).collect();
+        body.fitted_by(&positions, posed_from_rest)
+    }
 }

@@ -1,5 +1,7 @@
 //! Matching vertices by their places: exporters split them at seams and number them anew.
 
+use std::sync::Arc;
+
 use garnet_knn::VertexTree;
 use garnet_mesh::{Bounds, Kinship, KnownMesh, Point3, TriMesh, Unit, UpAxis, kinship};
 use garnet_skin::{Rig, SkinWeights, Weld};
@@ -127,7 +129,7 @@ pub(super) fn match_body(body: &mut BodyFile, rest: &TriMesh, places: Option<&[u
     };
     if let Some(positions) = by_rig().or_else(by_place).or_else(by_order) {
         body.positions = positions;
-        body.edges = Vec::new();
+        body.edges = Arc::default();
     }
 }
 

@@ -91,6 +91,8 @@ pub struct Posing {
     pub poses: Vec<NamedPose>,
     /// What was taken for granted.
     pub notes: Vec<PoseNote>,
+    /// Seconds from each pose to the next, if the file says.
+    pub seconds: Option<f64>,
 }
 
 /// Something that was taken for granted while poses were read.
@@ -451,6 +453,7 @@ impl PoseSource {
         Ok(Posing {
             poses: named.collect(),
             notes,
+            seconds: moments.seconds(take.frame_time(), of_motion.fps),
         })
     }
 }
@@ -499,6 +502,18 @@ impl Moments {
             pose_between(at(before as usize), at(place.ceil() as usize), share)
         };
         places.iter().map(pose).collect()
+    }
+
+    /// Seconds from one to the next.
+    fn seconds(&self, frame_time: Option<f64>, fps: Option<f64>) -> Option<f64> {
+        if let (Some(_), Some(fps)) = (&self.between, fps) {
+            return Some(1.0 / fps);
+        }
+        let step = match *self.frames.as_slice() {
+            [first, second, ..] => (second - first) as f64,
+            _ => 1.0,
+        };
+        Some(step * frame_time?)
     }
 
     /// What each is called in messages, and its number in names of files: that of the frame, or
@@ -574,6 +589,7 @@ fn of_library(name: &str, angles: &BodyAngles, body: &Body) -> Result<Posing, Po
     Ok(Posing {
         poses: named.collect(),
         notes,
+        seconds: None,
     })
 }
 

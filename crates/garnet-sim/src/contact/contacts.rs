@@ -140,6 +140,17 @@ impl Contacts {
         }
     }
 
+    /// Vertices were on these faces of the skin `[vertex]`, or on none.
+    pub(crate) fn take_up(&mut self, faces: &[u32]) {
+        self.tracks = faces.iter().map(|&face| Track::on(face)).collect();
+        self.wear.is_guess = false;
+    }
+
+    /// The face of the skin that each vertex is on `[vertex]`, [`NONE`] for none.
+    pub(crate) fn own_faces(&self) -> Vec<u32> {
+        self.tracks.iter().map(Track::hint).collect()
+    }
+
     /// Makes the planes anew for the skin as it is.
     pub(crate) fn refresh(
         &mut self,

@@ -197,6 +197,30 @@ impl Particles {
         }
     }
 
+    /// Puts vertices `[vertex]` somewhere else, where they are still.
+    pub(crate) fn put(&mut self, positions: &[Point3]) {
+        for (base, point) in self.bases.iter_mut().zip(positions) {
+            *base = Quad::new(point.coords, 0.0);
+        }
+        self.offsets.fill(Quad::ZERO);
+        self.last.fill(Quad::ZERO);
+    }
+
+    /// Gives vertices these velocities `[vertex]`, m/s, with substeps of `step` seconds.
+    pub(crate) fn set_velocities(&mut self, velocities: &[Vector3], step: f32) {
+        let vertices = self.offsets.iter().zip(&mut self.last);
+        for ((offset, last), velocity) in vertices.zip(velocities) {
+            *last = *offset - Quad::new(velocity * step, 0.0);
+        }
+    }
+
+    /// The velocities of the last substep `[vertex]`, m/s.
+    pub(crate) fn velocities(&self, step: f32) -> Vec<Vector3> {
+        let vertices = self.offsets.iter().zip(&self.last);
+        let moved = vertices.map(|(offset, last)| (*offset - *last).xyz() / step);
+        moved.take(self.num_vertices).collect()
+    }
+
     /// Changes the length of the substep: displacements of the old become those of the new.
     pub(crate) fn rescale(&mut self, new_over_old: f32) {
         for (offset, last) in self.offsets.iter().zip(&mut self.last) {

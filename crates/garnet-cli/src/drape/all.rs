@@ -1,0 +1,411 @@
+//! Drapes on all bodies: one a thread, and in order where frames go on from each other.
+
+use std::{
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
+
+use anyhow::Context;
+use garnet::{
+    Drape, PosedBody, data::SceneReport, drape::Take, mesh::edge_stretch, package::Moment,
+};
+
+use super::{
+    args::{Job, Shard},
+    hide::Hiding,
+    outputs::bodies_folder,
+    prepared::Prepared,
+    ready::{Method, Ready},
+    report::{DrapeOutput, DrapeSeconds, PenetrationReport, RepeatedSeconds, StepsReport, Stretch},
+    sink::{Sink, write_files},
+    timing::timed,
+    warning::{self, Problem, Warning},
+};
+use crate::{
+    console::Console,
+    failure::refused,
+    interrupt::{Interrupted, stop_flag},
+    output,
+    workers::in_order,
+};
+
+/// Frames that are draped before those of a part, so that its cloth comes from where that of the
+/// part before it goes. Fewer let cloth jump from part to part; more are made twice.
+const WARM_UP: usize = 24;
+
+/// The part of the targets that is draped.
+pub(super) struct Part {
+    /// How many of them come first to warm up, and are not written.
+    pub(super) warm_up: usize,
+    /// Where drapes go, those of the warm-up too.
+    pub(super) outputs: Vec<PathBuf>,
+}
+
+impl Part {
+    /// The part of the job, of whose targets the others are left out.
+    pub(super) fn of(
+        job: &Job,
+        prepared: &mut Prepared,
+        mut outputs: Vec<PathBuf>,
+    ) -> anyhow::Result<Self> {
+        let Some(Shard { number, count }) = job.shard else {
+            return Ok(Self {
+                warm_up: 0,
+                outputs,
+            });
+        };
+        let all = prepared.targets.len();
+        if all < count {
+            return Err(refused(
+                format!("`--shard {number}/{count}` has no drape for each part"),
+                format!("there are {all} drapes"),
+                format!("make {all} parts or fewer"),
+            ));
+        }
+        let [first, end] = [number - 1, number].map(|part| all * part / count);
+        let warm_up = if is_take(prepared.pose.is_some(), all, job) {
+            WARM_UP.min(first)
+        } else {
+            0
+        };
+        prepared.targets.truncate(end);
+        prepared.targets.drain(..first - warm_up);
+        outputs.truncate(end);
+        outputs.drain(..first - warm_up);
+        Ok(Self { warm_up, outputs })
+    }
+}
+
+/// Whether targets are frames that go on from each other.
+fn is_take(is_posed: bool, num_targets: usize, job: &Job) -> bool {
+    is_posed && num_targets > 1 && !job.frames_alone
+}
+
+/// What came of all drapes.
+pub(super) struct All {
+    pub(super) drapes: Vec<DrapeOutput>,
+    pub(super) hidden_faces: Option<usize>,
+    /// How many threads shared a drape.
+    pub(super) threads: usize,
+}
+
+/// Drapes on all targets, writes and reports.
+pub(super) fn drape_all(
+    ready: &mut Ready,
+    job: &Job,
+    part: &Part,
+    console: &Console,
+) -> anyhow::Result<All> {
+    let bound = &ready.bound;
+    for folder in job.folder.iter().chain(&job.new_folders) {
+        output::open_folder(folder)?;
+    }
+    if let Some(folder) = bodies_folder(&bound.targets, job) {
+        output::open_folder(folder)?;
+    }
+    let count = bound.targets.len();
+    let num_written = count - part.warm_up;
+    let is_streamed = job.cache.is_some() || job.body_cache.is_some();
+    let stop = if is_streamed {
+        stop_flag()?
+    } else {
+        Arc::default()
+    };
+    let mut sink = Sink::open(bound, job, num_written)?;
+    let mut hiding = job.hide.as_ref().map(|path| Hiding::new(path, bound));
+    // A part of a motion is one, too, if it has a frame alone.
+    let goes_on = is_take(bound.pose.is_some(), count, job);
+    let mut take = goes_on.then(|| Take::new(&ready.draper));
+    let threads = rayon::current_num_threads().min(count);
+    let is_shared = threads < 2 || job.repeat > 1;
+    let bar = console.progress(count);
+    let mut drapes = Vec::with_capacity(num_written);
+    let frame = Frame {
+        ready,
+        job,
+        part,
+        goes_on,
+        stop: &stop,
+        console: (count == 1).then_some(console),
+    };
+    let take_up = |number: usize, made: Made| -> anyhow::Result<()> {
+        let target = &bound.targets[number];
+        bar.set_message(target.path.display().to_string());
+        let finished = match (made, take.as_mut()) {
+            (Made::Finished(finished), _) => *finished,
+            (Made::Draped(draped), Some(take)) => frame.go_on(number, *draped, take)?,
+            (Made::Draped(draped), None) => frame.finished(number, *draped, None)?,
+        };
+        let Finished {
+            posed,
+            drape,
+            mut output,
+            problems,
+        } = finished;
+        bar.inc(1);
+        if number < part.warm_up {
+            return Ok(());
+        }
+        if let Some(hiding) = &mut hiding {
+            hiding.see(bound, &drape, &posed);
+        }
+        let (pushed, seconds) = timed(|| sink.push(&drape.positions, &posed));
+        pushed?;
+        output.seconds.write += seconds;
+        let path = &part.outputs[number];
+        let warnings = problems.into_iter().map(|problem| Warning {
+            path: path.clone(),
+            problem,
+        });
+        drapes.push((output, warnings.collect::<Vec<_>>()));
+        Ok(())
+    };
+    let made = |number: usize| frame.made(number);
+    let done = if is_shared {
+        let mut take_up = take_up;
+        (0..count).try_for_each(|number| take_up(number, made(number)?))
+    } else {
+        in_order(count, threads, made, take_up)
+    };
+    bar.finish_and_clear();
+    if stop.load(Ordering::Relaxed) {
+        return Err(anyhow::Error::new(Interrupted {
+            told: told_of_stop(job),
+        }));
+    }
+    done?;
+    sink.finish()?;
+    let hidden_faces = hiding.map(|hiding| hiding.finish(bound)).transpose()?;
+    let (drapes, warnings): (Vec<_>, Vec<_>) = drapes.into_iter().unzip();
+    ready.bound.warnings.extend(warnings.into_iter().flatten());
+    Ok(All {
+        drapes,
+        hidden_faces,
+        threads: if is_shared {
+            rayon::current_num_threads()
+        } else {
+            1
+        },
+    })
+}
+
+/// What is told if files of all frames are left before they are whole.
+fn told_of_stop(job: &Job) -> String {
+    let files = job.cache.iter().chain(&job.body_cache);
+    let names: Vec<String> = files
+        .map(|file| format!("`{}`", file.path.display()))
+        .collect();
+    format!("{} is as it was before; begin anew", names.join(" and "))
+}
+
+/// What all drapes of a job share.
+#[derive(Clone, Copy)]
+struct Frame<'a> {
+    ready: &'a Ready,
+    job: &'a Job,
+    part: &'a Part,
+    /// Whether frames go on from each other.
+    goes_on: bool,
+    stop: &'a AtomicBool,
+    /// What draws a bar for each drape, if there is one alone.
+    console: Option<&'a Console>,
+}
+
+/// What can be made of a frame apart from the others.
+enum Made {
+    /// All of it.
+    Finished(Box<Finished>),
+    /// What the next step starts from.
+    Draped(Box<Draped>),
+}
+
+/// A garment on a body, and how long it took.
+struct Draped {
+    posed: PosedBody,
+    drape: Drape,
+    simulated: Option<SceneReport>,
+    time: DrapeSeconds,
+    repeated: Option<RepeatedSeconds>,
+}
+
+/// A drape with all that is told of it.
+struct Finished {
+    posed: PosedBody,
+    drape: Drape,
+    output: DrapeOutput,
+    problems: Vec<Problem>,
+}
+
+impl Frame<'_> {
+    fn made(&self, number: usize) -> anyhow::Result<Made> {
+        if self.stop.load(Ordering::Relaxed) {
+            anyhow::bail!("stopped");
+        }
+        let mut draped = self.draped(number)?;
+        let mut times = vec![draped.time];
+        for _ in 1..self.job.repeat {
+            draped = self.draped(number)?;
+            times.push(draped.time);
+        }
+        draped.repeated = RepeatedSeconds::of(&times);
+        if self.goes_on {
+            return Ok(Made::Draped(Box::new(draped)));
+        }
+        let finished = self.finished(number, draped, None)?;
+        Ok(Made::Finished(Box::new(finished)))
+    }
+
+    fn draped(&self, number: usize) -> anyhow::Result<Draped> {
+        let Ready { bound, draper, .. } = self.ready;
+        let target = &bound.targets[number];
+        let (posed, fit) = timed(|| target.posed(bound.garment.body()));
+        let posed = posed?;
+        let cannot = || {
+            let garment = bound.garment_file.path().display();
+            format!("cannot drape `{garment}` on `{}`", target.path.display())
+        };
+        let placed = match &self.ready.method {
+            Method::Simulation(simulated) => {
+                let speaks = (self.console, self.stop);
+                let placed = simulated.drape((bound, draper), target, &posed, speaks);
+                placed.map(|(placed, report)| (placed, Some(report)))
+            }
+            Method::Warp | Method::Network(_) => {
+                let placed = draper.place(&posed, self.stop);
+                placed
+                    .map(|placed| (placed, None))
+                    .map_err(anyhow::Error::from)
+            }
+        };
+        let (placed, simulated) = placed.with_context(cannot)?;
+        let drape = draper.untangle(placed).with_context(cannot)?;
+        let time = DrapeSeconds {
+            fit,
+            warp: drape.seconds.warp,
+            network: drape.seconds.predict,
+            settle: drape.seconds.relax,
+            untangle: drape.seconds.untangle,
+            write: 0.0,
+        };
+        Ok(Draped {
+            posed,
+            drape,
+            simulated,
+            time,
+            repeated: None,
+        })
+    }
+
+    /// A frame, going on from the last one.
+    fn go_on(
+        &self,
+        number: usize,
+        mut draped: Draped,
+        take: &mut Take<'_>,
+    ) -> anyhow::Result<Finished> {
+        let alone = draped.drape.seconds.untangle;
+        let frame = take.go_on(&draped.posed, draped.drape)?;
+        draped.time.untangle += frame.drape.seconds.untangle - alone;
+        let steps = StepsReport::of(&frame);
+        draped.drape = frame.drape;
+        self.finished(number, draped, Some(steps))
+    }
+
+    /// A drape, written where it has a file of its own.
+    fn finished(
+        &self,
+        number: usize,
+        draped: Draped,
+        steps: Option<StepsReport>,
+    ) -> anyhow::Result<Finished> {
+        let bound = &self.ready.bound;
+        let Draped {
+            posed,
+            drape,
+            simulated,
+            mut time,
+            repeated,
+        } = draped;
+        let provenance = &drape.provenance;
+        let fallback = provenance.fallback.as_ref().map(ToString::to_string);
+        let unsettled = (provenance.unrelaxed.as_ref()).map(|error| {
+            let error = anyhow::Error::new(Arc::clone(error)).context("the cloth does not settle");
+            format!("{error:#}")
+        });
+        let is_from_rest = provenance.relaxed_from == Some(Moment::Start);
+        let rest = bound.rest_positions();
+        let (free, trapped): (Vec<[u32; 2]>, Vec<[u32; 2]>) = bound
+            .edges
+            .iter()
+            .partition(|edge| !edge.iter().any(|&vertex| is_trapped(&drape, vertex)));
+        let stretch = edge_stretch(rest, &drape.positions, &free)?;
+        let stretch_at_trapped = edge_stretch(rest, &drape.positions, &trapped)?;
+        let mut problems: Vec<Problem> =
+            warning::of_fit(posed.max_residual()).into_iter().collect();
+        problems.extend((fallback.clone()).map(|reason| Problem::Fallback(reason, is_from_rest)));
+        problems.extend(unsettled.map(Problem::Unsettled));
+        problems.extend(warning::of_stretch(&stretch));
+        let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
+        problems.extend(simulated.as_ref().and_then(warning::of_rest));
+        let failed = balance.filter(|balance| !balance.is_reached);
+        problems.extend(failed.map(|found| Problem::OutOfBalance(found.steps, found.residual)));
+        let penetration = if let Some(report) = &drape.report {
+            problems.extend(warning::of_result(report));
+            None
+        } else {
+            let mesh = bound.garment.mesh();
+            let draped = mesh.with_positions(drape.positions.clone())?;
+            let found = PenetrationReport::of(&draped, posed.skin(), simulated.is_some());
+            problems.extend(warning::of_penetration(&found));
+            Some(found)
+        };
+        let cloth_crossings = bound.garment.cloth_crossings(&drape.positions)?;
+        let (target, output) = (&bound.targets[number], &self.part.outputs[number]);
+        if number >= self.part.warm_up {
+            let place = (target, output.as_path());
+            let write = || write_files(bound, self.job, place, &drape.positions, &posed);
+            let (written, write) = timed(write);
+            written?;
+            time.write = write;
+        }
+        let output = DrapeOutput {
+            target: target.path.display().to_string(),
+            output: output.display().to_string(),
+            fit_residual_m: posed.max_residual(),
+            has_other_shape: posed.shape_offsets().is_some(),
+            untangle: drape.report.as_ref().map(Into::into),
+            penetration,
+            simulated,
+            fallback,
+            steps,
+            cloth_crossings,
+            cloth_crossings_at_rest: bound.crossings_at_rest,
+            stretch: Stretch {
+                p50: stretch.p50,
+                p99: stretch.p99,
+                max: stretch.max,
+                edges: stretch.count,
+                max_at_trapped: (!trapped.is_empty()).then_some(stretch_at_trapped.max),
+            },
+            seconds: time,
+            repeated,
+        };
+        Ok(Finished {
+            posed,
+            drape,
+            output,
+            problems,
+        })
+    }
+}
+
+/// Whether a vertex is caught where the body runs through itself.
+fn is_trapped(drape: &Drape, vertex: u32) -> bool {
+    drape
+        .is_trapped
+        .get(vertex as usize)
+        .is_some_and(|&is_trapped| is_trapped)
+}

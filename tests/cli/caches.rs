@@ -1,0 +1,244 @@
+//! Drapes in files that programs play, and many drapes at once.
+
+use std::{fs, process::Command};
+
+use garnet::{
+    Point3,
+    io::{NpzFile, ObjFile},
+};
+use serde_json::Value;
+
+use crate::fixtures::{Fixture, refused_with_hint, stderr};
+use crate::train::done;
+
+/// Frames in which the elbow bends.
+fn bending(fixture: &Fixture, count: usize) {
+    let frame = |number: usize| {
+        let half = 0.6 * number as f32 / count as f32;
+        let (sine, cosine) = half.sin_cos();
+        format!(r#"{{"joints": {{"elbow": [{sine}, 0, 0, {cosine}]}}}}"#)
+    };
+    let frames: Vec<String> = (0..count).map(frame).collect();
+    let text = format!(
+        r#"{{"schema": "garnet.pose/1", "frames": [{}]}}"#,
+        frames.join(",")
+    );
+    fixture.text("bending.json", &text);
+}
+
+const MOTION: &str = "drape sleeve.obj body.obj --pose bending.json:0:7";
+
+/// The points of a PC2.
+fn points(bytes: &[u8]) -> Vec<Point3> {
+    let (words, _) = bytes[32..].as_chunks::<4>();
+    let floats: Vec<f32> = words.iter().copied().map(f32::from_le_bytes).collect();
+    let (points, rest) = floats.as_chunks::<3>();
+    assert!(rest.is_empty());
+    points.iter().copied().map(Point3::from).collect()
+}
+
+#[test]
+fn a_cache_has_the_frames_of_a_folder() {
+    let fixture = Fixture::new();
+    bending(&fixture, 7);
+    done(&fixture, &format!("{MOTION} -o out --body-out bodies -q"));
+    done(
+        &fixture,
+        &format!("{MOTION} -o out.pc2 --body-out bodies.pc2 -q"),
+    );
+    done(&fixture, &format!("{MOTION} -o out.npz -q"));
+    for (cache, folder) in [("out.pc2", "out"), ("bodies.pc2", "bodies")] {
+        let found = points(&fixture.read(cache));
+        let of_frame = |number: usize| {
+            let path = fixture.path(&format!("{folder}/bending_{number:04}.obj"));
+            ObjFile::read(path).unwrap().positions().to_vec()
+        };
+        let expected: Vec<Point3> = (0..7).flat_map(of_frame).collect();
+        assert_eq!(found, expected, "{cache}");
+    }
+    let mut npz = NpzFile::open(fixture.path("out.npz")).unwrap();
+    let vertices = npz.array("vertices").unwrap().unwrap();
+    let sleeve = ObjFile::read(fixture.path("sleeve.obj")).unwrap();
+    assert_eq!(vertices.shape, [7, sleeve.num_vertices(), 3]);
+}
+
+#[test]
+fn bytes_do_not_depend_on_threads() {
+    let fixture = Fixture::new();
+    bending(&fixture, 7);
+    for kind in ["pc2", "glb", "npz"] {
+        let one = format!("{MOTION} -o one.{kind} --threads 1 -q");
+        let three = format!("{MOTION} -o three.{kind} --threads 3 -q");
+        done(&fixture, &one);
+        done(&fixture, &three);
+        let same = fixture.read(&format!("one.{kind}")) == fixture.read(&format!("three.{kind}"));
+        assert!(same, "{kind}");
+    }
+    let bodies = "drape sleeve.obj body.obj bent.obj more.obj most.obj --rig body.rig.npz";
+    done(&fixture, &format!("{bodies} -o alone --threads 1 -q"));
+    done(&fixture, &format!("{bodies} -o beside --threads 3 -q"));
+    for name in ["body.obj", "bent.obj", "more.obj", "most.obj"] {
+        assert!(fixture.read(&format!("alone/{name}")) == fixture.read(&format!("beside/{name}")));
+    }
+}
+
+#[test]
+fn the_report_tells_frames_of_a_cache_and_the_rate() {
+    let fixture = Fixture::new();
+    bending(&fixture, 7);
+    done(
+        &fixture,
+        &format!("{MOTION} -o out.pc2 --report out.json -q --threads 2"),
+    );
+    let report: Value = serde_json::from_slice(&fixture.read("out.json")).unwrap();
+    assert_eq!(report["drapes"][3]["output"], "out.pc2:3");
+    assert_eq!(report["threads_a_drape"], 1);
+    let rate = report["drapes_per_second"].as_f64().unwrap();
+    let seconds = report["seconds"]["drape"].as_f64().unwrap();
+    assert!((rate * seconds - 7.0).abs() < 1e-6);
+}
+
+#[test]
+fn one_drape_is_a_glb_with_the_body() {
+    let fixture = Fixture::new();
+    done(
+        &fixture,
+        "drape sleeve.obj body.obj --pose bend.json -o one.glb -q",
+    );
+    let bytes = fixture.read("one.glb");
+    assert!(bytes.starts_with(b"glTF"));
+    let length = u32::from_le_bytes([bytes[12], bytes[13], bytes[14], bytes[15]]) as usize;
+    let json: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let names: Vec<&str> = (json["nodes"].as_array().unwrap().iter())
+        .map(|node| node["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["sleeve", "body"]);
+    assert!(json.get("animations").is_none());
+}
+
+#[test]
+fn names_that_are_no_files_of_frames_are_refused() {
+    let fixture = Fixture::new();
+    bending(&fixture, 7);
+    for name in ["walk.usd", "walk.fbx", "walk.abc"] {
+        let expected = [
+            "the name of a file",
+            "a file of all frames that ends with .pc2, .mdd, .npz or .glb",
+        ];
+        refused_with_hint(&fixture, &format!("{MOTION} -o {name}"), &expected);
+    }
+    let twice = format!("{MOTION} -o out.pc2 --body-out out.pc2");
+    refused_with_hint(&fixture, &twice, &["two outputs have this name"]);
+    let missing = format!("{MOTION} -o missing/out.pc2");
+    refused_with_hint(
+        &fixture,
+        &missing,
+        &["output folder `missing` does not exist"],
+    );
+}
+
+#[test]
+fn parts_are_the_frames_and_bodies_of_the_whole() {
+    let fixture = Fixture::new();
+    bending(&fixture, 7);
+    done(&fixture, &format!("{MOTION} -o whole -q"));
+    for part in 1..=3 {
+        done(&fixture, &format!("{MOTION} -o parts --shard {part}/3 -q"));
+    }
+    // Slow enough that no frame waits for cloth.
+    for number in 0..7 {
+        let name = format!("bending_{number:04}.obj");
+        let [whole, part] =
+            ["whole", "parts"].map(|folder| fixture.read(&format!("{folder}/{name}")));
+        assert!(whole == part, "{name}");
+    }
+    let bodies = "drape sleeve.obj body.obj bent.obj more.obj --rig body.rig.npz";
+    done(&fixture, &format!("{bodies} -o one --shard 2/2 -q"));
+    let names = fs::read_dir(fixture.path("one")).unwrap();
+    let mut names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["bent.obj", "more.obj"]);
+    let too_many = format!("{MOTION} -o parts --shard 1/8");
+    refused_with_hint(
+        &fixture,
+        &too_many,
+        &["no drape for each part", "there are 7 drapes"],
+    );
+    let alone = "drape sleeve.obj body.obj --pose bend.json -o one.obj --shard 1/2";
+    refused_with_hint(&fixture, alone, &["`--shard` is for several drapes"]);
+}
+
+#[test]
+fn covered_faces_are_written_as_json_and_text() {
+    let fixture = Fixture::new();
+    bending(&fixture, 7);
+    done(
+        &fixture,
+        &format!("{MOTION} -o out.pc2 --hide hide.json -q"),
+    );
+    done(&fixture, &format!("{MOTION} -o out.pc2 --hide hide.txt -q"));
+    let report: Value = serde_json::from_slice(&fixture.read("hide.json")).unwrap();
+    assert_eq!(report["schema"], "garnet.hide/1");
+    assert_eq!(report["drapes"], 7);
+    let body = ObjFile::read(fixture.path("body.obj")).unwrap();
+    assert_eq!(report["faces"], body.num_polygons());
+    let hidden: Vec<usize> = serde_json::from_value(report["hidden"].clone()).unwrap();
+    let text = String::from_utf8(fixture.read("hide.txt")).unwrap();
+    let told: Vec<usize> = text.lines().map(|line| line.parse().unwrap()).collect();
+    assert_eq!(hidden, told);
+    assert!(!hidden.is_empty() && hidden.len() < body.num_polygons() / 2);
+    // The sleeve goes from -0.4 to 0.4, and is 0.03 away from the skin.
+    for face in hidden {
+        let ends = body
+            .polygon(face)
+            .iter()
+            .map(|&vertex| body.positions()[vertex as usize].y);
+        assert!(ends.map(f32::abs).fold(0.0, f32::max) < 0.33);
+    }
+    let expected = ["covered faces are written as JSON or text", ".json or .txt"];
+    refused_with_hint(
+        &fixture,
+        &format!("{MOTION} -o out.pc2 --hide hide.csv"),
+        &expected,
+    );
+}
+
+/// A stop takes away what was begun.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_cache_leaves_nothing() {
+    let fixture = Fixture::new();
+    bending(&fixture, 3000);
+    fixture.text("out.pc2", "old");
+    let before = fixture.names();
+    let arguments = "drape sleeve.obj body.obj --pose bending.json:0: -o out.pc2";
+    let child = Command::new(env!("CARGO_BIN_EXE_garnet"))
+        .args(arguments.split_whitespace())
+        .current_dir(fixture.folder())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Until frames are being written.
+    let has_begun = || {
+        fixture
+            .names()
+            .iter()
+            .any(|name| name.starts_with(".garnet-"))
+    };
+    for _ in 0..600 {
+        if has_begun() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    assert!(has_begun());
+    let told = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(told.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(stderr(&output).contains("interrupted: `out.pc2` is as it was before"));
+    assert_eq!(fixture.names(), before);
+    assert_eq!(fixture.read("out.pc2"), b"old");
+}
