@@ -11,14 +11,26 @@ fn poses_are_listed_by_group_with_what_is_bent() {
     let listed: Value = serde_json::from_str(&done(&fixture, "poses --json")).unwrap();
     let listed = listed.as_array().unwrap();
     assert_eq!(listed.len(), garnet::body::poses::key_poses().count());
-    let warrior = listed.iter().find(|pose| pose["name"] == "warrior_two").unwrap();
+    let warrior = listed
+        .iter()
+        .find(|pose| pose["name"] == "warrior_two")
+        .unwrap();
     assert_eq!(warrior["group"], "yoga");
     assert!(warrior["note"].as_str().unwrap().contains("arms raised"));
     let text = done(&fixture, "poses");
-    assert!(text.starts_with("everyday\n  stand") && text.contains("\ndance\n"), "{text}");
+    assert!(
+        text.starts_with("everyday\n  stand") && text.contains("\ndance\n"),
+        "{text}"
+    );
     // Each can be asked for.
     for pose in listed.iter().step_by(20) {
-        done(&fixture, &format!("body --pose {} -o one.obj -q", pose["name"].as_str().unwrap()));
+        done(
+            &fixture,
+            &format!(
+                "body --pose {} -o one.obj -q",
+                pose["name"].as_str().unwrap()
+            ),
+        );
     }
 }
 
@@ -40,7 +52,10 @@ fn shells_and_manuals_know_every_subcommand() {
     let fixture = Fixture::new();
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = done(&fixture, &format!("completions {shell}"));
-        assert!(script.contains("drape") && script.contains("stress"), "{shell}");
+        assert!(
+            script.contains("drape") && script.contains("stress"),
+            "{shell}"
+        );
     }
     done(&fixture, "man -o pages -q");
     let page = String::from_utf8(fixture.read("pages/garnet-drape.1")).unwrap();
