@@ -216,6 +216,41 @@ fn cloth_that_would_tear_is_told() {
 }
 
 #[test]
+fn a_lining_stays_inside_of_its_sleeve_and_is_counted() {
+    let fixture = Fixture::new();
+    let sleeve = ObjFile::read(fixture.path("sleeve.obj")).unwrap();
+    let mesh = sleeve.mesh().unwrap();
+    let mut normals = vec![Vector3::zeros(); mesh.num_vertices()];
+    for face in mesh.faces() {
+        let [a, b, c] = face.map(|vertex| mesh.positions()[vertex as usize]);
+        for &vertex in face {
+            normals[vertex as usize] += (b - a).cross(&(c - a));
+        }
+    }
+    let inner = mesh.positions().iter().zip(&normals);
+    let inner = inner.map(|(place, normal)| place - 0.003 * normal.normalize());
+    let positions: Vec<Point3> = mesh.positions().iter().copied().chain(inner).collect();
+    let count = mesh.num_vertices() as u32;
+    let lining = mesh
+        .faces()
+        .iter()
+        .map(|face| face.map(|vertex| vertex + count));
+    let faces = mesh.faces().iter().copied().chain(lining).collect();
+    let lined = TriMesh::new(positions, faces).unwrap();
+    garnet::io::write_obj(fixture.path("lined.obj"), &lined).unwrap();
+    let arguments = "drape lined.obj bent.obj --rest-body body.obj -o lined_out.obj";
+    let report = reported(&fixture, arguments);
+    assert!(
+        report["garment"]["layered"].as_u64().unwrap() > 0,
+        "{report}"
+    );
+    let drape = &report["drapes"][0];
+    assert_eq!(drape["cloth_crossings_at_rest"], 0);
+    assert_eq!(drape["cloth_crossings"], 0);
+    assert_eq!(drape["limbs_outside"].as_array().map(Vec::len), Some(0));
+}
+
+#[test]
 fn units_and_axes_do_not_matter() {
     let fixture = Fixture::new();
     let arguments = "drape sleeve.obj bent.obj --rig body.rig.npz --rest-body body.obj -o out.obj";

@@ -65,6 +65,20 @@ impl DrapeOptions {
         }
     }
 
+    /// The same with a clearance for cloth on limbs that are `scale` times as thick as a person's:
+    /// see [`garnet_skin::BoundGarment::scale`].
+    #[must_use]
+    pub fn with_clearance_scaled(self, scale: f32) -> Self {
+        let scaled = |untangle: UntangleOptions| UntangleOptions {
+            clearance: scale * untangle.clearance,
+            ..untangle
+        };
+        Self {
+            untangle: self.untangle.map(scaled),
+            ..self
+        }
+    }
+
     /// The same, freed of penetrations as is said.
     #[must_use]
     pub fn with_untangling(self, untangle: UntangleOptions) -> Self {
@@ -277,11 +291,14 @@ pub struct Draper {
 }
 
 impl Draper {
-    /// Warps a garment by pose and shape, and untangles it with the default clearance.
+    /// Warps a garment by pose and shape, and untangles it with the default clearance, which goes
+    /// by the thickness of the limbs.
     pub fn new(garment: impl Into<Arc<BoundGarment>>) -> Self {
+        let garment = garment.into();
+        let scale = garment.cloth().scale();
         Self {
-            garment: garment.into(),
-            options: DrapeOptions::default(),
+            garment,
+            options: DrapeOptions::default().with_clearance_scaled(scale),
             #[cfg(feature = "package")]
             learned: Learned::default(),
         }

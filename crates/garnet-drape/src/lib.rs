@@ -39,6 +39,7 @@ mod settling;
 mod simulator;
 #[cfg(feature = "package")]
 pub mod tensors;
+mod tubes;
 #[cfg(feature = "package")]
 mod unfamiliar;
 
@@ -77,5 +78,6 @@ pub use settling::Settling;
 #[cfg(feature = "package")]
 pub use simulator::{Quality, Simulator, check_stop, quality_name, quality_of, stopping};
 pub use take::{StepLimit, Take, TakeFrame};
+pub use tubes::{LimbOutside, Tubes};
 #[cfg(feature = "package")]
 pub use unfamiliar::Unfamiliar;

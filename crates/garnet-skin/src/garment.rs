@@ -3,7 +3,9 @@
 use garnet_knn::{ClosestPoint, Surface};
 use garnet_mesh::{Point3, Topology, TriMesh};
 
+use crate::free_cloth::freedom;
 use crate::pieces::Pieces;
+use crate::scale::scale_of;
 use crate::shape::offsets_at_skin;
 use crate::transfer::{PIECE_LENGTH, transfer_screening, transferred_weights};
 use crate::{
@@ -30,7 +32,8 @@ pub enum Warp {
 #[derive(Debug, Clone)]
 pub struct Garment {
     mesh: TriMesh,
-    transfer: TransferOptions,
+    /// Those of a person, at the garment's scale, if none.
+    transfer: Option<TransferOptions>,
 }
 
 impl Garment {
@@ -38,14 +41,14 @@ impl Garment {
     pub fn new(mesh: TriMesh) -> Self {
         Self {
             mesh,
-            transfer: TransferOptions::default(),
+            transfer: None,
         }
     }
 
     /// The same with other lengths of weight smoothing.
     #[must_use]
     pub fn with_transfer(mut self, transfer: TransferOptions) -> Self {
-        self.transfer = transfer;
+        self.transfer = Some(transfer);
         self
     }
 
@@ -67,14 +70,21 @@ impl Garment {
         let topology = Topology::new(rest.len(), &faces);
         let plain = ClothGraph::new(&rest, &faces, &topology, &[]);
         let areas: Vec<f64> = plain.node_areas().iter().map(|&a| f64::from(a)).collect();
-        let pieces = Pieces::new(&rest, &topology, &areas)?;
+        let skin = body.skin().closest_all(&rest);
+        let scale = scale_of(body.skin(), &skin);
+        let pieces = Pieces::new(&rest, &topology, &areas, scale)?;
         let graph = if pieces.stitches.is_empty() {
             plain
         } else {
             ClothGraph::new(&rest, &faces, &topology, &pieces.stitches)
         };
-        let skin = body.skin().closest_all(&rest);
-        let screening = transfer_screening(&graph, &skin, &pieces.is_piece, self.transfer);
+        let surface = || {
+            let mesh = TriMesh::new(rest.clone(), faces.clone()).ok()?;
+            Some(Surface::new(&mesh))
+        };
+        let freedom = freedom(&rest, &topology, surface, &skin, &pieces.is_piece, scale);
+        let options = (self.transfer).unwrap_or_else(|| TransferOptions::default().scaled(scale));
+        let screening = transfer_screening(&graph, &skin, &pieces.is_piece, &freedom, options);
         let transfer_system = ScreenedPoisson::new(&graph, screening)?;
         let body_faces = body.rest().faces();
         let shape_screening = (0..rest.len())
@@ -82,7 +92,7 @@ impl Garment {
                 let length = if pieces.is_piece[node] {
                     PIECE_LENGTH
                 } else {
-                    SHAPE_LENGTH
+                    f64::from(scale) * SHAPE_LENGTH
                 };
                 areas[node] / (length * length)
             })
@@ -100,6 +110,7 @@ impl Garment {
             graph,
             is_piece: pieces.is_piece,
             skin,
+            scale,
             weights: weights?,
             shape_system: shape_system?,
             rest_skin: body.skin().clone(),
@@ -121,6 +132,7 @@ pub struct BoundGarment {
     graph: ClothGraph,
     is_piece: Vec<bool>,
     skin: Vec<ClosestPoint>,
+    scale: f32,
     weights: SkinWeights,
     shape_system: ScreenedPoisson,
     rest_skin: Surface,
@@ -165,6 +177,12 @@ impl BoundGarment {
     /// The closest point of the rest skin `[node]`.
     pub fn skin(&self) -> &[ClosestPoint] {
         &self.skin
+    }
+
+    /// What the lengths of draping, which are a person's, are to be multiplied by: 1 for cloth on
+    /// limbs as thick as a person's, less on fingers and dolls, more on giants.
+    pub fn scale(&self) -> f32 {
+        self.scale
     }
 
     /// Weights `[node]`.

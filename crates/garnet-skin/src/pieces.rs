@@ -27,6 +27,7 @@ impl Pieces {
         positions: &[Point3],
         topology: &Topology,
         node_areas: &[f64],
+        scale: f32,
     ) -> Result<Self, KnnError> {
         let components = topology.components();
         let mut areas = vec![0.0_f64; topology.num_components()];
@@ -59,7 +60,7 @@ impl Pieces {
             sizes[component] += 1;
             let nearest = tree.nearest(positions[node as usize]);
             if let Some(near) = nearest
-                && near.distance_squared <= TOUCH_DISTANCE * TOUCH_DISTANCE
+                && near.distance_squared <= (scale * TOUCH_DISTANCE).powi(2)
             {
                 touching[component].push([node, main[near.index as usize]]);
             }
@@ -104,7 +105,7 @@ mod tests {
         faces.extend(button.faces().iter().map(|face| face.map(|v| v + first)));
         let topology = Topology::new(positions.len(), &faces);
         let areas = vec![1.0; positions.len()];
-        let pieces = Pieces::new(&positions, &topology, &areas).unwrap();
+        let pieces = Pieces::new(&positions, &topology, &areas, 1.0).unwrap();
         assert!(pieces.is_piece[first as usize..].iter().all(|&piece| piece));
         assert!(!pieces.is_piece[..first as usize].iter().any(|&piece| piece));
         assert_eq!(pieces.stitches.len(), button.num_vertices());

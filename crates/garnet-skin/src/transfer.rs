@@ -9,6 +9,7 @@
 
 use garnet_knn::ClosestPoint;
 
+use crate::free_cloth::free_length;
 use crate::{ClothGraph, MAX_INFLUENCES, ScreenedPoisson, SkinError, SkinWeights};
 
 /// Over which length weights are smoothed, in metres.
@@ -32,6 +33,18 @@ impl Default for TransferOptions {
     }
 }
 
+impl TransferOptions {
+    /// The same for bodies that are `scale` times as large.
+    #[must_use]
+    pub fn scaled(self, scale: f32) -> Self {
+        Self {
+            near_length: scale * self.near_length,
+            loose_length: scale * self.loose_length,
+            loose_distance: scale * self.loose_distance,
+        }
+    }
+}
+
 /// Pieces that sit on other cloth have no skin of their own: their smoothing length, in metres.
 pub(crate) const PIECE_LENGTH: f64 = 10.0;
 
@@ -40,6 +53,7 @@ pub(crate) fn transfer_screening(
     graph: &ClothGraph,
     skin: &[ClosestPoint],
     is_piece: &[bool],
+    freedom: &[f32],
     options: TransferOptions,
 ) -> Vec<f64> {
     let screening = |node: usize| {
@@ -50,7 +64,11 @@ pub(crate) fn transfer_screening(
             let t = (distance / options.loose_distance).clamp(0.0, 1.0);
             let step = t * t * (3.0 - 2.0 * t);
             let range = options.loose_length - options.near_length;
-            f64::from(options.near_length + range * step)
+            let length = f64::from(options.near_length + range * step);
+            match freedom.get(node) {
+                Some(&freedom) if freedom > 0.0 => free_length(length, freedom),
+                _ => length,
+            }
         };
         f64::from(graph.node_areas()[node]) / (length * length)
     };

@@ -76,6 +76,8 @@ pub struct Binding {
     pub(crate) relax_system: ScreenedPoisson,
     /// 1 or -1 `[node]`: turns the normals of the faces to the outside of the garment.
     pub(crate) orientation: Vec<f32>,
+    /// As of [`BoundGarment::scale`].
+    pub(crate) scale: f32,
     /// Cloth that lies on cloth.
     pub(crate) layers: Layers,
     /// The skin that each node lies on at rest `[node]`.
@@ -97,6 +99,7 @@ impl Binding {
     /// [`UntangleError::Skin`] or [`UntangleError::Mesh`] for a garment too degenerate to be
     /// smoothed or searched.
     pub fn new(garment: &BoundGarment) -> Result<Self, UntangleError> {
+        let scale = garment.scale();
         let rest = garment.rest_nodes().to_vec();
         let mesh = TriMesh::new(rest.clone(), garment.faces().to_vec())?;
         let body = garment.rest_skin();
@@ -119,8 +122,8 @@ impl Binding {
             .map(|skin| body_normals[skin.face as usize])
             .collect();
         let own_radius = garment.skin().iter().map(|skin| {
-            let loose = (skin.distance_squared.sqrt() - LOOSE_DISTANCE).max(0.0);
-            OWN_RADIUS + OWN_RADIUS_PER_DISTANCE * loose
+            let loose = (skin.distance_squared.sqrt() - scale * LOOSE_DISTANCE).max(0.0);
+            scale * OWN_RADIUS + OWN_RADIUS_PER_DISTANCE * loose
         });
         let own_radius = own_radius.collect();
         let center = |corners: &[u32; 3]| {
@@ -130,18 +133,20 @@ impl Binding {
         let face_centers: Vec<Point3> = body.faces().iter().map(center).collect();
         let is_covered = || {
             let tree = VertexTree::new(&skin_points)?;
+            let cover = scale * COVER_DISTANCE;
             // To ask for the nearest point is dear from far away.
             let bounds = Bounds::of(&skin_points);
             let covered = face_centers.par_iter().map(|&center| {
-                let is_near = bounds.is_some_and(|bounds| bounds.distance(center) < COVER_DISTANCE);
+                let is_near = bounds.is_some_and(|bounds| bounds.distance(center) < cover);
                 let nearest = is_near.then(|| tree.nearest(center)).flatten();
-                nearest.is_some_and(|n| n.distance_squared < COVER_DISTANCE * COVER_DISTANCE)
+                nearest.is_some_and(|n| n.distance_squared < cover * cover)
             });
             Ok::<Vec<bool>, KnnError>(covered.collect())
         };
         let relax_system = || {
             let areas = garment.graph().node_areas().iter();
-            let screening = areas.map(|&area| f64::from(area) / (RELAX_LENGTH * RELAX_LENGTH));
+            let length = f64::from(scale) * RELAX_LENGTH;
+            let screening = areas.map(|&area| f64::from(area) / (length * length));
             (garment.system()).rescreened(garment.graph(), screening.collect())
         };
         let (is_covered, relax_system) = rayon::join(is_covered, relax_system);
@@ -149,6 +154,7 @@ impl Binding {
             surface,
             relax_system: relax_system?,
             orientation,
+            scale,
             layers,
             rest,
             rest_normals,
@@ -169,8 +175,16 @@ impl Binding {
     /// [`UntangleError::Knn`] for another number of positions than nodes, or positions out of any
     /// range.
     pub fn cloth_crossings(&self, positions_nodes: Vec<Point3>) -> Result<usize, UntangleError> {
-        let surface = self.surface.moved(positions_nodes)?;
-        Ok(surface.self_intersections().len())
+        Ok(self.surface_at(positions_nodes)?.self_intersections().len())
+    }
+
+    /// The garment as a surface where its nodes are at `positions_nodes`, in metres.
+    ///
+    /// # Errors
+    ///
+    /// As [`Binding::cloth_crossings`].
+    pub fn surface_at(&self, positions_nodes: Vec<Point3>) -> Result<Surface, UntangleError> {
+        Ok(self.surface.moved(positions_nodes)?)
     }
 
     /// How many nodes lie on other cloth of the garment and follow it.

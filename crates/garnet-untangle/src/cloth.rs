@@ -101,7 +101,7 @@ impl<'a> Cloth<'a> {
         let normals = cloth.normals(&all);
         let find = |(node, normal): (usize, &Vector3)| {
             let hint = garment.skin()[node].face;
-            let reach = cloth.clearances[node] + REACH;
+            let reach = cloth.clearances[node] + finder.binding.scale * REACH;
             finder.find(node, cloth.positions[node], *normal, reach, hint)
         };
         let nodes = normals.par_iter().with_min_len(CHUNK).enumerate();
@@ -135,17 +135,18 @@ impl<'a> Cloth<'a> {
     /// Finds the contacts of the nodes of a region anew; false if nothing has moved.
     pub(crate) fn find_contacts(&mut self, region: &Region, refresh: Refresh) -> bool {
         self.report.contact_rounds += 1;
+        let scale = self.scene.finder.binding.scale;
         let normals = self.normals(region);
         let find = |(&node, &normal): (&u32, &Vector3)| {
             let node = node as usize;
             let position = self.positions[node];
             let contact = &self.contacts[node];
             let moved = (position - contact.position).norm();
-            let spare = contact.distance - self.clearances[node] - REACH;
-            if refresh == Refresh::Moved && (moved < KEEP_DISTANCE || moved < spare) {
+            let spare = contact.distance - self.clearances[node] - scale * REACH;
+            if refresh == Refresh::Moved && (moved < scale * KEEP_DISTANCE || moved < spare) {
                 return (moved, None);
             }
-            let reach = self.clearances[node] + REACH;
+            let reach = self.clearances[node] + scale * REACH;
             let hint = contact.closest.face;
             (
                 moved,
@@ -164,7 +165,7 @@ impl<'a> Cloth<'a> {
             }
         }
         self.find_ways_out(&found);
-        farthest > REST_DISTANCE
+        farthest > scale * REST_DISTANCE
     }
 
     fn find_ways_out(&mut self, found: &[u32]) {
@@ -220,6 +221,11 @@ impl<'a> Cloth<'a> {
     pub(crate) fn place_followers(&mut self) {
         let layers = &self.scene.finder.binding.layers;
         layers.place(self.scene.garment.faces(), &mut self.positions);
+    }
+
+    /// What lengths of a person are multiplied by.
+    pub(crate) fn scale(&self) -> f32 {
+        self.scene.finder.binding.scale
     }
 
     /// What a node is to keep from the skin, in metres.
@@ -278,7 +284,7 @@ impl<'a> Cloth<'a> {
         position: Point3,
         normal: Vector3,
     ) -> Contact {
-        let reach = self.clearances[node] + REACH;
+        let reach = self.clearances[node] + self.scene.finder.binding.scale * REACH;
         let hint = self.contacts[node].closest.face;
         let mut contact = self.scene.finder.find(node, position, normal, reach, hint);
         if contact.foreign_parts > 0 {

@@ -128,7 +128,11 @@ impl ContactFinder<'_> {
             }
         }
         let winding = self.winding(position);
-        let own_reach = if winding > 0 { OWN_REACH } else { reach };
+        let own_reach = if winding > 0 {
+            self.binding.scale * OWN_REACH
+        } else {
+            reach
+        };
         let own = self.own_skin(node, position, own_reach, is_own);
         let own_side = own.map_or(1.0, |own| self.side(position, &own));
         contact.own = own
@@ -219,7 +223,8 @@ impl ContactFinder<'_> {
 
     /// The half space in front of the node's own skin, of which `nearest` is the nearest.
     fn own_plane(&self, node: usize, position: Point3, nearest: &ClosestPoint, side: f32) -> Plane {
-        let is_deep = side < 0.0 && nearest.distance_squared > DEEP * DEEP;
+        let deep = self.binding.scale * DEEP;
+        let is_deep = side < 0.0 && nearest.distance_squared > deep * deep;
         let returned = is_deep.then(|| self.rest_skin_plane(node));
         match returned {
             Some(plane) if plane.height(position) < 0.0 => plane,

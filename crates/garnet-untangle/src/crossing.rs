@@ -97,7 +97,9 @@ pub(crate) fn raise_clearances(
 ) {
     let lift = |corners: &[u32; 3]| {
         let depth = deepest_sample(finder, *corners, positions, &normal_of, contacts);
-        (SAMPLE_CLEARANCE - depth).clamp(LIFT_RANGE[0], LIFT_RANGE[1])
+        let scale = finder.binding.scale;
+        let [least, most] = LIFT_RANGE.map(|length| scale * length);
+        (scale * SAMPLE_CLEARANCE - depth).clamp(least, most)
     };
     let lifts: Vec<f32> = crossing.par_iter().map(lift).collect();
     let mut raised: Vec<(u32, f32)> = Vec::with_capacity(3 * crossing.len());
@@ -121,11 +123,12 @@ fn deepest_sample(
     normal_of: &impl Fn(u32) -> Vector3,
     contacts: &[Contact],
 ) -> f32 {
+    let scale = finder.binding.scale;
     let corner_normals = corners.map(normal_of);
     let mut deepest = f32::INFINITY;
     let [a, b, c] = corners.map(|node| positions[node as usize]);
     let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-    let parts = ((longest / SAMPLE_DISTANCE).ceil() as usize).clamp(3, MAX_SIDE_PARTS);
+    let parts = ((longest / (scale * SAMPLE_DISTANCE)).ceil() as usize).clamp(3, MAX_SIDE_PARTS);
     for i in 0..=parts {
         for j in 0..=parts - i {
             let counts = [i, j, parts - i - j];
@@ -147,7 +150,7 @@ fn deepest_sample(
             let node = main.1 as usize;
             let hint = contacts[node].closest.face;
             let sample = Point3::from(sample);
-            let contact = finder.find(node, sample, normal, SAMPLE_CLEARANCE, hint);
+            let contact = finder.find(node, sample, normal, scale * SAMPLE_CLEARANCE, hint);
             for plane in [contact.own, contact.foreign].into_iter().flatten() {
                 deepest = deepest.min(plane.height(sample));
             }

@@ -450,7 +450,12 @@ impl Lead {
                 && !faces[face as usize].contains(&(node as u32))
         };
         let hint = *garment.topology().vertex_faces(node).first()?;
-        let closest = surface.closest_where_from(rest[node], LAYER_DISTANCE, hint, is_followed)?;
+        let closest = surface.closest_where_from(
+            rest[node],
+            garment.scale() * LAYER_DISTANCE,
+            hint,
+            is_followed,
+        )?;
         let corners = faces[closest.face as usize];
         let [a, b, c] = corners.map(|corner| rest[corner as usize]);
         let lead_sheet = sheets.of_face[closest.face as usize];

@@ -69,6 +69,10 @@ fn untangled(
     warped: &[Point3],
     options: &UntangleOptions,
 ) -> Result<Untangled, UntangleError> {
+    let options = &UntangleOptions {
+        push_length: binding.scale * options.push_length,
+        ..*options
+    };
     let mut anchors = passes::relax(garment, binding, warped, options);
     (binding.layers).place(garment.faces(), &mut anchors);
 

@@ -155,7 +155,10 @@ fn shortest_direction(
         let mut cost = 0.0;
         for start in &samples {
             let length = start.exit(finder, direction).map(|exit| exit.length);
-            cost += factor * length.unwrap_or(NO_WAY_LENGTH).powi(2);
+            cost += factor
+                * length
+                    .unwrap_or(finder.binding.scale * NO_WAY_LENGTH)
+                    .powi(2);
             if cost >= shortest.0 {
                 break;
             }
@@ -184,7 +187,7 @@ pub(crate) fn way_out(
         let normal = -skin_normal;
         return Some(Plane {
             normal,
-            offset: normal.dot(&place.coords) - CAUGHT_HEIGHT,
+            offset: normal.dot(&place.coords) - finder.binding.scale * CAUGHT_HEIGHT,
         });
     }
     let normal = if skin_normal.dot(&direction) > MIN_COSINE {
@@ -239,15 +242,17 @@ impl Start {
             return self.probed_exit(finder, direction);
         }
         let mut parts = self.parts;
-        let reach = MAX_LENGTH + MIN_GAP;
+        let scale = finder.binding.scale;
+        let (longest, gap) = (scale * MAX_LENGTH, scale * MIN_GAP);
+        let reach = longest + gap;
         let passages = finder.skin.passages(self.position, direction, reach);
         for (index, passage) in passages.iter().enumerate() {
             parts -= passage.turn;
             let place = self.position + passage.length * direction;
             let is_caught = self.is_caught_at(finder, passage, place);
             let next = passages.get(index + 1).map_or(f32::INFINITY, |p| p.length);
-            let is_out = parts <= self.own_parts && next - passage.length >= MIN_GAP;
-            if passage.length <= MAX_LENGTH && (is_out || is_caught) {
+            let is_out = parts <= self.own_parts && next - passage.length >= gap;
+            if passage.length <= longest && (is_out || is_caught) {
                 return Some(Exit {
                     length: passage.length,
                     face: passage.face,
@@ -271,10 +276,11 @@ impl Start {
     fn probed_exit(&self, finder: &ContactFinder<'_>, direction: Vector3) -> Option<Exit> {
         let place = |length: f32| self.position + length * direction;
         let is_out = |length: f32| finder.winding(place(length)) <= self.own_parts;
+        let step = finder.binding.scale * STEP;
         let num_steps = (MAX_LENGTH / STEP) as usize;
-        let mut steps = (1..=num_steps).map(|count| count as f32 * STEP);
+        let mut steps = (1..=num_steps).map(|count| count as f32 * step);
         let mut outside = steps.find(|&length| is_out(length))?;
-        let mut inside = outside - STEP;
+        let mut inside = outside - step;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (inside + outside);
             if is_out(middle) {

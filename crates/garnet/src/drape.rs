@@ -1,5 +1,6 @@
 //! The steps of a drape, for those who time or replace them.
 
 pub use garnet_drape::{
-    Coverage, CoverageOptions, Placed, PlacedBy, Refit, StepLimit, Take, TakeFrame,
+    Coverage, CoverageOptions, LimbOutside, Placed, PlacedBy, Refit, StepLimit, Take, TakeFrame,
+    Tubes,
 };

@@ -19,7 +19,10 @@ use super::{
     outputs::bodies_folder,
     prepared::Prepared,
     ready::{Method, Ready},
-    report::{DrapeOutput, DrapeSeconds, PenetrationReport, RepeatedSeconds, StepsReport, Stretch},
+    report::{
+        DrapeOutput, DrapeSeconds, LimbReport, PenetrationReport, RepeatedSeconds, StepsReport,
+        Stretch,
+    },
     sink::{Sink, write_files},
     timing::timed,
     warning::{self, Problem, Warning},
@@ -363,6 +366,16 @@ impl Frame<'_> {
             Some(found)
         };
         let cloth_crossings = bound.garment.cloth_crossings(&drape.positions)?;
+        let limbs = (bound.tubes).limbs_outside(&bound.garment, &drape.positions, &posed)?;
+        let joints = bound.garment.body().skeleton().joints();
+        let limbs = limbs.into_iter().map(|limb| LimbReport {
+            joint: joints[limb.joint].name.clone(),
+            share: limb.share,
+        });
+        let limbs_outside: Vec<LimbReport> = limbs.collect();
+        let told = limbs_outside.iter();
+        let told = told.map(|limb| Problem::LimbOutside(limb.joint.clone(), limb.share));
+        problems.extend(told);
         let (target, output) = (&bound.targets[number], &self.part.outputs[number]);
         if number >= self.part.warm_up {
             let place = (target, output.as_path());
@@ -382,6 +395,7 @@ impl Frame<'_> {
             fallback,
             steps,
             cloth_crossings,
+            limbs_outside,
             cloth_crossings_at_rest: bound.crossings_at_rest,
             stretch: Stretch {
                 p50: stretch.p50,

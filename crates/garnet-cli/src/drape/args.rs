@@ -61,9 +61,10 @@ pub(crate) struct DrapeArgs {
     /// Drape the K-th of N parts of the bodies or frames, each on a machine of its own.
     #[arg(long, hide_short_help = true, value_name = "K/N", value_parser = Shard::parse)]
     shard: Option<Shard>,
-    /// Smallest distance between cloth and skin, in millimetres.
-    #[arg(long, hide_short_help = true, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
-    clearance: f32,
+    /// Smallest distance between cloth and skin, in millimetres
+    /// [default: 2; less on fingers and dolls, more on giants].
+    #[arg(long, hide_short_help = true, value_name = "MM", value_parser = millimetres, allow_negative_numbers = true)]
+    clearance: Option<f32>,
     /// Leave the warp as it is, penetrations included.
     #[arg(long, hide_short_help = true)]
     no_untangle: bool,
@@ -266,6 +267,8 @@ pub(crate) struct Job {
     /// Whether the report goes to stdout.
     pub(crate) prints_report: bool,
     pub(crate) options: DrapeOptions,
+    /// Whether the user has said how far cloth keeps from the skin.
+    pub(crate) has_own_clearance: bool,
     /// How the garment is simulated; none if it is warped.
     pub(crate) simulation: Option<Simulation>,
     /// Which network moves the warped garment.
@@ -340,9 +343,11 @@ impl Job {
             ));
         }
         job.fabric = args.fabric.as_deref().map(garment::fabric).transpose()?;
-        job.options = DrapeOptions::default()
-            .with_warp(args.method.warp())
-            .with_clearance(args.clearance);
+        job.options = DrapeOptions::default().with_warp(args.method.warp());
+        if let Some(clearance) = args.clearance {
+            job.options = job.options.with_clearance(clearance);
+            job.has_own_clearance = true;
+        }
         if args.no_untangle {
             job.options = job.options.without_untangling();
         }
@@ -408,6 +413,7 @@ impl Job {
             report: None,
             prints_report: false,
             options: DrapeOptions::default().without_untangling(),
+            has_own_clearance: false,
             simulation: None,
             network: NetworkChoice::None,
             limit: None,

@@ -19,7 +19,7 @@ use std::{path::Path, sync::Arc};
 use anyhow::Context;
 use garnet::{
     Body, BoundGarment, Garment, Point3, TriMesh, Warp,
-    drape::Refit,
+    drape::{Refit, Tubes},
     io::{self, Frame, MotionOptions, PoseSource, RestSource, Target},
 };
 
@@ -98,6 +98,8 @@ struct Bound {
     edges: Vec<[u32; 2]>,
     /// Pairs of its faces that run through each other at rest.
     crossings_at_rest: usize,
+    /// The limbs that are in its cloth at rest.
+    tubes: Tubes,
     rest: RestSource,
     targets: Vec<Target>,
     pose: Option<PoseSource>,
@@ -130,6 +132,7 @@ impl Bound {
             let (garment, body) = (garment_file.path().display(), rest.path.display());
             format!("cannot bind `{garment}` to `{body}`")
         })?;
+        let tubes = Tubes::new(&garment)?;
         let crossings_at_rest = garment.cloth_crossings(garment.mesh().positions())?;
         let start = warning::of_start(&garment);
         let at = |path: &Path| {
@@ -154,6 +157,7 @@ impl Bound {
             garment_frame,
             edges,
             crossings_at_rest,
+            tubes,
             rest,
             targets,
             pose,
@@ -197,7 +201,7 @@ fn report_of(
     let (method, settle_frames) = (ready.method_name(), ready.relax_frames());
     let (network, simulation) = (ready.network_report(), ready.simulation_report());
     let Ready { bound, choice, .. } = ready;
-    let untangle = job.options.untangle;
+    let untangle = ready.draper.options().untangle;
     let shown = |path: &Path| path.display().to_string();
     let rest = bound.garment.body().rest();
     DrapeReport {

@@ -193,7 +193,13 @@ impl Ready {
         if let Some(choice) = choice.as_ref().filter(|choice| choice.is_met) {
             console.summary(&format_args!("note: {}", choice.text));
         }
-        let mut draper = Draper::new(bound.garment.clone()).with_options(job.options);
+        let options = if job.has_own_clearance {
+            job.options
+        } else {
+            let scale = bound.garment.cloth().scale();
+            job.options.with_clearance_scaled(scale)
+        };
+        let mut draper = Draper::new(bound.garment.clone()).with_options(options);
         if let Some(refit) = &bound.refit {
             draper = draper.with_refit(refit.clone());
         }

@@ -145,12 +145,23 @@ pub(crate) struct DrapeOutput {
     pub(crate) cloth_crossings: usize,
     /// The same of the garment at rest.
     pub(crate) cloth_crossings_at_rest: usize,
+    /// Limbs that are out of the cloth which is round them at rest.
+    pub(crate) limbs_outside: Vec<LimbReport>,
     /// Length over rest length of the edges of the garment's polygons.
     pub(crate) stretch: Stretch,
     /// Times of this drape; of the last one, if it was repeated.
     pub(crate) seconds: DrapeSeconds,
     /// Times of all repetitions; none if there is but one.
     pub(crate) repeated: Option<RepeatedSeconds>,
+}
+
+/// A limb that is out of the cloth which is round it at rest.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct LimbReport {
+    /// The joint that its skin follows.
+    pub(crate) joint: String,
+    /// What share of its skin that was in the cloth is not.
+    pub(crate) share: f32,
 }
 
 /// How a frame of a motion goes on from the last one.

@@ -40,6 +40,8 @@ pub(crate) enum Problem {
     SelfIntersectingBody(usize),
     /// The faces of the body looked inwards.
     InsideOutBody,
+    /// A limb is out of the cloth that is round it at rest: its joint, and what share of it.
+    LimbOutside(String, f32),
     /// Edges are longer than cloth can be, over their length at rest.
     Torn(f32),
     /// What 1 % of the edges exceed, over their length at rest.
@@ -86,6 +88,7 @@ impl Problem {
             Self::OpenBody(_) => "open_body",
             Self::SelfIntersectingBody(_) => "self_intersecting_body",
             Self::InsideOutBody => "inside_out_body",
+            Self::LimbOutside(..) => "limb_outside",
             Self::Torn(_) => "torn",
             Self::Tight(_) => "tight",
             Self::StartsInside(..) => "starts_inside",
@@ -126,6 +129,7 @@ impl Problem {
             | Self::CrossingUntouched(count)
             | Self::Inside(count, _) => Some(count),
             Self::InsideOutBody
+            | Self::LimbOutside(..)
             | Self::Torn(_)
             | Self::Tight(_)
             | Self::Moving(_)
@@ -144,6 +148,7 @@ impl Problem {
             | Self::Moving(value)
             | Self::PoorFit(value)
             | Self::Inside(_, value)
+            | Self::LimbOutside(_, value)
             | Self::StartsInside(_, value) => value.into(),
             Self::OutOfBalance(_, residual) => residual,
             _ => self.count().unwrap_or(0) as f64,
@@ -190,6 +195,11 @@ impl fmt::Display for Warning {
                 format!("the body `{path}` runs through itself (pairs of faces: {count})")
             }
             Problem::InsideOutBody => format!("the body `{path}` {INSIDE_OUT}"),
+            Problem::LimbOutside(ref joint, share) => format!(
+                "`{joint}` has come out of the cloth that is round it at rest, in `{path}`: {:.0} % of \
+                 its skin",
+                100.0 * share
+            ),
             Problem::Torn(stretch) => torn(&self.path, stretch),
             Problem::Tight(stretch) => tight(&self.path, stretch),
             Problem::StartsInside(count, depth) => {

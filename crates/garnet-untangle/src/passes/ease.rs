@@ -30,7 +30,7 @@ pub(crate) fn ease(cloth: &mut Cloth<'_>) -> Vec<u32> {
     }
     let graph = cloth.scene.garment.graph();
     let layers = &cloth.scene.finder.binding.layers;
-    let rings = rings_of(graph, EASE_RADIUS).max(2);
+    let rings = rings_of(graph, cloth.scale() * EASE_RADIUS).max(2);
     let region = Region::around(graph, tears.nodes, rings);
     for _ in 0..EASE_SWEEPS {
         let mut farthest = 0.0_f32;

@@ -82,7 +82,11 @@ fn place_in_contact(cloth: &Cloth<'_>, [a, b]: [u32; 2]) -> Option<(u32, Point3)
 
 /// The place, and places on the way from it to the skin in the nearest contact.
 fn towards_contact(cloth: &Cloth<'_>, place: Point3) -> impl Iterator<Item = Point3> {
-    let contact = cloth.scene.finder.traps.nearest(place, CONTACT_REACH);
+    let contact = cloth
+        .scene
+        .finder
+        .traps
+        .nearest(place, cloth.scale() * CONTACT_REACH);
     let ways = contact
         .into_iter()
         .flat_map(move |contact| SHARES.map(move |share| place + share * (contact - place)));

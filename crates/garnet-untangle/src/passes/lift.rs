@@ -64,7 +64,7 @@ fn lift_or_leave(cloth: &mut Cloth<'_>, free: &[[u32; 3]]) -> Option<Region> {
     }
     (cloth.positions, cloth.contacts, cloth.clearances) = kept;
     let graph = cloth.scene.garment.graph();
-    let rings = rings_of(graph, LIFT_RADIUS).max(2);
+    let rings = rings_of(graph, cloth.scale() * LIFT_RADIUS).max(2);
     for &node in Region::around(graph, after.nodes, rings).nodes() {
         cloth.is_left[node as usize] = true;
     }
@@ -75,7 +75,7 @@ fn lift_or_leave(cloth: &mut Cloth<'_>, free: &[[u32; 3]]) -> Option<Region> {
 fn lift_corners(cloth: &mut Cloth<'_>, free: &[[u32; 3]]) -> Region {
     cloth.report.crossing_rounds += 1;
     let graph = cloth.scene.garment.graph();
-    let rings = rings_of(graph, LIFT_RADIUS).max(2);
+    let rings = rings_of(graph, cloth.scale() * LIFT_RADIUS).max(2);
     let layers = &cloth.scene.finder.binding.layers;
     let mut seeds: Vec<u32> = free.iter().flatten().copied().collect();
     if !layers.is_single() {
@@ -92,6 +92,7 @@ fn lift_corners(cloth: &mut Cloth<'_>, free: &[[u32; 3]]) -> Region {
     }
     let region = Region::around(graph, seeds, rings);
     let normals = cloth.normals(&region);
+    let limit = cloth.scene.options.clearance + cloth.scale() * MAX_LIFT;
     raise_clearances(
         cloth.scene.finder,
         free,
@@ -99,7 +100,7 @@ fn lift_corners(cloth: &mut Cloth<'_>, free: &[[u32; 3]]) -> Region {
         |node| normals[region.index_of(node)],
         &cloth.contacts,
         &mut cloth.clearances,
-        cloth.scene.options.clearance + MAX_LIFT,
+        limit,
     );
     // What lies on other cloth is lifted with it.
     for (node, leads) in layers.leads().rev() {

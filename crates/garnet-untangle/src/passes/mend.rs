@@ -41,7 +41,7 @@ pub(crate) fn mend(cloth: &mut Cloth<'_>) -> f32 {
 
 fn close_tears(cloth: &mut Cloth<'_>, nodes: &[u32]) {
     let graph = cloth.scene.garment.graph();
-    let rings = rings_of(graph, MEND_RADIUS).max(2);
+    let rings = rings_of(graph, cloth.scale() * MEND_RADIUS).max(2);
     let region = Region::around(graph, nodes.iter().copied(), rings);
     for &node in region.nodes() {
         let contact = &mut cloth.contacts[node as usize];

@@ -112,9 +112,9 @@ fn free_places(
         });
         let likely: Vec<Vector3> = normals.chain(neighbours).collect();
         let radius = if finder.winding(positions[node]) > 0 {
-            INSIDE_RADIUS
+            finder.binding.scale * INSIDE_RADIUS
         } else {
-            NEAR_RADIUS
+            finder.binding.scale * NEAR_RADIUS
         };
         let mut best: Option<(f32, Point3)> = None;
         for direction in likely.into_iter().chain(all_round()) {
@@ -122,7 +122,8 @@ fn free_places(
             let place_at = |length: f32| positions[node] + length * direction;
             let hint = contact.closest.face;
             if let Some(length) = free_length(finder, place_at, clearance, limit, hint) {
-                let cost = length + stretch_cost(graph, positions, node, place_at(length));
+                let cost = length
+                    + finder.binding.scale * stretch_cost(graph, positions, node, place_at(length));
                 if best.is_none_or(|(lowest, _)| cost < lowest) {
                     best = Some((cost, place_at(length)));
                 }
@@ -143,7 +144,7 @@ fn free_length(
 ) -> Option<f32> {
     let mut length = 0.0;
     while let Some(step) = step_to_free(finder, place_at(length), clearance, hint) {
-        length += step.max(MIN_STEP);
+        length += step.max(finder.binding.scale * MIN_STEP);
         if length > limit {
             return None;
         }

@@ -1,0 +1,83 @@
+//! How large the limbs are that a garment lies on.
+//!
+//! The lengths of draping are a person's: over how much cloth weights are smoothed, how far own
+//! skin reaches, how deep cloth may be in a limb and come out again. Fingers, dolls and giants have
+//! other ones, by the thickness of what the cloth lies on.
+
+use garnet_knn::{ClosestPoint, Surface};
+use garnet_mesh::Point3;
+
+/// Lengths are a person's for limbs of a thickness in this range, in metres: from wrists to trunks.
+const PERSON: [f32; 2] = [0.06, 0.6];
+
+/// The thickness that a person's lengths are for, in metres: between an arm and a trunk.
+const THICKNESS: f32 = 0.15;
+
+/// Places where the body is measured.
+const SAMPLES: usize = 256;
+
+/// Rays start this share of the body's size below the skin.
+const START: f32 = 1e-5;
+
+/// What lengths of a person are to be multiplied by for cloth that lies on `places` of the skin: 1
+/// for limbs as thick as a person's, else the thickness of the body below the cloth over a
+/// person's.
+///
+/// The thickness is the median over the cloth of the way through the body, along the normal.
+pub(crate) fn scale_of(skin: &Surface, places: &[ClosestPoint]) -> f32 {
+    let (low, high) = skin.bounds();
+    let size = (high - low).norm();
+    let thickness = |place: &ClosestPoint| {
+        let corners = skin.faces()[place.face as usize];
+        let [a, b, c] = corners.map(|vertex| skin.positions()[vertex as usize]);
+        let inwards = -(b - a).cross(&(c - a)).try_normalize(f32::MIN_POSITIVE)?;
+        let start: Point3 = place.point + START * size * inwards;
+        let passages = skin.passages(start, inwards, size);
+        let out = passages.iter().find(|passage| passage.turn > 0)?;
+        Some(out.length + START * size)
+    };
+    let step = places.len().div_ceil(SAMPLES).max(1);
+    let sampled = places.iter().step_by(step);
+    let count = sampled.len();
+    let mut found: Vec<f32> = sampled.filter_map(thickness).collect();
+    // Through a body with holes few rays find a way.
+    if found.is_empty() || 2 * found.len() < count {
+        return 1.0;
+    }
+    found.sort_by(f32::total_cmp);
+    let median = found[found.len() / 2];
+    if (PERSON[0]..=PERSON[1]).contains(&median) {
+        1.0
+    } else {
+        median / THICKNESS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use garnet_mesh::primitives::capsule;
+
+    fn scale(radius: f32, length: f32) -> f32 {
+        let limb = capsule(radius, length, 48, 24);
+        let places: Vec<Point3> = limb.positions().iter().map(|p| p * 1.02).collect();
+        let skin = Surface::new(&limb);
+        scale_of(&skin, &skin.closest_all(&places))
+    }
+
+    #[test]
+    fn limbs_of_persons_have_their_lengths() {
+        for radius in [0.035, 0.05, 0.1, 0.2] {
+            assert_eq!(scale(radius, 0.8).to_bits(), 1.0_f32.to_bits());
+        }
+    }
+
+    #[test]
+    fn fingers_and_giants_have_lengths_by_their_thickness() {
+        for radius in [0.001, 0.009, 1.0] {
+            let ratio = scale(radius, 8.0 * radius) / (2.0 * radius / THICKNESS);
+            // Rays from the half spheres at the ends go through more of the limb.
+            assert!((0.97..1.1).contains(&ratio), "{radius} {ratio}");
+        }
+    }
+}
