@@ -203,6 +203,92 @@ fn covered_faces_are_written_as_json_and_text() {
     );
 }
 
+const FOLLOW: &str = "simulate sleeve.obj body.obj --pose bending.json:0:20 --quality fast";
+
+#[test]
+fn a_motion_is_simulated_as_one_and_goes_on_after_a_stop() {
+    let fixture = Fixture::new();
+    bending(&fixture, 20);
+    done(
+        &fixture,
+        &format!("{FOLLOW} -o whole.pc2 --report whole.json -q"),
+    );
+    assert!(!fixture.path("whole.pc2.part").exists());
+    let whole = points(&fixture.read("whole.pc2"));
+    let sleeve = ObjFile::read(fixture.path("sleeve.obj")).unwrap();
+    assert_eq!(whole.len(), 20 * sleeve.num_vertices());
+    let report: Value = serde_json::from_slice(&fixture.read("whole.json")).unwrap();
+    let drapes = report["drapes"].as_array().unwrap();
+    assert_eq!(drapes.len(), 20);
+    for (number, drape) in drapes.iter().enumerate() {
+        // It goes along with the arm, and falls off it no faster than things fall.
+        let fallen = 9.81 * (number as f64 / 30.0) / 30.0;
+        let [cloth, body] = ["cloth_m", "body_m"].map(|key| drape["steps"][key].as_f64().unwrap());
+        assert!(
+            cloth < 1.5 * body + fallen + 0.01,
+            "{number}: {cloth} {body}"
+        );
+        assert_eq!(drape["penetration"]["inside"], 0);
+    }
+    assert!(drapes[5]["steps"]["cloth_m"].as_f64().unwrap() > 0.02);
+    // With what a stop has left: the frames of the first stretch, and a part of the next.
+    let child = Command::new(env!("CARGO_BIN_EXE_garnet"))
+        .args(format!("{FOLLOW} -o parts.pc2").split_whitespace())
+        .current_dir(fixture.folder())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let state = fixture.path("parts.pc2.part/state.json");
+    for _ in 0..2400 {
+        if state.exists() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(25));
+    }
+    let told = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(told.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    if output.status.code() != Some(0) {
+        assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+        assert!(
+            stderr(&output).contains("`--resume` goes on"),
+            "{}",
+            stderr(&output)
+        );
+        assert!(!fixture.path("parts.pc2").exists());
+        done(&fixture, &format!("{FOLLOW} -o parts.pc2 --resume -q"));
+    }
+    assert!(fixture.read("parts.pc2") == fixture.read("whole.pc2"));
+    assert!(!fixture.path("parts.pc2.part").exists());
+}
+
+#[test]
+fn what_was_begun_otherwise_is_not_gone_on_with() {
+    let fixture = Fixture::new();
+    bending(&fixture, 20);
+    fs::create_dir(fixture.path("out.part")).unwrap();
+    let state = r#"{"schema": "garnet.following/1", "fingerprint": 1, "num_done": 3,
+        "positions": [], "velocities": [], "faces": []}"#;
+    fixture.text("out.part/state.json", state);
+    fixture.text("out.part/frames.f32", "");
+    let expected = [
+        "cannot go on with `out.part`",
+        "begun with other files",
+        "without `--resume`",
+    ];
+    refused_with_hint(&fixture, &format!("{FOLLOW} -o out --resume"), &expected);
+    let alone = "simulate sleeve.obj bent.obj --rig body.rig.npz -o out.obj --resume";
+    refused_with_hint(
+        &fixture,
+        alone,
+        &["`--resume` is for simulations along a motion"],
+    );
+    let way = format!("{FOLLOW} -o out --frames way");
+    refused_with_hint(&fixture, &way, &["`--frames` writes the way to one pose"]);
+}
+
 /// A stop takes away what was begun.
 #[cfg(unix)]
 #[test]

@@ -212,7 +212,7 @@ fn a_tolerance_takes_what_simulates_least() {
 }
 
 #[test]
-fn a_pose_that_the_shirt_does_not_know_is_simulated_all_the_way() {
+fn a_pose_that_the_shirt_does_not_know_starts_from_the_nearest_that_it_knows() {
     let fixture = prepared();
     let shirt = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/tshirt");
     // Bent backwards as nobody can: 69 degrees at each.
@@ -225,10 +225,18 @@ fn a_pose_that_the_shirt_does_not_know_is_simulated_all_the_way() {
     ));
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stderr(&output);
-    assert!(text.contains("simulated all the way"), "{text}");
+    assert!(
+        text.contains("the network knows the body of `out.obj` in part"),
+        "{text}"
+    );
     let report: serde_json::Value = serde_json::from_slice(&fixture.read("report.json")).unwrap();
     let drape = &report["drapes"][0];
-    assert!(drape["fallback"].is_string());
+    assert!(drape["fallback"].is_null());
+    let beyond = drape["beyond"].as_str().unwrap();
+    assert!(
+        beyond.contains("outside of what it was trained on"),
+        "{beyond}"
+    );
     assert_eq!(drape["untangle"]["inside"], 0);
     assert!(drape["seconds"]["settle"].as_f64().unwrap() > 0.0);
 }
@@ -258,7 +266,7 @@ fn a_damaged_package_is_refused() {
 }
 
 #[test]
-fn a_body_unlike_all_in_training_is_draped_by_the_warp() {
+fn a_body_unlike_all_in_training_is_draped_like_the_nearest_that_is() {
     let fixture = prepared();
     done(&fixture, "train net scenes --preset tiny --epochs 1 -q");
     fixture.moved("body.obj", "huge.obj", |place| {
@@ -268,22 +276,22 @@ fn a_body_unlike_all_in_training_is_draped_by_the_warp() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stderr(&output);
     assert!(
-        text.contains("the network is not used on `out.obj`"),
+        text.contains("the network knows the body of `out.obj` in part"),
         "{text}"
     );
     let report: serde_json::Value = serde_json::from_slice(&fixture.read("report.json")).unwrap();
-    let reason = report["drapes"][0]["fallback"].as_str().unwrap();
+    assert!(report["drapes"][0]["fallback"].is_null());
+    let reason = report["drapes"][0]["beyond"].as_str().unwrap();
     assert!(
         reason.contains("outside of what it was trained on"),
         "{reason}"
     );
     assert_eq!(report["drapes"][0]["untangle"]["inside"], 0);
-    done(&fixture, "drape net huge.obj --method warp -o warp.obj -q");
-    assert_eq!(fixture.read("out.obj"), fixture.read("warp.obj"));
 
     let report = done(&fixture, "drape net body.obj -o out.obj --report -");
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert!(report["drapes"][0]["fallback"].is_null());
+    assert!(report["drapes"][0].get("beyond").is_none());
 }
 
 #[test]

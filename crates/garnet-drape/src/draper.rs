@@ -134,6 +134,10 @@ pub struct Provenance {
     /// The moment from which the cloth was simulated; `None` if it was not.
     #[cfg(feature = "package")]
     pub relaxed_from: Option<Moment>,
+    /// What of the body is farther outside of the network's training than is trusted: it predicted
+    /// at the edge of what it knows. `None` of bodies that it knows.
+    #[cfg(feature = "package")]
+    pub beyond: Option<crate::Unfamiliar>,
     /// Why the drape is not the one that was asked for; `None` if it is.
     pub fallback: Option<Fallback>,
     /// Why the cloth could not be simulated from where it was brought; `None` if it could, or was

@@ -20,6 +20,8 @@ mod body_path;
 #[cfg(feature = "package")]
 mod choice;
 #[cfg(feature = "package")]
+mod familiar;
+#[cfg(feature = "package")]
 mod following;
 #[cfg(feature = "package")]
 mod lock;

@@ -8,7 +8,8 @@ use garnet_net::{GarmentGraph, Model, ModelFile, SceneInput};
 use garnet_sim::Moment;
 use garnet_skin::{Body, PosedBody, Warp, WarpedGarment};
 
-use crate::unfamiliar::{moving_joints, torn, unfamiliar};
+use crate::familiar::Familiar;
+use crate::unfamiliar::{moving_joints, torn};
 use crate::{BoundGarment, Error, Unfamiliar};
 
 /// A network bound to a garment and the body that it lies on.
@@ -30,6 +31,9 @@ pub struct Network {
 pub enum Predicted {
     /// Positions `[vertex]` of the garment's mesh, in metres.
     At(Vec<Point3>),
+    /// The same of a body that is unlike those of the training: predicted at the edge of what the
+    /// network knows, and carried from there to the body. And what is the farthest outside.
+    Beyond(Vec<Point3>, Unfamiliar),
     /// Nowhere: why the network is not to be trusted.
     Unfamiliar(Unfamiliar),
 }
@@ -137,27 +141,45 @@ impl Network {
         Ok(WarpedGarment::new(cloth, &self.body, body, self.warp())?)
     }
 
-    /// Predicts where a warped garment is; nowhere, if the body is unlike those that the network
-    /// was trained on, or the garment would be torn. Bodies elsewhere than at rest are unlike them:
-    /// [`PosedBody::at_home`].
+    /// Predicts where a warped garment is; nowhere, if the garment would be torn. Of a body that is
+    /// unlike those that the network was trained on, the joints that are too far outside go back
+    /// to where the network knows them, and what it predicts there is laid on the warp of the body.
+    /// Bodies elsewhere than at rest are unlike them: [`PosedBody::at_home`].
     ///
     /// # Errors
     ///
-    /// [`Error::Net`] for bodies with coordinates out of any range.
+    /// [`Error::Net`] for bodies with coordinates out of any range; [`Error::Skin`] if `body` is
+    /// not of the body that the garment was bound to.
     pub fn predict(
         &self,
         garment: &BoundGarment,
         body: &PosedBody,
         warped: &WarpedGarment,
     ) -> Result<Predicted, Error> {
+        let familiar = match self.model.range() {
+            Some(range) => Familiar::near(range, &self.body, body, &self.moves)?,
+            None => None,
+        };
+        let (predicted, reason) = match familiar {
+            None => (self.asked(body, warped)?, None),
+            Some(Familiar { body: near, reason }) => {
+                let near_warped = self.warped(garment, &near)?;
+                let predicted = self.asked(&near, &near_warped)?;
+                (carried(&predicted, &near_warped, warped), Some(reason))
+            }
+        };
+        let weld = garment.cloth().weld();
+        let (before, after) = (weld.gather(&warped.positions), weld.gather(&predicted));
+        Ok(match (torn(garment.cloth(), &before, &after), reason) {
+            (Some(torn), _) => Predicted::Unfamiliar(torn),
+            (None, Some(reason)) => Predicted::Beyond(predicted, reason),
+            (None, None) => Predicted::At(predicted),
+        })
+    }
+
+    /// What the network says of a body.
+    fn asked(&self, body: &PosedBody, warped: &WarpedGarment) -> Result<Vec<Point3>, Error> {
         let parameters = self.body.pose_and_shape(body);
-        let joints = self.body.skeleton().joints();
-        let range = self.model.range();
-        let unfamiliar =
-            range.and_then(|range| unfamiliar(&range.excess(&parameters), joints, &self.moves));
-        if let Some(reason) = unfamiliar {
-            return Ok(Predicted::Unfamiliar(reason));
-        }
         let body_normals = if self.model.needs_body_normals() {
             body.vertex_normals()
         } else {
@@ -171,15 +193,19 @@ impl Network {
             rotations: &warped.rotations,
             parameters: &parameters,
         };
-        let predicted = match &self.graph {
+        Ok(match &self.graph {
             Some(graph) => self.model.predict_on(graph, &input)?,
             None => self.model.predict(&input)?,
-        };
-        let weld = garment.cloth().weld();
-        let (before, after) = (weld.gather(&warped.positions), weld.gather(&predicted));
-        Ok(match torn(garment.cloth(), &before, &after) {
-            Some(reason) => Predicted::Unfamiliar(reason),
-            None => Predicted::At(predicted),
         })
     }
+}
+
+/// What was predicted beside one warp, beside another one `[vertex]`: turned as the body turns the
+/// cloth from the one to the other.
+fn carried(predicted: &[Point3], from: &WarpedGarment, to: &WarpedGarment) -> Vec<Point3> {
+    let carried = |vertex: usize| {
+        let turn = to.rotations[vertex] * from.rotations[vertex].inverse();
+        to.positions[vertex] + turn * (predicted[vertex] - from.positions[vertex])
+    };
+    (0..predicted.len()).map(carried).collect()
 }

@@ -221,23 +221,25 @@ impl Draper {
         let predicting = Instant::now();
         let predicted = network.predict(garment, seen, &warped)?;
         let predict = predicting.elapsed().as_secs_f64();
-        let mut brought = match predicted {
+        let (positions, beyond) = match predicted {
+            Predicted::At(positions) => (positions, None),
+            Predicted::Beyond(positions, reason) => (positions, Some(reason)),
             Predicted::Unfamiliar(reason) => {
                 let mut warped = self.warped(body, Warp::Shape)?;
                 warped.provenance.fallback = Some(Fallback::Unfamiliar(reason));
-                warped
-            }
-            Predicted::At(positions) => {
-                let mut brought = Brought {
-                    nodes: self.garment.cloth().weld().gather(&positions),
-                    by: PlacedBy::Network,
-                    provenance: Provenance::default(),
-                    seconds: DrapeSeconds::default(),
-                };
-                brought.provenance.predicted = Some(moment);
-                brought
+                warped.seconds.predict = predict;
+                warped.seconds.warp = start.elapsed().as_secs_f64() - predict;
+                return Ok(warped);
             }
         };
+        let mut brought = Brought {
+            nodes: self.garment.cloth().weld().gather(&positions),
+            by: PlacedBy::Network,
+            provenance: Provenance::default(),
+            seconds: DrapeSeconds::default(),
+        };
+        brought.provenance.predicted = Some(moment);
+        brought.provenance.beyond = beyond;
         brought.seconds.predict = predict;
         brought.seconds.warp = start.elapsed().as_secs_f64() - predict;
         Ok(brought)

@@ -10,10 +10,13 @@ use garnet_skin::{Body, BoundGarment, Joint};
 const MIN_WEIGHT: f32 = 0.05;
 
 /// A joint may leave the range by this: numbers of its rotation, about radians; ...
-const MAX_TURN: f32 = 0.3;
+pub(crate) const MAX_TURN: f32 = 0.3;
 
 /// ... and the mean offset of its skin, along its normal too, in metres.
-const MAX_GROWTH: f32 = 0.03;
+pub(crate) const MAX_GROWTH: f32 = 0.03;
+
+/// Numbers of a joint that tell its turn, the first of them.
+pub(crate) const TURN: usize = 6;
 
 /// Edges of a prediction that are longer than this over their length at rest count against it: a
 /// quarter more than torn, because relaxing and untangling mend what is just torn. Lower, drapes
@@ -23,7 +26,7 @@ const TORN_BEYOND_MENDING: f32 = 1.25 * TORN_STRETCH;
 /// More torn edges than this, as a share of all, and the drape is of no use.
 const MAX_TORN: f64 = 0.01;
 
-/// Why a network is not to be trusted with a body.
+/// What of a body, or of a prediction, is unlike the training of a network.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Unfamiliar {
@@ -81,17 +84,9 @@ pub(crate) fn unfamiliar(excess: &[f32], joints: &[Joint], moves: &[bool]) -> Op
         .zip(moves)
         .filter(|(_, moves)| **moves)
     {
-        let (turn, growth) = numbers.split_at(numbers.len().min(6));
-        let norm = |numbers: &[f32]| {
-            numbers
-                .iter()
-                .map(|number| number * number)
-                .sum::<f32>()
-                .sqrt()
-        };
+        let (turn, growth) = numbers.split_at(numbers.len().min(TURN));
         let joint = || joint.name.clone();
-        // Two columns of a matrix change by the square root of two times the angle.
-        let turn = norm(turn) / std::f32::consts::SQRT_2;
+        let turn = turned_by(turn);
         let growth = norm(growth);
         let found = [
             (
@@ -116,6 +111,17 @@ pub(crate) fn unfamiliar(excess: &[f32], joints: &[Joint], moves: &[bool]) -> Op
         }
     }
     worst.map(|(_, found)| found)
+}
+
+/// About by how many radians two columns of a rotation have changed: by the square root of two
+/// times the angle.
+pub(crate) fn turned_by(numbers: &[f32]) -> f32 {
+    norm(numbers) / std::f32::consts::SQRT_2
+}
+
+pub(crate) fn norm(numbers: &[f32]) -> f32 {
+    let squares = numbers.iter().map(|number| number * number);
+    squares.sum::<f32>().sqrt()
 }
 
 /// Whether each joint moves the garment.

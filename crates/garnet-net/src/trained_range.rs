@@ -37,6 +37,20 @@ impl TrainedRange {
         Some(range)
     }
 
+    /// The middle of each number's range.
+    pub fn middle(&self) -> Vec<f32> {
+        let ends = self.low.iter().zip(&self.high);
+        ends.map(|(low, high)| f32::midpoint(*low, *high)).collect()
+    }
+
+    /// As [`TrainedRange::excess`], of some of the numbers, from the `first` one on.
+    pub fn excess_from(&self, first: usize, numbers: &[f32]) -> Vec<f32> {
+        let ends = self.low.iter().zip(&self.high).skip(first);
+        ends.zip(numbers)
+            .map(|((low, high), number)| (low - number).max(number - high).max(0.0))
+            .collect()
+    }
+
     /// How far outside each number is, above or below; as many as both have.
     pub fn excess(&self, numbers: &[f32]) -> Vec<f32> {
         let ends = self.low.iter().zip(&self.high);

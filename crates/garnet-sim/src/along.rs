@@ -109,3 +109,95 @@ pub fn go_along(
     }
     Ok(solver.left())
 }
+
+#[cfg(test)]
+mod tests {
+    use garnet_mesh::primitives::grid;
+
+    use super::*;
+    use crate::{Cloth, Fabric, Quality, RestShape};
+
+    /// Far below what a frame moves, in metres.
+    const ROUNDING: f32 = 2e-5;
+
+    fn schedule(cloth: &Cloth, frames: u32) -> Schedule {
+        Schedule {
+            motion_frames: frames,
+            stages: Vec::new(),
+            drag: 0.0,
+            carry: 0.0,
+            ..Schedule::for_quality(Quality::Teacher, cloth.mean_edge_length())
+        }
+    }
+
+    fn flag() -> (Cloth, Vec<Point3>) {
+        let square = grid(8, 8, [0.4, 0.4]);
+        let start = square.positions().to_vec();
+        let rest = RestShape::Worn(start.clone());
+        let count = square.num_vertices();
+        let cloth = Cloth::new(square.faces(), count, &rest, &Fabric::cotton()).unwrap();
+        (cloth, start)
+    }
+
+    fn along(cloth: &Cloth, start: &[Point3], frames: u32, from: &MovingCloth) -> MovingCloth {
+        let scene = Scene {
+            cloth,
+            start,
+            body: None,
+        };
+        let schedule = schedule(cloth, frames);
+        let mut num_seen = 0;
+        let mut watch = |event: Event<'_>| {
+            num_seen += u32::from(matches!(event, Event::Frame { .. }));
+            ControlFlow::Continue(())
+        };
+        let left = go_along(&scene, &schedule, from, &mut watch).unwrap();
+        assert_eq!(num_seen, frames);
+        left
+    }
+
+    #[test]
+    fn cloth_falls_and_keeps_its_velocity_from_stretch_to_stretch() {
+        let (cloth, start) = flag();
+        let rest = MovingCloth::at_rest(start.clone());
+        let whole = along(&cloth, &start, 12, &rest);
+        let half = along(&cloth, &start, 6, &rest);
+        let both = along(&cloth, &start, 6, &half);
+        let time = 12.0 * schedule(&cloth, 12).frame_seconds;
+        for (vertex, place) in start.iter().enumerate() {
+            let fallen = place.y - whole.positions[vertex].y;
+            let expected = 0.5 * crate::STANDARD_GRAVITY * time * time;
+            assert!(
+                (fallen - expected).abs() < 0.01 * expected,
+                "{fallen} {expected}"
+            );
+            let speed = -whole.velocities[vertex].y;
+            assert!(
+                (speed - crate::STANDARD_GRAVITY * time).abs() < 0.01 * speed,
+                "{speed}"
+            );
+            let apart = (whole.positions[vertex] - both.positions[vertex]).norm();
+            assert!(apart < ROUNDING, "{apart}");
+        }
+    }
+
+    #[test]
+    fn cloth_of_another_garment_is_refused() {
+        let (cloth, start) = flag();
+        let scene = Scene {
+            cloth: &cloth,
+            start: &start,
+            body: None,
+        };
+        let mut wrong = MovingCloth::at_rest(start.clone());
+        wrong.velocities = vec![Vector3::zeros(); 3];
+        let schedule = schedule(&cloth, 2);
+        let error = go_along(
+            &scene,
+            &schedule,
+            &wrong,
+            &mut |_| ControlFlow::Continue(()),
+        );
+        assert!(matches!(error, Err(SimError::Count { found: 3, .. })));
+    }
+}

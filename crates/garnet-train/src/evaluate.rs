@@ -305,10 +305,10 @@ fn scene(
             *fallbacks += usize::from(provenance.fallback.is_some());
             let positions = placed.positions(draper.garment());
             let errors = measure.add(tally, staged, &positions)?;
-            match &provenance.fallback {
-                // The drape of a network that was not asked says nothing of it.
-                Some(fallback) if fallback.is_of_body() => *unfamiliar += 1,
-                _ => familiar.add(&errors.distances),
+            match &provenance.beyond {
+                // A drape beyond what a network knows says little of it.
+                Some(_) => *unfamiliar += 1,
+                None => familiar.add(&errors.distances),
             }
             distances.add(&errors.distances);
             angles.add(&errors.angles);

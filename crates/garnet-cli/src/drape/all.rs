@@ -10,11 +10,17 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    Drape, PosedBody, data::SceneReport, drape::Take, mesh::edge_stretch, package::Moment,
+    Drape, Point3, PosedBody,
+    data::SceneReport,
+    drape::{Placed, PlacedBy, Take},
+    io::largest_distance,
+    mesh::edge_stretch,
+    package::Moment,
 };
 
 use super::{
     args::{Job, Shard},
+    followed::Followed,
     hide::Hiding,
     outputs::bodies_folder,
     prepared::Prepared,
@@ -103,20 +109,21 @@ pub(super) fn drape_all(
     console: &Console,
 ) -> anyhow::Result<All> {
     let bound = &ready.bound;
+    let count = bound.targets.len();
+    let num_written = count - part.warm_up;
+    let is_streamed = job.cache.is_some() || job.body_cache.is_some() || job.follows;
+    let stop = if is_streamed {
+        stop_flag()?
+    } else {
+        Arc::default()
+    };
+    let followed = followed(ready, job, &stop, console)?;
     for folder in job.folder.iter().chain(&job.new_folders) {
         output::open_folder(folder)?;
     }
     if let Some(folder) = bodies_folder(&bound.targets, job) {
         output::open_folder(folder)?;
     }
-    let count = bound.targets.len();
-    let num_written = count - part.warm_up;
-    let is_streamed = job.cache.is_some() || job.body_cache.is_some();
-    let stop = if is_streamed {
-        stop_flag()?
-    } else {
-        Arc::default()
-    };
     let mut sink = Sink::open(bound, job, num_written)?;
     let mut hiding = job.hide.as_ref().map(|path| Hiding::new(path, bound));
     // A part of a motion is one, too, if it has a frame alone.
@@ -132,8 +139,10 @@ pub(super) fn drape_all(
         part,
         goes_on,
         stop: &stop,
+        followed: followed.as_ref(),
         console: (count == 1).then_some(console),
     };
+    let mut last: Option<(Vec<Point3>, Vec<Point3>)> = None;
     let take_up = |number: usize, made: Made| -> anyhow::Result<()> {
         let target = &bound.targets[number];
         bar.set_message(target.path.display().to_string());
@@ -148,6 +157,16 @@ pub(super) fn drape_all(
             mut output,
             problems,
         } = finished;
+        if job.follows {
+            let now = (drape.positions.clone(), posed.skin().positions().to_vec());
+            let (cloth, body) = last.as_ref().unwrap_or(&now);
+            output.steps = Some(StepsReport {
+                cloth_m: largest_distance(cloth, &now.0),
+                body_m: largest_distance(body, &now.1),
+                held_back: 0,
+            });
+            last = Some(now);
+        }
         bar.inc(1);
         if number < part.warm_up {
             return Ok(());
@@ -181,6 +200,7 @@ pub(super) fn drape_all(
     }
     done?;
     sink.finish()?;
+    followed.map_or(Ok(()), Followed::remove)?;
     let hidden_faces = hiding.map(|hiding| hiding.finish(bound)).transpose()?;
     let (drapes, warnings): (Vec<_>, Vec<_>) = drapes.into_iter().unzip();
     ready.bound.warnings.extend(warnings.into_iter().flatten());
@@ -204,6 +224,22 @@ fn told_of_stop(job: &Job) -> String {
     format!("{} is as it was before; begin anew", names.join(" and "))
 }
 
+/// The frames of a motion along which the cloth is simulated, if it is.
+fn followed(
+    ready: &Ready,
+    job: &Job,
+    stop: &AtomicBool,
+    console: &Console,
+) -> anyhow::Result<Option<Followed>> {
+    let (Method::Simulation(simulated), Some(simulator), true) =
+        (&ready.method, ready.draper.simulator(), job.follows)
+    else {
+        return Ok(None);
+    };
+    let what = (&ready.bound, &**simulator, simulated.quality());
+    Followed::new(what, job, stop, console).map(Some)
+}
+
 /// What all drapes of a job share.
 #[derive(Clone, Copy)]
 struct Frame<'a> {
@@ -213,6 +249,8 @@ struct Frame<'a> {
     /// Whether frames go on from each other.
     goes_on: bool,
     stop: &'a AtomicBool,
+    /// The frames that were simulated one after the other, if they were.
+    followed: Option<&'a Followed>,
     /// What draws a bar for each drape, if there is one alone.
     console: Option<&'a Console>,
 }
@@ -270,6 +308,22 @@ impl Frame<'_> {
             let garment = bound.garment_file.path().display();
             format!("cannot drape `{garment}` on `{}`", target.path.display())
         };
+        if let Some(followed) = self.followed {
+            let positions = followed.positions(number)?;
+            let by = PlacedBy::Simulation;
+            let placed = Placed::at(&bound.garment, &posed, &positions, by)?;
+            let drape = draper.untangle(placed).with_context(cannot)?;
+            return Ok(Draped {
+                posed,
+                drape,
+                simulated: None,
+                time: DrapeSeconds {
+                    fit,
+                    ..DrapeSeconds::default()
+                },
+                repeated: None,
+            });
+        }
         let placed = match &self.ready.method {
             Method::Simulation(simulated) => {
                 let speaks = (self.console, self.stop);
@@ -338,6 +392,7 @@ impl Frame<'_> {
             let error = anyhow::Error::new(Arc::clone(error)).context("the cloth does not settle");
             format!("{error:#}")
         });
+        let beyond = provenance.beyond.as_ref().map(ToString::to_string);
         let is_from_rest = provenance.relaxed_from == Some(Moment::Start);
         let rest = bound.rest_positions();
         let (free, trapped): (Vec<[u32; 2]>, Vec<[u32; 2]>) = bound
@@ -349,6 +404,7 @@ impl Frame<'_> {
         let mut problems: Vec<Problem> =
             warning::of_fit(posed.max_residual()).into_iter().collect();
         problems.extend((fallback.clone()).map(|reason| Problem::Fallback(reason, is_from_rest)));
+        problems.extend(beyond.clone().map(Problem::Beyond));
         problems.extend(unsettled.map(Problem::Unsettled));
         problems.extend(warning::of_stretch(&stretch));
         let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
@@ -361,7 +417,8 @@ impl Frame<'_> {
         } else {
             let mesh = bound.garment.mesh();
             let draped = mesh.with_positions(drape.positions.clone())?;
-            let found = PenetrationReport::of(&draped, posed.skin(), simulated.is_some());
+            let is_simulated = simulated.is_some() || self.followed.is_some();
+            let found = PenetrationReport::of(&draped, posed.skin(), is_simulated);
             problems.extend(warning::of_penetration(&found));
             Some(found)
         };
@@ -393,6 +450,7 @@ impl Frame<'_> {
             penetration,
             simulated,
             fallback,
+            beyond,
             steps,
             cloth_crossings,
             limbs_outside,

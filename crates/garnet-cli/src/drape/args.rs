@@ -250,6 +250,10 @@ pub(crate) struct Job {
     pub(crate) body_cache: Option<CacheFile>,
     /// Where it is told which faces of the body are covered.
     pub(crate) hide: Option<PathBuf>,
+    /// Whether the cloth is simulated along the motion, instead of on each pose.
+    pub(crate) follows: bool,
+    /// Whether that goes on where it was stopped.
+    pub(crate) resumes: bool,
     /// Which part of the targets is draped; all without it.
     pub(crate) shard: Option<Shard>,
     /// Fabric of what is simulated, instead of that of the package or cotton.
@@ -406,6 +410,8 @@ impl Job {
             is_several,
             body_cache: None,
             hide: None,
+            follows: false,
+            resumes: false,
             shard: None,
             fabric: None,
             new_folders: Vec::new(),
@@ -462,6 +468,11 @@ impl InputArgs {
         let pose = self.pose.as_ref().map(|pose| &pose.path);
         let named = self.bodies.first().or(pose).or(self.scene.as_ref());
         named.cloned().unwrap_or_default()
+    }
+
+    /// Whether a range of frames is asked for.
+    pub(crate) fn is_motion(&self) -> bool {
+        self.pose.as_ref().is_some_and(PoseSource::is_several)
     }
 
     fn source(self) -> anyhow::Result<Source> {

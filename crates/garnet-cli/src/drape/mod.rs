@@ -3,6 +3,7 @@
 mod all;
 mod args;
 mod choice;
+mod followed;
 mod hide;
 mod outputs;
 mod prepared;

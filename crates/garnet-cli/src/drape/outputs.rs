@@ -10,6 +10,7 @@ use garnet::io::Target;
 
 use super::{
     args::{Job, Source},
+    followed::folder_of,
     prepared::Prepared,
 };
 use crate::output;
@@ -60,6 +61,9 @@ pub(super) fn check_outputs(
     }
     inputs.extend(prepared.targets.iter().map(|target| target.path.as_path()));
     inputs.extend(prepared.pose.iter().map(|pose| pose.path.as_path()));
+    if job.follows {
+        output::check_folder(&folder_of(job))?;
+    }
     inputs.extend(in_package.iter().map(PathBuf::as_path));
     let bodies = bodies_out(&prepared.targets, job);
     let own = job.report.iter().chain(&job.hide).chain(&bodies);

@@ -139,6 +139,10 @@ pub(crate) struct DrapeOutput {
     pub(crate) simulated: Option<SceneReport>,
     /// Why the warp was taken in place of the network; none if it was not.
     pub(crate) fallback: Option<String>,
+    /// What of the body is farther outside of the network's training than is trusted; none if
+    /// nothing is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) beyond: Option<String>,
     /// How the frame goes on from the last one of its motion; none of a drape alone.
     pub(crate) steps: Option<StepsReport>,
     /// Pairs of faces of the garment that run through each other.

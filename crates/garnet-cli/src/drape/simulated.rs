@@ -74,6 +74,11 @@ impl Simulated {
         Ok((simulator, simulated))
     }
 
+    /// How fine the steps are.
+    pub(super) fn quality(&self) -> Quality {
+        self.quality
+    }
+
     pub(super) fn report(&self) -> SimulationReport {
         SimulationReport {
             quality: quality_name(self.quality),

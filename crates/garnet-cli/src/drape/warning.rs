@@ -65,6 +65,8 @@ pub(crate) enum Problem {
     PoorFit(f32),
     /// The network was not used, and why, and whether the whole motion was simulated in its place.
     Fallback(String, bool),
+    /// What of the body a network does not know: it predicts the nearest that it knows.
+    Beyond(String),
     /// The cloth was left where the network put it, and why.
     Unsettled(String),
     /// The reference solver has not brought the cloth into balance in so many steps, and the
@@ -101,6 +103,7 @@ impl Problem {
             Self::Inside(..) => "inside",
             Self::PoorFit(_) => "poor_fit",
             Self::Fallback(..) => "fallback",
+            Self::Beyond(_) => "beyond_training",
             Self::Unsettled(_) => "unsettled",
             Self::OutOfBalance(..) => "out_of_balance",
         }
@@ -135,6 +138,7 @@ impl Problem {
             | Self::Moving(_)
             | Self::PoorFit(_)
             | Self::Fallback(..)
+            | Self::Beyond(_)
             | Self::Unsettled(_)
             | Self::OutOfBalance(..) => None,
         }
@@ -230,6 +234,10 @@ impl fmt::Display for Warning {
                 "the body of `{path}` is not the rest body in another pose: a vertex is {} mm from \
                  where the skeleton puts it",
                 millimetres(residual)
+            ),
+            Problem::Beyond(ref reason) => format!(
+                "the network knows the body of `{path}` in part: {reason}; it predicts the nearest that \
+                 it knows, which is less accurate"
             ),
             Problem::Fallback(ref reason, is_simulated) => {
                 let instead = in_place_of_network(is_simulated);
