@@ -9,6 +9,9 @@ use garnet::{
     package::{Limit, Moment},
 };
 
+/// What one edge in a hundred may be, over its length at rest, before a drape is given up.
+const TORN: f32 = 1.25 * garnet_knn::TORN_STRETCH;
+
 fn models() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../models")
 }
@@ -107,10 +110,9 @@ fn a_packaged_shirt_takes_what_its_network_knows_of_the_nearest_body_where_it_kn
     let warped = Draper::new(shirt.garment().clone()).drape(&target).unwrap();
     let warped = stretch(&shirt, &warped.positions);
     println!("stretch p99 warped {warped:.2}, by networks {found:.2?}");
-    assert!(
-        found[1] < 0.9 * warped && found[0] < 1.05 * warped,
-        "{found:?}"
-    );
+    // What is not settled keeps the strain of the warp, and what the network adds to it: less than
+    // what counts as torn.
+    assert!(found[1] < 0.9 * warped && found[0] < TORN, "{found:?}");
 
     let error = shirt.draper("best").unwrap_err();
     assert!(error.to_string().contains("`best`"), "{error}");

@@ -18,8 +18,8 @@ use crate::{
 pub(crate) struct SimulateArgs {
     #[command(flatten)]
     input: InputArgs,
-    /// Where the simulated cloth goes: an OBJ, or a GLB with the body; for several bodies or a motion
-    /// a folder of OBJ, or one file of all frames: .pc2, .mdd, .npz or .glb.
+    /// Where the simulated cloth goes: an OBJ, or a GLB with the body; for several bodies or a
+    /// motion a folder of OBJ, or one file of all frames: .pc2, .mdd, .npz or .glb.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// How fine the steps are.

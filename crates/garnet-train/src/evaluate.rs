@@ -302,7 +302,8 @@ fn scene(
             times[1].extend(has_network.then_some(seconds.predict));
             times[2].extend(provenance.relaxed_from.map(|_| seconds.relax));
             *unsettled += usize::from(provenance.unrelaxed.is_some());
-            *fallbacks += usize::from(provenance.fallback.is_some());
+            let is_trusted = provenance.fallback.is_none() && provenance.beyond.is_none();
+            *fallbacks += usize::from(!is_trusted);
             let positions = placed.positions(draper.garment());
             let errors = measure.add(tally, staged, &positions)?;
             match &provenance.beyond {

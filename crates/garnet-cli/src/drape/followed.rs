@@ -1,5 +1,5 @@
-//! The simulation along a motion: its frames wait in a folder until all are there, so that it can go
-//! on after a stop.
+//! The simulation along a motion: its frames wait in a folder until all are there, so that it can
+//! go on after a stop.
 
 use std::{
     ffi::OsString,
