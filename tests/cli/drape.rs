@@ -9,7 +9,7 @@ use garnet::{
 use serde_json::Value;
 
 use crate::{
-    fixtures::{Fixture, stderr},
+    fixtures::{Fixture, refused, stderr},
     glb::glb_of,
 };
 
@@ -583,4 +583,101 @@ fn a_scene_in_another_pose_is_told_how() {
     assert_eq!(output.status.code(), Some(2));
     let text = stderr(&output);
     assert!(text.contains("--rig scene.json --pose"), "{text}");
+}
+
+#[test]
+fn a_garment_is_placed_where_it_does_not_lie_on_its_body() {
+    let fixture = Fixture::new();
+    fixture.moved("sleeve.obj", "cm.obj", |p| p * 100.0);
+    fixture.moved("sleeve.obj", "beside.obj", |p| {
+        p + Vector3::new(0.9, 0.1, 0.0)
+    });
+    for name in ["cm", "beside"] {
+        let arguments = format!("drape {name}.obj body.obj --pose bend.json");
+        refused(
+            &fixture,
+            &format!("{arguments} -o no.obj"),
+            &["does not lie on", "`--place`"],
+        );
+        let arguments = format!("{arguments} --place -o {name}_out.obj");
+        let output = fixture.garnet(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let told = stderr(&output);
+        assert!(told.contains("is brought to the body: "), "{told}");
+        assert!(
+            told.contains("limbs go through 2 of its 2 openings"),
+            "{told}"
+        );
+        let report = reported(&fixture, &arguments);
+        assert_eq!(report["drapes"][0]["untangle"]["inside"], 0);
+        assert_eq!(report["garment"]["units"], "m");
+        let stretch = report["drapes"][0]["stretch"]["p99"].as_f64().unwrap();
+        assert!(stretch < 1.3, "{name}: {stretch}");
+    }
+    let output = fixture.garnet("garment from-obj cm.obj --rest-body body.obj --place -o sleeve");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let report = reported(&fixture, "drape sleeve --pose bend.json -o packaged.obj");
+    assert_eq!(report["drapes"][0]["untangle"]["inside"], 0);
+}
+
+#[test]
+fn holes_of_a_body_are_closed_and_told() {
+    let fixture = Fixture::new();
+    let body = read_rig(fixture.path("body.rig.npz")).unwrap();
+    let rest = body.rest.clone().unwrap();
+    // The skin of the lower half is missing but for the end.
+    let at = |vertex: u32| rest.positions()[vertex as usize].y;
+    let is_kept = |face: &&[u32; 3]| {
+        !face
+            .iter()
+            .all(|&vertex| (-0.35..0.1).contains(&at(vertex)))
+    };
+    let faces = rest.faces().iter().filter(is_kept).copied().collect();
+    let open = TriMesh::new(rest.positions().to_vec(), faces).unwrap();
+    let rig = Rig {
+        rest: Some(open),
+        ..body
+    };
+    write_rig_npz(fixture.path("open.rig.npz"), &rig).unwrap();
+    let arguments = "drape sleeve.obj --rig open.rig.npz --pose bend.json";
+    let report = reported(
+        &fixture,
+        &format!("{arguments} --body-out b.obj -o open.obj"),
+    );
+    assert_eq!(report["drapes"][0]["untangle"]["inside"], 0);
+    let over = report["garment"]["over_holes"].as_u64().unwrap();
+    assert!((200..1240).contains(&over), "{over}");
+    let warnings = report["warnings"].as_array().unwrap();
+    for kind in ["open_body", "over_holes"] {
+        let told = |warning: &Value| warning["kind"] == kind;
+        assert!(warnings.iter().any(told), "{kind}: {warnings:?}");
+    }
+    // The body is written as it is, without what closes it.
+    let written = ObjFile::read(fixture.path("b.obj"))
+        .unwrap()
+        .mesh()
+        .unwrap();
+    assert_eq!(written.num_faces(), rig.rest.unwrap().num_faces());
+    // Nothing would hold it: it does not settle, which is told.
+    let report = reported(&fixture, &format!("{arguments} --settle 5 -o settled.obj"));
+    let warnings = report["warnings"].as_array().unwrap();
+    let told = |warning: &Value| warning["kind"] == "unsettled";
+    assert!(warnings.iter().any(told), "{warnings:?}");
+    assert!(fixture.read("open.obj") == fixture.read("settled.obj"));
+}
+
+#[test]
+fn meshes_of_a_rig_are_chosen_by_every_command_that_reads_one() {
+    let fixture = Fixture::new();
+    let body = read_rig(fixture.path("body.rig.npz")).unwrap();
+    let bytes = glb_of(&body.into_body().unwrap());
+    std::fs::write(fixture.path("body.glb"), bytes).unwrap();
+    for command in [
+        "drape sleeve.obj --rig body.glb --pose bend.json -o no.obj",
+        "info body.glb",
+        "render body.glb -o no.png",
+        "garment from-obj sleeve.obj --rig body.glb -o no",
+    ] {
+        refused(&fixture, &format!("{command} --mesh Cloak"), &["Cloak"]);
+    }
 }

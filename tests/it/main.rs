@@ -16,3 +16,4 @@ mod pipeline;
 mod stability;
 mod stress;
 mod take;
+mod wearers;

@@ -15,7 +15,7 @@ use garnet_body::{
     shape::{BodyParameters, JOINT_NAMES, ParametricBody},
 };
 use garnet_mesh::TriMesh;
-use garnet_skin::{Body, Method, Point3, Pose, Skeleton, SkinWeights, Vector3};
+use garnet_skin::{Body, Joint, Method, Point3, Pose, Skeleton, SkinWeights, Vector3};
 
 /// Rounding of rotations in `f32` along a chain of joints, in metres.
 const ROUNDING: f32 = 1e-5;
@@ -430,6 +430,79 @@ fn parts_that_cannot_be_parted_are_given_up() {
         contact.separated(&poser.pose(&angles), &options).unwrap(),
         None
     );
+}
+
+/// The body with vertices that are elsewhere by up to 0.3 mm.
+fn shaken(body: &Body) -> Body {
+    let shift = |place: u32| {
+        let wave = |by: u32| 3e-4 * (f32::from((place % 977) as u16) * by as f32).sin();
+        Vector3::new(wave(3), wave(5), wave(7)) / 3.0_f32.sqrt()
+    };
+    let positions = (0..).zip(body.rest().positions());
+    let positions = positions.map(|(place, point)| point + shift(place));
+    let mesh = body.rest().with_positions(positions.collect()).unwrap();
+    Body::new(mesh, body.skeleton().clone(), body.weights().clone()).unwrap()
+}
+
+#[test]
+fn bodies_that_hardly_differ_give_way_alike() {
+    let heavy = BodyParameters::new(1.0).with_bmi(31.0);
+    let body = ParametricBody::build(&heavy).unwrap().into_body();
+    let other = shaken(&body);
+    let mut largest = 0.0_f32;
+    for step in 0..8 {
+        let mut angles = BodyAngles::default();
+        angles.arms[0].abduction = 6.0 - 2.0 * f64::from(step);
+        angles.arms[1].abduction = 30.0;
+        let wrists = [&body, &other].map(|body| {
+            let contact = SelfContact::new(body).unwrap();
+            let pose = Poser::new(body.skeleton()).unwrap().pose(&angles);
+            let options = SeparationOptions::least();
+            let separated = contact.separated(&pose, &options).unwrap().unwrap();
+            assert!(separated.depths[1] <= options.max_depth);
+            // No farther than to the allowed depth.
+            let is_least =
+                separated.num_steps == 0 || separated.depths[1] > 0.9 * options.max_depth;
+            assert!(is_least, "{:?}", separated.depths);
+            joint(body.skeleton(), &separated.pose, "left_wrist")
+        });
+        println!("{step}: {:.4} m", (wrists[0] - wrists[1]).norm());
+        largest = largest.max((wrists[0] - wrists[1]).norm());
+    }
+    assert!(largest < 0.008, "{largest}");
+}
+
+#[test]
+fn dolls_give_way_in_proportion() {
+    let grown = body(45.0, 3.0);
+    let small = |point: &Point3| Point3::from(0.1 * point.coords);
+    let joints = grown
+        .skeleton()
+        .joints()
+        .iter()
+        .cloned()
+        .map(|joint| Joint {
+            rest_position: small(&joint.rest_position),
+            ..joint
+        });
+    let skeleton = Skeleton::new(joints.collect()).unwrap();
+    let positions = grown.rest().positions().iter().map(small).collect();
+    let mesh = grown.rest().with_positions(positions).unwrap();
+    let doll = Body::new(mesh, skeleton, grown.weights().clone()).unwrap();
+    let contact = SelfContact::new(&doll).unwrap();
+    assert!((SelfContact::new(&grown).unwrap().scale() - 1.0).abs() < 1e-6);
+    assert!(
+        (0.08..0.2).contains(&contact.scale()),
+        "{}",
+        contact.scale()
+    );
+    let mut angles = BodyAngles::default();
+    angles.arms[0].abduction = -12.0;
+    let pose = Poser::new(doll.skeleton()).unwrap().pose(&angles);
+    assert!(contact.report(&pose).unwrap().depth() > 0.003);
+    let options = SeparationOptions::default();
+    let separated = contact.separated(&pose, &options).unwrap().unwrap();
+    assert!(separated.depths[1] <= 0.0021, "{:?}", separated.depths);
 }
 
 #[test]

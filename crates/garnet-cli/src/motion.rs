@@ -24,6 +24,10 @@ pub(crate) struct MotionArgs {
     /// turning them within a fifth of a second.
     #[arg(long, help_heading = POSES, hide_short_help = true)]
     pub(crate) keep_flips: bool,
+    /// Leave arms where a recording has them, instead of keeping them out of a trunk that is
+    /// broader than the recorded one.
+    #[arg(long, help_heading = POSES, hide_short_help = true)]
+    pub(crate) keep_arms: bool,
 }
 
 impl MotionArgs {
@@ -33,6 +37,7 @@ impl MotionArgs {
             in_place: self.in_place,
             fps: self.fps,
             keep_flips: self.keep_flips,
+            keep_arms: self.keep_arms,
         }
     }
 }

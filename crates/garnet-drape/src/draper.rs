@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_mesh::Point3;
+use garnet_mesh::{Point3, edge_stretch};
 #[cfg(feature = "package")]
 use garnet_sim::Moment;
 use garnet_skin::{BodyAtHome, PosedBody, Warp};
-use garnet_untangle::{UntangleOptions, UntangleReport, untangle};
+use garnet_untangle::{UntangleOptions, UntangleReport, Untangled, untangle};
 
 #[cfg(feature = "package")]
 use crate::predicted::Learned;
@@ -143,6 +143,83 @@ pub struct Provenance {
     /// Why the cloth could not be simulated from where it was brought; `None` if it could, or was
     /// not to be.
     pub unrelaxed: Option<Arc<Error>>,
+    /// What relaxing would have made worse: the drape is that before it; `None` if it is not.
+    pub worsened: Option<Worsened>,
+}
+
+/// What would have become worse of a drape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worsened {
+    /// What it is like.
+    pub before: DrapeQuality,
+    /// What it would have become.
+    pub after: DrapeQuality,
+}
+
+impl fmt::Display for Worsened {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { before, after } = self;
+        if after.inside > before.inside {
+            let (after, before) = (after.inside, before.inside);
+            write!(
+                formatter,
+                "{after} vertices would be left in the body, {before} are without it"
+            )
+        } else if after.crossing > before.crossing {
+            let (after, before) = (after.crossing, before.crossing);
+            write!(
+                formatter,
+                "{after} faces would cross the skin, {before} do without it"
+            )
+        } else {
+            write!(
+                formatter,
+                "1 % of the edges would be more than {:.2} times as long as in the garment, the \
+                 longest {:.1} times, and without it {:.2} and {:.1}",
+                after.p99, after.longest, before.p99, before.longest
+            )
+        }
+    }
+}
+
+/// How good a drape is, as settling may change it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrapeQuality {
+    /// Vertices that are left inside the body and not trapped.
+    pub inside: usize,
+    /// Faces that cross the skin between vertices that are not trapped.
+    pub crossing: usize,
+    /// What 1 % of the edges exceed, over their length at rest.
+    pub p99: f32,
+    /// The longest edge, over its length at rest.
+    pub longest: f32,
+}
+
+/// Longest edges up to this are no worse than shorter ones, over their length at rest.
+const USUAL_STRETCH: f32 = 1.3;
+
+/// Edges count as longer if they are by this factor: rounding and chance are less.
+const LONGER: f32 = 1.02;
+
+impl DrapeQuality {
+    /// Whether it is worse than that of another drape.
+    pub fn is_worse_than(&self, other: &Self) -> bool {
+        self.inside > other.inside
+            || self.crossing > other.crossing
+            || self.p99 > LONGER * other.p99.max(1.0)
+            || self.longest > (LONGER * other.longest).max(USUAL_STRETCH)
+    }
+}
+
+impl Provenance {
+    /// What was relaxed is given up for what was before.
+    fn keep(&mut self, before: DrapeQuality, after: DrapeQuality) {
+        self.worsened = Some(Worsened { before, after });
+        #[cfg(feature = "package")]
+        {
+            self.relaxed_from = None;
+        }
+    }
 }
 
 /// Why a drape is not the one that was asked for.
@@ -225,6 +302,8 @@ pub(crate) struct Brought {
     /// Positions `[node]`, in metres.
     pub(crate) nodes: Vec<Point3>,
     pub(crate) by: PlacedBy,
+    /// Where it was before it was relaxed, if that is a drape, too.
+    pub(crate) unrelaxed: Option<(Vec<Point3>, PlacedBy)>,
     pub(crate) provenance: Provenance,
     pub(crate) seconds: DrapeSeconds,
 }
@@ -252,6 +331,7 @@ impl<'a> Placed<'a> {
             brought: Brought {
                 nodes: garment.cloth().weld().gather(&positions),
                 by,
+                unrelaxed: None,
                 provenance: Provenance::default(),
                 seconds: DrapeSeconds::default(),
             },
@@ -385,7 +465,8 @@ impl Draper {
         let Brought {
             nodes,
             by,
-            provenance,
+            unrelaxed,
+            mut provenance,
             mut seconds,
         } = brought;
         let Some(options) = &self.options.untangle else {
@@ -397,14 +478,37 @@ impl Draper {
                 seconds,
             });
         };
-        let options = match by {
-            PlacedBy::Warp => *options,
-            PlacedBy::Network => options.for_drapes(),
-            PlacedBy::Simulation => options.for_simulated(),
+        let (cloth, binding) = (self.garment.cloth(), self.garment.binding());
+        let freed = |nodes: &[Point3], by: PlacedBy| {
+            let options = match by {
+                PlacedBy::Warp => *options,
+                PlacedBy::Network => options.for_drapes(),
+                PlacedBy::Simulation => options.for_simulated(),
+            };
+            untangle(cloth, binding, home.body(), nodes, &options)
         };
         let start = Instant::now();
-        let (cloth, binding) = (self.garment.cloth(), self.garment.binding());
-        let untangled = untangle(cloth, binding, home.body(), &nodes, &options)?;
+        let mut untangled = freed(&nodes, by)?;
+        if let Some((unrelaxed, was_by)) = unrelaxed {
+            let before = freed(&unrelaxed, was_by)?;
+            let was = self.quality(&before);
+            let first = self.quality(&untangled);
+            let mut is_worse = first.is_worse_than(&was);
+            // What untangling has strained gives way if its strain is relaxed, too.
+            for by in [PlacedBy::Network, PlacedBy::Warp] {
+                if is_worse {
+                    let other = freed(&nodes, by)?;
+                    is_worse = self.quality(&other).is_worse_than(&was);
+                    if !is_worse {
+                        untangled = other;
+                    }
+                }
+            }
+            if is_worse {
+                untangled = before;
+                provenance.keep(was, first);
+            }
+        }
         let positions = weld.scatter(&untangled.positions_nodes);
         let is_trapped = weld.scatter(&untangled.is_trapped);
         seconds.untangle = start.elapsed().as_secs_f64();
@@ -417,6 +521,25 @@ impl Draper {
         })
     }
 
+    /// How good cloth is that was untangled.
+    fn quality(&self, untangled: &Untangled) -> DrapeQuality {
+        let cloth = self.garment.cloth();
+        let is_free =
+            |edge: &&[u32; 2]| !edge.iter().any(|&node| untangled.is_trapped[node as usize]);
+        let edges: Vec<[u32; 2]> = (cloth.topology().edges().iter())
+            .filter(is_free)
+            .copied()
+            .collect();
+        let stretch = edge_stretch(cloth.rest_nodes(), &untangled.positions_nodes, &edges);
+        let (p99, longest) = stretch.map_or((1.0, 1.0), |found| (found.p99, found.max));
+        DrapeQuality {
+            inside: untangled.report.inside,
+            crossing: untangled.report.crossing_faces,
+            p99,
+            longest,
+        }
+    }
+
     /// The garment warped to a body at home.
     pub(crate) fn warped(&self, body: &PosedBody, warp: Warp) -> Result<Brought, Error> {
         let start = Instant::now();
@@ -424,6 +547,7 @@ impl Draper {
         Ok(Brought {
             nodes,
             by: PlacedBy::Warp,
+            unrelaxed: None,
             provenance: Provenance::default(),
             seconds: DrapeSeconds {
                 warp: start.elapsed().as_secs_f64(),

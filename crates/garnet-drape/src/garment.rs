@@ -50,12 +50,22 @@ impl Garment {
         let body_bounds = bounds(body.rest()).ok_or(MeshError::NoFaces)?;
         check_sizes(&garment_bounds, &body_bounds, Frame::OURS)?;
         let cloth = self.cloth.bind(body)?;
-        let pairs = cloth.rest_nodes().iter().zip(cloth.skin());
-        let rest = body.rest();
-        let corner = |corner: u32| rest.positions()[corner as usize];
-        let offset = |(node, skin): (&Point3, &ClosestPoint)| {
-            let [a, b, c] = rest.faces()[skin.face as usize].map(corner);
-            (node - skin.point, (b - a).cross(&(c - a)))
+        let pairs = cloth.rest_nodes().iter().zip(cloth.skin()).enumerate();
+        // Over a hole there is nothing that tells where cloth belongs.
+        let pairs = pairs.filter(|&(node, _)| !cloth.is_over_hole(node));
+        let pairs = pairs.map(|(_, pair)| pair);
+        let skin = body.skin();
+        let corner = |corner: u32| skin.positions()[corner as usize];
+        let has_rims = body.num_rims() > 0;
+        let offset = |(node, near): (&Point3, &ClosestPoint)| {
+            let offset = node - near.point;
+            if has_rims {
+                // At the rim of a hole the face does not tell what is inside.
+                let side = if skin.contains(*node) { -1.0 } else { 1.0 };
+                return (offset, side * offset);
+            }
+            let [a, b, c] = skin.faces()[near.face as usize].map(corner);
+            (offset, (b - a).cross(&(c - a)))
         };
         let (offsets, normals): (Vec<_>, Vec<_>) = pairs.map(offset).unzip();
         check_offsets(&offsets, &normals, &body_bounds)?;

@@ -38,6 +38,7 @@ mod predicted;
 #[cfg(feature = "package")]
 mod settling;
 #[cfg(feature = "package")]
+mod simulated_faces;
 mod simulator;
 #[cfg(feature = "package")]
 pub mod tensors;
@@ -51,7 +52,8 @@ pub use body_path::BodyPath;
 pub use choice::{Candidate, Choice, Limit, calibration};
 pub use coverage::{Coverage, CoverageOptions};
 pub use draper::{
-    Drape, DrapeOptions, DrapeSeconds, Draper, Fallback, Placed, PlacedBy, Provenance,
+    Drape, DrapeOptions, DrapeQuality, DrapeSeconds, Draper, Fallback, Placed, PlacedBy,
+    Provenance, Worsened,
 };
 pub use error::Error;
 pub use garment::{BoundGarment, Garment};

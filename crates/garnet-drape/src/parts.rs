@@ -19,7 +19,7 @@ pub fn collider(body: &Body) -> Result<Collider, SimError> {
     let Ok(parts) = parts_of_vertices(body) else {
         return Ok(collider);
     };
-    let of_faces = rest.faces().iter().map(|face| {
+    let of_faces = body.skin().faces().iter().map(|face| {
         let [a, b, c] = face.map(|vertex| parts[vertex as usize]);
         number(if b == c { b } else { a })
     });

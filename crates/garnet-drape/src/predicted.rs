@@ -133,6 +133,7 @@ impl Draper {
         let mut brought = Brought {
             nodes: self.garment.cloth().weld().gather(&simulated.positions),
             by: PlacedBy::Simulation,
+            unrelaxed: None,
             provenance: Provenance::default(),
             seconds: DrapeSeconds::default(),
         };
@@ -173,7 +174,11 @@ impl Draper {
             let own = self.garment.body();
             match simulator.settled(own, body, &from, relaxation, stop) {
                 Ok(settled) => {
-                    brought.nodes = self.garment.cloth().weld().gather(&settled);
+                    let settled = self.garment.cloth().weld().gather(&settled);
+                    let before = std::mem::replace(&mut brought.nodes, settled);
+                    // What was to rest already is a drape.
+                    let was_drape = relaxation.from == Moment::Rest;
+                    brought.unrelaxed = was_drape.then_some((before, brought.by));
                     brought.by = if relaxation.finds_folds() {
                         PlacedBy::Simulation
                     } else {
@@ -235,6 +240,7 @@ impl Draper {
         let mut brought = Brought {
             nodes: self.garment.cloth().weld().gather(&positions),
             by: PlacedBy::Network,
+            unrelaxed: None,
             provenance: Provenance::default(),
             seconds: DrapeSeconds::default(),
         };

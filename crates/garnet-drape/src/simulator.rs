@@ -15,6 +15,7 @@ use garnet_skin::{Body, BoundGarment, Garment, PosedBody};
 pub use garnet_sim::Quality;
 
 use crate::parts::{allowed_parts, collider};
+use crate::simulated_faces::simulated_faces;
 use crate::{BodyPath, GarmentPackage, Moment, PackageError, Settling};
 
 /// Distances from the skin at rest from which on air carries cloth along, a little and wholly, in
@@ -24,6 +25,9 @@ const LOOSE: [f32; 2] = [0.002, 0.006];
 
 /// More of the vertices inside the body at rest than this, and the garment does not lie on it.
 const MAX_SHARE_INSIDE: f64 = 0.3;
+
+/// More of the vertices over holes of the body than this, and nothing holds the garment.
+const MAX_OVER_HOLES: f64 = 0.1;
 
 /// Cloth with more than this weight of a joint goes along with it.
 const GOES_ALONG: f32 = 0.1;
@@ -90,6 +94,7 @@ impl Simulator {
     /// # Errors
     ///
     /// [`PackageError::InsideAtStart`] if a third of the garment is inside the body;
+    /// [`PackageError::OverHoles`] if a tenth of it lies over holes of the body;
     /// [`PackageError::Sim`] for a mesh that no cloth can be, by its vertices, or constants that no
     /// fabric has.
     pub fn of_garment(
@@ -98,31 +103,68 @@ impl Simulator {
         rest: &RestShape,
         fabric: &Fabric,
     ) -> Result<Self, PackageError> {
-        let garment = garment.into();
-        let nodes = simulated_nodes(&garment);
+        Self::made(garment.into(), body, rest, fabric, false)
+    }
+
+    /// The same of any garment that can be draped, to [settle](Simulator::settled) it: faces
+    /// without area and those that are there twice are left out, those that look to another side
+    /// than their neighbours are turned, and edges with more than two faces do not bend.
+    ///
+    /// # Errors
+    ///
+    /// As [`Simulator::of_garment`], but for meshes only if there is nothing to simulate.
+    pub fn of_any_garment(
+        garment: impl Into<Arc<BoundGarment>>,
+        body: &Body,
+        rest: &RestShape,
+        fabric: &Fabric,
+    ) -> Result<Self, PackageError> {
+        Self::made(garment.into(), body, rest, fabric, true)
+    }
+
+    fn made(
+        garment: Arc<BoundGarment>,
+        body: &Body,
+        rest: &RestShape,
+        fabric: &Fabric,
+        is_any: bool,
+    ) -> Result<Self, PackageError> {
+        let over_holes = share_over_holes(&garment);
+        if over_holes > MAX_OVER_HOLES {
+            return Err(PackageError::OverHoles { share: over_holes });
+        }
+        let flat = match rest {
+            // Faces that welding makes a line are in no simulation: such a pattern is not cut.
+            RestShape::Flat { corners, .. } if corners.len() == num_cut(&garment) => Some(rest),
+            _ => None,
+        };
+        let is_any = is_any && flat.is_none();
+        let faces = if is_any {
+            simulated_faces(&garment)
+        } else {
+            cut_faces(&garment).collect()
+        };
+        let nodes = simulated_nodes(&garment, &faces);
         let mut number = vec![u32::MAX; garment.rest_nodes().len()];
         for (place, &node) in (0..).zip(&nodes) {
             number[node as usize] = place;
         }
-        let faces: Vec<[u32; 3]> = garment
-            .faces()
-            .iter()
+        let faces: Vec<[u32; 3]> = (faces.iter())
             .map(|face| face.map(|node| number[node as usize]))
-            .filter(|face| !face.contains(&u32::MAX))
             .collect();
         let start: Vec<Point3> = nodes
             .iter()
             .map(|&node| garment.rest_nodes()[node as usize])
             .collect();
         check_start(&start, body)?;
-        let rest = match rest {
-            // Faces that welding makes a line are in no simulation: such a pattern is not cut.
-            RestShape::Flat { corners, .. } if corners.len() == faces.len() => rest.clone(),
-            _ => RestShape::Worn(start.clone()),
-        };
+        let rest = (flat.cloned()).unwrap_or_else(|| RestShape::Worn(start.clone()));
         let allowed = allowed_parts(body, garment.weights());
         let allowed = allowed.map(|all| nodes.iter().map(|&node| all[node as usize]).collect());
-        let cloth = Cloth::new(&faces, nodes.len(), &rest, fabric);
+        let cloth = if is_any {
+            Cloth::of_any_faces(&faces, nodes.len(), &rest, fabric)
+        } else {
+            Cloth::new(&faces, nodes.len(), &rest, fabric)
+        };
         Ok(Self {
             is_sewn: matches!(rest, RestShape::Flat { .. }),
             cloth: cloth.map_err(|error| of_vertices(error, &garment, &nodes))?,
@@ -418,13 +460,36 @@ pub fn stopping<'a>(
     }
 }
 
-/// The nodes of cloth that is simulated: neither of loose pieces nor of vertices that no face
-/// names.
-fn simulated_nodes(garment: &BoundGarment) -> Vec<u32> {
-    let is_named = |node: u32| !garment.topology().vertex_faces(node as usize).is_empty();
-    let nodes = (0_u32..).zip(garment.is_piece());
-    let nodes = nodes.filter(|&(node, &is_piece)| !is_piece && is_named(node));
-    nodes.map(|(node, _)| node).collect()
+/// The faces between nodes of a garment, without those of loose pieces.
+fn cut_faces(garment: &BoundGarment) -> impl Iterator<Item = [u32; 3]> {
+    let is_piece = garment.is_piece();
+    let faces = garment.faces().iter().copied();
+    faces.filter(|face| !face.iter().any(|&node| is_piece[node as usize]))
+}
+
+fn num_cut(garment: &BoundGarment) -> usize {
+    cut_faces(garment).count()
+}
+
+/// The nodes of cloth that is simulated, in their order.
+fn simulated_nodes(garment: &BoundGarment, faces: &[[u32; 3]]) -> Vec<u32> {
+    let mut is_simulated = vec![false; garment.rest_nodes().len()];
+    for &node in faces.as_flattened() {
+        is_simulated[node as usize] = true;
+    }
+    let nodes = (0_u32..).zip(is_simulated);
+    nodes
+        .filter_map(|(node, is_simulated)| is_simulated.then_some(node))
+        .collect()
+}
+
+/// The share of the nodes that lie over holes of the body.
+fn share_over_holes(garment: &BoundGarment) -> f64 {
+    let count = garment.rest_nodes().len();
+    let over = (0..count)
+        .filter(|&node| garment.is_over_hole(node))
+        .count();
+    over as f64 / count.max(1) as f64
 }
 
 /// How loose the garment is at each node, by its distance from the skin at rest.
@@ -454,9 +519,15 @@ pub fn check_stop(stop: &AtomicBool) -> Result<(), PackageError> {
 /// them.
 fn carried(garment: &BoundGarment, nodes: &[u32]) -> Vec<(u32, u32)> {
     let part = garment.topology().components();
-    let pieces = (0_u32..).zip(garment.is_piece());
+    let mut is_simulated = vec![false; part.len()];
+    for &node in nodes {
+        is_simulated[node as usize] = true;
+    }
+    let is_named = |node: u32| !garment.topology().vertex_faces(node as usize).is_empty();
+    let pieces = (0_u32..).zip(is_simulated);
     let pieces: Vec<u32> = pieces
-        .filter_map(|(node, &is_piece)| is_piece.then_some(node))
+        .filter(|&(node, is_simulated)| !is_simulated && is_named(node))
+        .map(|(node, _)| node)
         .collect();
     let nearest = |piece: u32, is_meant: &dyn Fn(u32) -> bool| {
         let place = garment.rest_nodes()[piece as usize];

@@ -12,6 +12,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod align;
 mod cache;
 mod error;
 mod gltf;
@@ -33,6 +34,7 @@ mod weights_json;
 
 pub use self::cache::{CacheError, CacheKind, CachePart, CacheWriter};
 pub use self::gltf::{GltfProblem, LeftOut, RigPart, read_rig_gltf};
+pub use align::{Alignment, aligned, threaded_openings};
 pub use error::{FileError, FileProblem};
 pub use motion::{MotionError, MotionProblem, Take, TakeError};
 pub use npy::{ArrayProblem, NpyArray, NpyValues};
@@ -45,7 +47,7 @@ pub use rig_npz::{WriteRigError, read_rig_npz, rig_npz, write_rig_npz};
 pub use scene::{
     Aim, Frame, MotionOptions, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource,
     Posing, RestSource, RigRest, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem,
-    SceneUnits, Target, is_rig, largest_distance, read_mesh, rig_beside,
+    SceneUnits, Target, is_rig, largest_distance, read_mesh, read_mesh_of, rig_beside,
 };
 pub use scene_json::SceneJson;
 pub use units::{guess_body_unit, guess_garment_units, guess_up_axis};

@@ -109,10 +109,26 @@ impl Cloth {
         rest: &RestShape,
         fabric: &Fabric,
     ) -> Result<Self, SimError> {
+        check_faces(faces, num_vertices)?;
+        check_manifold(&Topology::new(num_vertices, faces))?;
+        Self::of_any_faces(faces, num_vertices, rest, fabric)
+    }
+
+    /// The same of faces that need not be a manifold: edges with other than two faces do not bend.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Cloth::new`] but for [`SimError::NonManifoldEdge`] and
+    /// [`SimError::InvertedFace`].
+    pub fn of_any_faces(
+        faces: &[[u32; 3]],
+        num_vertices: usize,
+        rest: &RestShape,
+        fabric: &Fabric,
+    ) -> Result<Self, SimError> {
         fabric.check()?;
         check_faces(faces, num_vertices)?;
         let topology = Topology::new(num_vertices, faces);
-        check_manifold(&topology)?;
         let rest_faces = rest.faces(&topology)?;
         let mut masses = vec![0.0; num_vertices];
         for (face, rest) in faces.iter().zip(&rest_faces) {

@@ -89,6 +89,12 @@ impl RestShape {
         })
     }
 
+    /// Whether a triangle as worn has the extent that a face of cloth needs.
+    pub fn has_area(corners: [Point3; 3]) -> bool {
+        let (sides, area) = worn_face(corners);
+        is_sound(&sides, area)
+    }
+
     /// The triangles at rest `[face]`.
     pub(crate) fn faces(&self, topology: &Topology) -> Result<Vec<RestFace>, SimError> {
         let faces = topology.faces();
@@ -137,10 +143,7 @@ fn collect(
                 unit: "times the flat length",
             });
         }
-        let longest = sides.iter().copied().fold(0.0, f32::max);
-        let shortest = sides.iter().copied().fold(f32::INFINITY, f32::min);
-        let is_sound = shortest >= MIN_SIDE && area > MIN_FLATNESS * longest * longest;
-        if !is_sound || !longest.is_finite() {
+        if !is_sound(&sides, area) {
             return Err(SimError::NoArea {
                 face,
                 corners: faces[face],
@@ -154,6 +157,13 @@ fn collect(
         });
     }
     Ok(rest)
+}
+
+/// Whether a triangle has an extent.
+fn is_sound(sides: &[f32; 3], area: f32) -> bool {
+    let longest = sides.iter().copied().fold(0.0, f32::max);
+    let shortest = sides.iter().copied().fold(f32::INFINITY, f32::min);
+    shortest >= MIN_SIDE && area > MIN_FLATNESS * longest * longest && longest.is_finite()
 }
 
 fn worn_face([a, b, c]: [Point3; 3]) -> ([f32; 3], f32) {

@@ -6,6 +6,7 @@ use garnet_knn::Surface;
 use garnet_mesh::{TriMesh, Vector3, is_inside_out, vertex_normals};
 use nalgebra::Isometry3;
 
+use crate::caps::Caps;
 use crate::{
     Method, Point3, Pose, Skeleton, SkinError, SkinWeights, Weld, skin_dual_quaternion, skin_linear,
 };
@@ -62,6 +63,7 @@ impl From<Body> for Rig {
 pub struct Body {
     rest: TriMesh,
     skin: Surface,
+    num_rims: usize,
     skeleton: Skeleton,
     weights: SkinWeights,
     was_inside_out: bool,
@@ -73,18 +75,19 @@ pub struct Body {
     without_strays: OnceLock<Option<Arc<Self>>>,
 }
 
-/// The surface of a mesh; of one that is open, with its seams closed: files of graphics split
-/// vertices along the seams of their textures.
-fn skin_of(rest: &TriMesh, weights: &SkinWeights) -> Surface {
+/// The surface of a mesh, and how many holes it has. Of one that is open, seams are closed, as
+/// files of graphics split vertices along the seams of their textures, and then the holes are.
+fn skin_of(rest: &TriMesh, weights: &SkinWeights) -> (Surface, usize) {
     let skin = Surface::new(rest);
     if skin.is_closed() {
-        return skin;
+        return (skin, 0);
     }
-    let sewn = sewn_faces(rest, weights);
-    if sewn == rest.faces() {
-        return skin;
-    }
-    TriMesh::new(rest.positions().to_vec(), sewn).map_or(skin, |mesh| Surface::new(&mesh))
+    let mut faces = sewn_faces(rest, weights);
+    let caps = Caps::of(rest.positions(), &faces);
+    faces.extend(caps.faces);
+    let closed = TriMesh::new(rest.positions().to_vec(), faces);
+    let skin = closed.map_or(skin, |mesh| Surface::new(&mesh));
+    (skin, caps.num_rims)
 }
 
 /// The faces with one vertex for all that lie at a place and move alike.
@@ -143,8 +146,10 @@ impl Body {
         weights.check_joints(&skeleton)?;
         let was_inside_out = is_inside_out(rest.positions(), rest.faces());
         let rest = if was_inside_out { turned(rest) } else { rest };
+        let (skin, num_rims) = skin_of(&rest, &weights);
         Ok(Self {
-            skin: skin_of(&rest, &weights),
+            skin,
+            num_rims,
             is_named: named_vertices(&rest),
             rest_normals: OnceLock::new(),
             without_strays: OnceLock::new(),
@@ -212,7 +217,19 @@ impl Body {
         (self.rest_normals).get_or_init(|| vertex_normals(positions, faces))
     }
 
-    /// The mesh at rest, ready for proximity queries.
+    /// How many holes the mesh has, other than seams: open necks, missing hands, skin that was
+    /// deleted under clothes.
+    pub fn num_rims(&self) -> usize {
+        self.num_rims
+    }
+
+    /// Whether a face of the skin closes a hole, and is none of the mesh.
+    pub fn is_cap(&self, face: u32) -> bool {
+        face as usize >= self.rest.num_faces()
+    }
+
+    /// The mesh at rest, ready for proximity queries. Its faces are those of the mesh, with seams
+    /// sewn up, and then those that close [holes](Body::num_rims).
     pub fn skin(&self) -> &Surface {
         &self.skin
     }

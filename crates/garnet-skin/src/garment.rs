@@ -4,6 +4,7 @@ use garnet_knn::{ClosestPoint, Surface};
 use garnet_mesh::{Point3, Topology, TriMesh};
 
 use crate::free_cloth::freedom;
+use crate::holes::Holes;
 use crate::pieces::Pieces;
 use crate::scale::scale_of;
 use crate::shape::offsets_at_skin;
@@ -82,11 +83,19 @@ impl Garment {
             let mesh = TriMesh::new(rest.clone(), faces.clone()).ok()?;
             Some(Surface::new(&mesh))
         };
-        let freedom = freedom(&rest, &topology, surface, &skin, &pieces.is_piece, scale);
+        let mut freedom = freedom(&rest, &topology, surface, &skin, &pieces.is_piece, scale);
+        let holes = Holes::of(body, &rest, &skin);
+        if let Some(holes) = &holes {
+            // Cloth over missing skin is far from skin, and not free.
+            for (freedom, share) in freedom.iter_mut().zip(&holes.share) {
+                *freedom *= 1.0 - share;
+            }
+        }
         let options = (self.transfer).unwrap_or_else(|| TransferOptions::default().scaled(scale));
-        let screening = transfer_screening(&graph, &skin, &pieces.is_piece, &freedom, options);
+        let of_nodes = (pieces.is_piece.as_slice(), holes.as_ref());
+        let screening = transfer_screening(&graph, &skin, of_nodes, &freedom, options);
         let transfer_system = ScreenedPoisson::new(&graph, screening)?;
-        let body_faces = body.rest().faces();
+        let body_faces = body.skin().faces();
         let shape_screening = (0..rest.len())
             .map(|node| {
                 let length = if pieces.is_piece[node] {
@@ -98,7 +107,10 @@ impl Garment {
             })
             .collect();
         let (weights, shape_system) = rayon::join(
-            || transferred_weights(body.weights(), body_faces, &skin, &transfer_system),
+            || {
+                let near = (skin.as_slice(), holes.as_ref());
+                transferred_weights(body.weights(), body_faces, near, &transfer_system)
+            },
             || transfer_system.rescreened(&graph, shape_screening),
         );
         Ok(BoundGarment {
@@ -109,6 +121,7 @@ impl Garment {
             topology,
             graph,
             is_piece: pieces.is_piece,
+            is_over_hole: over_holes(body, &skin, holes.as_ref()),
             skin,
             scale,
             weights: weights?,
@@ -116,6 +129,18 @@ impl Garment {
             rest_skin: body.skin().clone(),
         })
     }
+}
+
+/// Whether each node lies over a hole of the body `[node]`; empty if there are no holes.
+fn over_holes(body: &Body, skin: &[ClosestPoint], holes: Option<&Holes>) -> Vec<bool> {
+    if body.num_rims() == 0 {
+        return Vec::new();
+    }
+    let is_missing = |node: usize| holes.is_some_and(|holes| holes.share[node] > 0.5);
+    let nodes = skin.iter().enumerate();
+    nodes
+        .map(|(node, skin)| body.is_cap(skin.face) || is_missing(node))
+        .collect()
 }
 
 /// A garment with everything that does not depend on the target body.
@@ -131,6 +156,7 @@ pub struct BoundGarment {
     topology: Topology,
     graph: ClothGraph,
     is_piece: Vec<bool>,
+    is_over_hole: Vec<bool>,
     skin: Vec<ClosestPoint>,
     scale: f32,
     weights: SkinWeights,
@@ -172,6 +198,12 @@ impl BoundGarment {
     /// Whether each node belongs to a loose piece that sits on other cloth `[node]`.
     pub fn is_piece(&self) -> &[bool] {
         &self.is_piece
+    }
+
+    /// Whether a node lies over a hole of the body, an open neck or skin that was deleted under the
+    /// garment, and not over skin.
+    pub fn is_over_hole(&self, node: usize) -> bool {
+        self.is_over_hole.get(node).is_some_and(|&is_over| is_over)
     }
 
     /// The closest point of the rest skin `[node]`.

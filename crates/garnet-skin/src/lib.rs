@@ -30,11 +30,13 @@
 
 mod at_home;
 mod body;
+mod caps;
 mod cloth_graph;
 mod dual_quaternion;
 mod error;
 mod free_cloth;
 mod garment;
+mod holes;
 mod pieces;
 mod pose;
 mod posed_body;

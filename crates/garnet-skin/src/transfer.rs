@@ -10,6 +10,7 @@
 use garnet_knn::ClosestPoint;
 
 use crate::free_cloth::free_length;
+use crate::holes::Holes;
 use crate::{ClothGraph, MAX_INFLUENCES, ScreenedPoisson, SkinError, SkinWeights};
 
 /// Over which length weights are smoothed, in metres.
@@ -52,7 +53,7 @@ pub(crate) const PIECE_LENGTH: f64 = 10.0;
 pub(crate) fn transfer_screening(
     graph: &ClothGraph,
     skin: &[ClosestPoint],
-    is_piece: &[bool],
+    (is_piece, holes): (&[bool], Option<&Holes>),
     freedom: &[f32],
     options: TransferOptions,
 ) -> Vec<f64> {
@@ -60,7 +61,8 @@ pub(crate) fn transfer_screening(
         let length = if is_piece[node] {
             PIECE_LENGTH
         } else {
-            let distance = skin[node].distance_squared.sqrt();
+            let real = || skin[node].distance_squared.sqrt();
+            let distance = holes.map_or_else(real, |holes| holes.distance[node]);
             let t = (distance / options.loose_distance).clamp(0.0, 1.0);
             let step = t * t * (3.0 - 2.0 * t);
             let range = options.loose_length - options.near_length;
@@ -75,7 +77,8 @@ pub(crate) fn transfer_screening(
     (0..graph.num_nodes()).map(screening).collect()
 }
 
-/// Weights `[node]` of the cloth: those of the closest skin, smoothed by `system`.
+/// Weights `[node]` of the cloth: those of the closest skin, or of the bones below holes of it,
+/// smoothed by `system`.
 ///
 /// # Errors
 ///
@@ -83,19 +86,27 @@ pub(crate) fn transfer_screening(
 pub(crate) fn transferred_weights(
     body_weights: &SkinWeights,
     body_faces: &[[u32; 3]],
-    skin: &[ClosestPoint],
+    (skin, holes): (&[ClosestPoint], Option<&Holes>),
     system: &ScreenedPoisson,
 ) -> Result<SkinWeights, SkinError> {
     let num_joints = body_weights.num_joints();
     let mut columns = vec![Vec::new(); num_joints];
     for (node, closest) in skin.iter().enumerate() {
         let corners = body_faces[closest.face as usize];
-        for (corner, share) in corners.into_iter().zip(closest.barycentric) {
-            for (joint, weight) in body_weights.vertex(corner as usize) {
-                let column: &mut Vec<f64> = &mut columns[joint];
-                column.resize(skin.len(), 0.0);
-                column[node] += f64::from(share) * f64::from(weight);
-            }
+        let corners = corners.into_iter().zip(closest.barycentric);
+        let part = holes.map_or(1.0, |holes| 1.0 - holes.share[node]);
+        let real = corners.flat_map(|(corner, share)| {
+            let weights = body_weights.vertex(corner as usize);
+            weights.map(move |(joint, weight)| (joint, f64::from(part * share) * f64::from(weight)))
+        });
+        let missing = holes.map(|holes| holes.weights[node].iter());
+        let missing = missing.into_iter().flatten();
+        let missing =
+            missing.map(|&(joint, weight)| (joint, f64::from(1.0 - part) * f64::from(weight)));
+        for (joint, weight) in real.chain(missing) {
+            let column: &mut Vec<f64> = &mut columns[joint];
+            column.resize(skin.len(), 0.0);
+            column[node] += weight;
         }
     }
     let joints: Vec<usize> = (0..num_joints)

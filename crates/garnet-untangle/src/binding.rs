@@ -121,7 +121,11 @@ impl Binding {
             .iter()
             .map(|skin| body_normals[skin.face as usize])
             .collect();
-        let own_radius = garment.skin().iter().map(|skin| {
+        let own_radius = garment.skin().iter().enumerate().map(|(node, skin)| {
+            // Over a hole no skin is the cloth's own.
+            if garment.is_over_hole(node) {
+                return 0.0;
+            }
             let loose = (skin.distance_squared.sqrt() - scale * LOOSE_DISTANCE).max(0.0);
             scale * OWN_RADIUS + OWN_RADIUS_PER_DISTANCE * loose
         });

@@ -12,6 +12,8 @@
 //! folds the groin by 2 to 5 cm, the more so the heavier the body. No other pose avoids that, so it
 //! has no limit.
 
+use std::ops::RangeInclusive;
+
 use garnet_knn::Surface;
 use garnet_skin::{Body, Method, Point3, Pose, SkinError};
 use rayon::prelude::*;
@@ -21,6 +23,12 @@ use crate::motion::{Figure, RetargetError, Role};
 
 /// Radius of a crease in radii of the limb at its joint.
 const CREASE: f32 = 1.35;
+
+/// Of meshes with twice as many vertices, or more, only every second or so is tested.
+const ENOUGH_VERTICES: usize = 15_000;
+
+/// Lengths of legs of grown bodies, in metres. Depths of others are in proportion.
+const GROWN: RangeInclusive<f32> = 0.55..=1.2;
 
 /// What two parts that run into each other mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,6 +58,8 @@ pub struct Contact {
     pub exit: Point3,
     /// A body vertex at that point.
     pub exit_vertex: u32,
+    /// Corners of the face of the body at that point, and the share that each has in it.
+    pub exit_corners: [(u32, f32); 3],
 }
 
 /// All contacts of a posed body.
@@ -136,8 +146,28 @@ impl SelfContact {
         &self.body
     }
 
+    /// How many times as large as a grown one the body is: 1 for all grown ones, less for dolls and
+    /// more for giants. Depths in [`SeparationOptions`](super::SeparationOptions) are those of
+    /// grown bodies.
+    pub fn scale(&self) -> f32 {
+        let leg = self.figure.leg_length() as f32;
+        leg / leg.clamp(*GROWN.start(), *GROWN.end())
+    }
+
     pub(super) fn figure(&self) -> &Figure {
         &self.figure
+    }
+
+    /// The deepest of each of many contacts `[pair]`.
+    pub(super) fn report_of_all(all: &[Vec<Contact>]) -> ContactReport {
+        let deepest = |contacts: &Vec<Contact>| {
+            let first = contacts.first().copied()?;
+            let deeper = |a: Contact, b: &Contact| if b.depth > a.depth { *b } else { a };
+            Some(contacts.iter().fold(first, deeper))
+        };
+        ContactReport {
+            contacts: all.iter().filter_map(deepest).collect(),
+        }
     }
 
     /// The contacts in a pose.
@@ -156,36 +186,57 @@ impl SelfContact {
     ///
     /// [`SkinError::TargetCount`] or [`SkinError::Knn`].
     pub fn report_of(&self, positions: &[Point3]) -> Result<ContactReport, SkinError> {
-        let expected = self.body.rest().num_vertices();
-        if positions.len() != expected {
-            let found = positions.len();
-            return Err(SkinError::TargetCount { found, expected });
-        }
-        let moved = self.surfaces.par_iter().zip(&self.parts);
-        let surfaces: Result<Vec<Surface>, _> = moved
-            .map(|(surface, part)| surface.moved(part.gather(positions)))
-            .collect();
-        let surfaces = surfaces?;
-        let contacts = self
-            .pairs
-            .par_iter()
-            .map(|pair| self.deepest(pair, &surfaces));
+        let surfaces = self.surfaces_at(positions)?;
+        let contacts = self.pairs.par_iter().map(|pair| {
+            let mut deepest: Option<Contact> = None;
+            self.visit(pair, &surfaces, |contact| {
+                if deepest.is_none_or(|deepest| deepest.depth < contact.depth) {
+                    deepest = Some(contact);
+                }
+            });
+            deepest
+        });
         let contacts: Vec<Option<Contact>> = contacts.collect();
         Ok(ContactReport {
             contacts: contacts.into_iter().flatten().collect(),
         })
     }
 
-    fn deepest(&self, pair: &Pair, surfaces: &[Surface]) -> Option<Contact> {
+    /// All vertices of a part inside another one, in a pose, of each two parts `[pair]`.
+    pub(super) fn all_contacts(&self, pose: &Pose) -> Result<Vec<Vec<Contact>>, SkinError> {
+        let positions = self.body.posed_positions(pose, Method::DualQuaternion)?;
+        let surfaces = self.surfaces_at(&positions)?;
+        let contacts = self.pairs.par_iter().map(|pair| {
+            let mut all = Vec::new();
+            self.visit(pair, &surfaces, |contact| all.push(contact));
+            all
+        });
+        Ok(contacts.collect())
+    }
+
+    /// The skin of each part `[part]` where the vertices of the body are at `positions`.
+    fn surfaces_at(&self, positions: &[Point3]) -> Result<Vec<Surface>, SkinError> {
+        let expected = self.body.rest().num_vertices();
+        if positions.len() != expected {
+            let found = positions.len();
+            return Err(SkinError::TargetCount { found, expected });
+        }
+        let moved = self.surfaces.par_iter().zip(&self.parts);
+        let moved = moved.map(|(surface, part)| surface.moved(part.gather(positions)));
+        let surfaces: Result<Vec<Surface>, _> = moved.collect();
+        Ok(surfaces?)
+    }
+
+    /// Visits the vertices of a part inside another one.
+    fn visit(&self, pair: &Pair, surfaces: &[Surface], mut found: impl FnMut(Contact)) {
         let (tested, within) = (&self.parts[pair.tested], &self.parts[pair.within]);
         let surface = &surfaces[pair.within];
         let (low, high) = surface.bounds();
         let (other_low, other_high) = surfaces[pair.tested].bounds();
         if (0..3).any(|axis| low[axis] > other_high[axis] || high[axis] < other_low[axis]) {
-            return None;
+            return;
         }
         let positions = surfaces[pair.tested].positions();
-        let mut deepest: Option<Contact> = None;
         let mut hint = u32::MAX;
         for &vertex in &pair.vertices {
             let position = positions[vertex as usize];
@@ -200,24 +251,21 @@ impl SelfContact {
             };
             hint = closest.face;
             let depth = closest.distance_squared.sqrt();
-            if deepest.is_some_and(|deepest| deepest.depth >= depth) {
-                continue;
-            }
             let corners = surface.faces()[closest.face as usize];
-            let exit_vertex = corners
-                .into_iter()
-                .find_map(|corner| within.vertices.get(corner as usize));
-            deepest = Some(Contact {
+            let of_body =
+                |corner: u32| (within.vertices.get(corner as usize).copied()).unwrap_or_default();
+            let shares = closest.barycentric;
+            found(Contact {
                 parts: [tested.part, within.part],
                 depth,
                 kind: pair.kind,
                 vertex: tested.vertices[vertex as usize],
                 position,
                 exit: closest.point,
-                exit_vertex: exit_vertex.copied().unwrap_or(0),
+                exit_vertex: of_body(corners[0]),
+                exit_corners: [0, 1, 2].map(|corner| (of_body(corners[corner]), shares[corner])),
             });
         }
-        deepest
     }
 }
 
@@ -257,7 +305,10 @@ fn pairs_of(
         let position = part.mesh.positions()[*vertex as usize];
         crease.is_some_and(|(center, radius)| (position - center).norm() < radius)
     };
-    let own = (0..part.vertices.len() as u32).filter(|&vertex| part.is_own[vertex as usize]);
+    // Of fine meshes some vertices tell how deep all are.
+    let stride = (body.rest().num_vertices() / ENOUGH_VERTICES).max(1);
+    let own = (0..part.vertices.len() as u32).step_by(stride);
+    let own = own.filter(|&vertex| part.is_own[vertex as usize]);
     let (near, far): (Vec<u32>, Vec<u32>) = own.partition(in_crease);
     let kind = match hinge {
         Some(Role::Elbow(_) | Role::Knee(_)) => ContactKind::Fold,

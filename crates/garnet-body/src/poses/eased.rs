@@ -70,6 +70,7 @@ impl SelfContact {
         options: &SeparationOptions,
     ) -> Result<Vec<Turns>, SkinError> {
         let num_joints = self.body().skeleton().num_joints();
+        let options = &options.scaled(self.scale());
         let mut turns = vec![vec![Vector3::zeros(); num_joints]; poses.len()];
         let bell = bell(SMOOTHING / seconds, poses.len());
         let is_still = |turns: &Turns| turns.iter().all(|turn| *turn == Vector3::zeros());

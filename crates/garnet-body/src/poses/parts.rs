@@ -116,6 +116,8 @@ impl ClosedPart {
     /// Cuts a part out of a body; none if it has no face.
     pub(super) fn new(body: &Body, parts: &[Part], part: Part) -> Option<Self> {
         let rest = body.rest();
+        // Seams of textures are closed in the skin.
+        let skin_faces = body.skin().faces();
         let is_of_part = |face: &[u32; 3]| {
             let count = face
                 .iter()
@@ -126,7 +128,7 @@ impl ClosedPart {
         let mut local: BTreeMap<u32, u32> = BTreeMap::new();
         let mut vertices = Vec::new();
         let mut faces: Vec<[u32; 3]> = Vec::new();
-        for face in rest.faces().iter().filter(|face| is_of_part(face)) {
+        for face in skin_faces.iter().filter(|face| is_of_part(face)) {
             faces.push(face.map(|vertex| {
                 *local.entry(vertex).or_insert_with(|| {
                     vertices.push(vertex);

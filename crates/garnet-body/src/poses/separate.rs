@@ -6,10 +6,10 @@
 //! taken (damped least squares, as in inverse kinematics), a few degrees at a time, and the
 //! contacts measured anew. Feet that stand keep their direction.
 
-use garnet_skin::{Pose, Skeleton, SkinError};
+use garnet_skin::{Point3, Pose, Skeleton, SkinError};
 use nalgebra::{DMatrix, DVector, Unit, Vector3};
 
-use super::{Contact, ContactKind, ContactReport, SelfContact};
+use super::{Contact, ContactKind, ContactReport, Part, SelfContact};
 use crate::motion::{Role, Side, world_rotations};
 
 type Rotation = nalgebra::UnitQuaternion<f64>;
@@ -27,6 +27,10 @@ pub struct SeparationOptions {
     pub max_turn: f64,
     /// Whether legs give way, too; if not, feet stay where they are.
     pub legs_give_way: bool,
+    /// Whether poses change by as little as they have to, and hardly differ of bodies that hardly
+    /// differ: all vertices that are too deep count, not the deepest ones alone, and no contact is
+    /// pushed farther than to the allowed depth. It takes more corrections.
+    pub is_least: bool,
 }
 
 impl Default for SeparationOptions {
@@ -37,14 +41,36 @@ impl Default for SeparationOptions {
             max_steps: 12,
             max_turn: 0.6,
             legs_give_way: true,
+            is_least: false,
         }
     }
 }
 
 impl SeparationOptions {
+    /// As little as a body needs, so that bodies that are alike stand alike.
+    #[must_use]
+    pub fn least() -> Self {
+        Self {
+            max_steps: 40,
+            is_least: true,
+            ..Self::default()
+        }
+    }
+
+    /// The same for a body that is so many times as large as a grown one.
+    pub(super) fn scaled(self, scale: f32) -> Self {
+        Self {
+            max_depth: scale * self.max_depth,
+            max_fold_depth: scale * self.max_fold_depth,
+            ..self
+        }
+    }
+
     /// Depth up to which a contact is light, in metres.
     fn limit(&self, contact: &Contact) -> f32 {
         match contact.kind {
+            // A thigh that is bent meets the trunk beyond the crease, too, and has no lever there.
+            ContactKind::Contact if self.is_least && is_at_hip(contact) => self.max_fold_depth,
             ContactKind::Contact => self.max_depth,
             ContactKind::Fold => self.max_fold_depth,
             ContactKind::Crease => f32::INFINITY,
@@ -79,7 +105,15 @@ const MAX_STEP: f64 = 0.12;
 /// Depth that is left, in parts of the allowed one.
 const KEPT: f32 = 0.6;
 
-/// Damping of the least squares, against squared lever arms of a few decimetres.
+/// The same of poses that change by as little as they have to.
+const LEAST_KEPT: f32 = 0.99;
+
+/// The same as [`DAMPING`] of those: more of it takes more corrections, and lets turns that hardly
+/// move a contact depend less on where exactly that is.
+const LEAST_DAMPING: f64 = 0.03;
+
+/// Damping of the least squares, against squared lever arms of a few decimetres: those of a grown
+/// body.
 const DAMPING: f64 = 2e-3;
 
 /// Cosine of the slope of a foot that stands.
@@ -106,11 +140,21 @@ impl SelfContact {
         pose: &Pose,
         options: &SeparationOptions,
     ) -> Result<Option<Separated>, SkinError> {
+        let options = &options.scaled(self.scale());
         let mut pose = pose.clone();
         let given_pose = pose.clone();
         let mut first_depth = None;
         for num_steps in 0..=options.max_steps {
-            let report = self.report(&pose)?;
+            let all = if options.is_least {
+                self.all_contacts(&pose)?
+            } else {
+                Vec::new()
+            };
+            let report = if options.is_least {
+                Self::report_of_all(&all)
+            } else {
+                self.report(&pose)?
+            };
             let first = *first_depth.get_or_insert(report.depth());
             let largest_turn = largest_turn(&given_pose, &pose);
             if largest_turn > options.max_turn {
@@ -125,12 +169,17 @@ impl SelfContact {
                     report,
                 }));
             }
-            self.push(&mut pose, &report, options)?;
+            if options.is_least {
+                self.push_least(&mut pose, &all, options)?;
+            } else {
+                self.push(&mut pose, &report, options)?;
+            }
         }
         Ok(None)
     }
 
-    /// Turns joints so that vertices that are too deep in another part leave it.
+    /// Turns joints so that vertices that are too deep in another part leave it. The options are
+    /// those for the size of the body.
     pub(super) fn push(
         &self,
         pose: &mut Pose,
@@ -177,15 +226,95 @@ impl SelfContact {
                 }
             }
         }
+        let damping = DAMPING * f64::from(self.scale()).powi(2);
         let mut square: DMatrix<f64> = &levers * levers.transpose();
         for index in 0..wishes.len() {
-            square[(index, index)] += DAMPING;
+            square[(index, index)] += damping;
         }
         let Some(factor) = square.cholesky() else {
             return Ok(());
         };
         let turned: DVector<f64> = levers.transpose() * factor.solve(&lengths);
+        self.apply(pose, &turns, &turned, position);
+        Ok(())
+    }
 
+    /// Turns joints by as little as leads vertices that are too deep out of another part, all of
+    /// them counted by how far they are too deep.
+    fn push_least(
+        &self,
+        pose: &mut Pose,
+        all: &[Vec<Contact>],
+        options: &SeparationOptions,
+    ) -> Result<(), SkinError> {
+        let body = self.body();
+        let skeleton = body.skeleton();
+        let transforms = skeleton.transforms(pose)?;
+        let position = |joint: usize| -> Vector3<f64> {
+            (transforms[joint] * skeleton.joints()[joint].rest_position)
+                .coords
+                .cast()
+        };
+        let turns = self.turns(position, options.legs_give_way);
+        let moves: Vec<Vec<bool>> = turns
+            .iter()
+            .map(|turn| {
+                let joints = 0..skeleton.num_joints();
+                joints
+                    .map(|joint| hangs_on(skeleton, joint, turn.joint))
+                    .collect()
+            })
+            .collect();
+        // How much of a vertex goes along with a turn.
+        let share = |vertex: u32, column: usize| -> f64 {
+            let weights = body.weights().vertex(vertex as usize);
+            let moved = weights.filter(|&(joint, _)| moves[column][joint]);
+            moved.map(|(_, weight)| f64::from(weight)).sum()
+        };
+        let mut square: DMatrix<f64> = DMatrix::identity(turns.len(), turns.len());
+        square *= LEAST_DAMPING * f64::from(self.scale()).powi(2);
+        let mut wished: DVector<f64> = DVector::zeros(turns.len());
+        for contacts in all {
+            let above = |contact: &Contact| {
+                f64::from(contact.depth - LEAST_KEPT * options.limit(contact)).max(0.0)
+            };
+            let sum: f64 = contacts.iter().map(above).sum();
+            for contact in contacts.iter().filter(|contact| above(contact) > 0.0) {
+                let Some(out) = self.way_out(contact, &turns, position) else {
+                    continue;
+                };
+                let lever = |(column, turn): (usize, &Turn)| {
+                    let at = |point: Point3| {
+                        let arm = point.coords.cast() - position(turn.joint);
+                        turn.weight * turn.axis.cross(&arm).dot(&out)
+                    };
+                    let of_exit = contact.exit_corners.iter();
+                    let of_exit =
+                        of_exit.map(|&(vertex, part)| f64::from(part) * share(vertex, column));
+                    share(contact.vertex, column) * at(contact.position)
+                        - of_exit.sum::<f64>() * at(contact.exit)
+                };
+                let row = DVector::from_iterator(turns.len(), turns.iter().enumerate().map(lever));
+                let weight = above(contact) / sum;
+                square.ger(weight, &row, &row, 1.0);
+                wished.axpy(weight * above(contact), &row, 1.0);
+            }
+        }
+        if let Some(factor) = square.cholesky() {
+            self.apply(pose, &turns, &factor.solve(&wished), position);
+        }
+        Ok(())
+    }
+
+    /// Turns joints of a pose, by no more than a step; feet that stand keep their direction.
+    fn apply(
+        &self,
+        pose: &mut Pose,
+        turns: &[Turn],
+        turned: &DVector<f64>,
+        position: impl Fn(usize) -> Vector3<f64>,
+    ) {
+        let skeleton = self.body().skeleton();
         let mut world = world_rotations(skeleton, pose);
         let feet = self.standing_feet(&world, position);
         let feet: Vec<(usize, Rotation)> = feet.map(|foot| (foot, world[foot])).collect();
@@ -217,7 +346,6 @@ impl SelfContact {
             let local = parent.inverse() * world[joint];
             *rotation = nalgebra::UnitQuaternion::new_normalize(local.into_inner().cast());
         }
-        Ok(())
     }
 
     /// The direction in which the vertex of a contact shall leave the other part: the shortest way,
@@ -317,6 +445,13 @@ impl SelfContact {
         }
         turns
     }
+}
+
+fn is_at_hip(contact: &Contact) -> bool {
+    matches!(
+        contact.parts,
+        [Part::Thigh(_), Part::Trunk] | [Part::Trunk, Part::Thigh(_)]
+    )
 }
 
 fn hangs_on(skeleton: &Skeleton, joint: usize, ancestor: usize) -> bool {

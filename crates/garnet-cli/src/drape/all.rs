@@ -393,6 +393,7 @@ impl Frame<'_> {
             format!("{error:#}")
         });
         let beyond = provenance.beyond.as_ref().map(ToString::to_string);
+        let unsettled = unsettled.or(provenance.worsened.map(|worsened| worsened.to_string()));
         let is_from_rest = provenance.relaxed_from == Some(Moment::Start);
         let rest = bound.rest_positions();
         let (free, trapped): (Vec<[u32; 2]>, Vec<[u32; 2]>) = bound
@@ -405,7 +406,7 @@ impl Frame<'_> {
             warning::of_fit(posed.max_residual()).into_iter().collect();
         problems.extend((fallback.clone()).map(|reason| Problem::Fallback(reason, is_from_rest)));
         problems.extend(beyond.clone().map(Problem::Beyond));
-        problems.extend(unsettled.map(Problem::Unsettled));
+        problems.extend(unsettled.clone().map(Problem::Unsettled));
         problems.extend(warning::of_stretch(&stretch));
         let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
         problems.extend(simulated.as_ref().and_then(warning::of_rest));
@@ -451,6 +452,7 @@ impl Frame<'_> {
             simulated,
             fallback,
             beyond,
+            unsettled,
             steps,
             cloth_crossings,
             limbs_outside,

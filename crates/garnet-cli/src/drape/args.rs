@@ -130,6 +130,10 @@ pub(crate) struct InputArgs {
     motion: MotionArgs,
     #[command(flatten)]
     rig_args: RigArgs,
+    /// Bring a garment to the rest body that does not lie on it: unit, axis, place, size and
+    /// sleeves are found by its openings and the skin.
+    #[arg(long, conflicts_with = "scene")]
+    place: bool,
     /// Unit of the files: m, dm, cm, mm or auto; or two, of garment and bodies: `cm,m`.
     #[arg(long, hide_short_help = true, value_name = "UNIT", default_value = "auto", value_parser = units)]
     units: SceneUnits,
@@ -516,6 +520,14 @@ impl InputArgs {
             // Told before what else is missing.
             ObjFile::read(&garment)?;
         }
+        if let Some(package) = package.as_ref().filter(|_| self.place) {
+            return Err(refused(
+                format!("`{}` cannot be placed", package.display()),
+                "the garment of a package lies on the body of the package, which tells where it \
+                 belongs",
+                "leave out `--place`",
+            ));
+        }
         let mut scene = SceneFiles::new(garment);
         if let Some(folder) = &package {
             let manifest = GarmentPackage::read_manifest(folder)?;
@@ -535,6 +547,7 @@ impl InputArgs {
         scene.motion = self.motion.options();
         scene.units = self.units;
         scene.up = self.up.axis();
+        scene.place = self.place;
         let files = SourceFiles { package, scene };
         files.check()?;
         Ok(Source::Files(Box::new(files)))

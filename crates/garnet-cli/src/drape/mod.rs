@@ -143,10 +143,11 @@ impl Bound {
                 problem,
             }
         };
+        let holes = warning::of_holes(&garment);
         let small = garment_file.num_small_faces();
         let small = (small > 0).then_some(Problem::SmallFaces(small));
         let held = warning::of_body_in(garment.mesh(), garment.body());
-        let start = small.into_iter().chain(held).chain(start);
+        let start = small.into_iter().chain(held).chain(start).chain(holes);
         let of_garment = found.garment.into_iter().chain(start);
         let of_garment = of_garment.map(at(garment_file.path()));
         let warnings = of_garment.chain(found.body.into_iter().map(at(&rest.path)));
@@ -184,7 +185,12 @@ struct Unusual {
 
 fn unusual(garment: &TriMesh, body: &Body) -> Unusual {
     let of_body = || warning::of_body(body);
-    let (garment, body) = rayon::join(|| warning::of_garment(garment), of_body);
+    let of_garment = || {
+        let mut problems = warning::of_garment(garment);
+        problems.extend(warning::of_openings(garment, body));
+        problems
+    };
+    let (garment, body) = rayon::join(of_garment, of_body);
     Unusual { garment, body }
 }
 
@@ -215,6 +221,7 @@ fn report_of(
             triangles: bound.garment.mesh().num_faces(),
             nodes: bound.garment.cloth().rest_nodes().len(),
             layered: bound.garment.num_layered(),
+            over_holes: warning::num_over_holes(&bound.garment),
             units: bound.garment_frame.unit.to_string(),
             up: bound.garment_frame.up.to_string(),
         },

@@ -219,9 +219,8 @@ impl Ready {
             draper = draper.with_simulator(simulator);
             method = Method::Simulation(simulated);
         } else if draper.relaxation().takes_time() {
-            match simulator_of(&bound, job.fabric.as_ref(), &job.source) {
+            match simulator_of(&bound, job.fabric.as_ref(), &job.source, true) {
                 Ok((simulator, _)) => draper = draper.with_simulator(simulator),
-                Err(error) if job.options.relax_frames.is_some() => return Err(error),
                 // A template that was cut and put on can be simulated, on its own body at least.
                 Err(error) if package_of(&job.source).is_some() && bound.refit.is_none() => {
                     return Err(error).hint(|| {

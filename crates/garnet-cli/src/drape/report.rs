@@ -81,6 +81,8 @@ pub(crate) struct GarmentReport {
     pub(crate) nodes: usize,
     /// Those of them that lie on other cloth of the garment and follow it.
     pub(crate) layered: usize,
+    /// Vertices over holes of the body: open necks, skin that was deleted under clothes.
+    pub(crate) over_holes: usize,
     /// The unit it was read in: `m`, `dm`, `cm` or `mm`.
     pub(crate) units: String,
     /// The axis that was taken as up: `y` or `z`.
@@ -143,6 +145,8 @@ pub(crate) struct DrapeOutput {
     /// nothing is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) beyond: Option<String>,
+    /// Why the drape is that before it was to settle; none if it settled, or was not to.
+    pub(crate) unsettled: Option<String>,
     /// How the frame goes on from the last one of its motion; none of a drape alone.
     pub(crate) steps: Option<StepsReport>,
     /// Pairs of faces of the garment that run through each other.

@@ -41,6 +41,7 @@ pub(super) fn simulator_of(
     bound: &Bound,
     fabric: Option<&StoredFabric>,
     source: &Source,
+    settles: bool,
 ) -> anyhow::Result<(Arc<Simulator>, StoredFabric)> {
     let mesh = bound.garment.mesh();
     let (own, rest) = if let Some(package) = package_of(source) {
@@ -52,7 +53,13 @@ pub(super) fn simulator_of(
     };
     let fabric = fabric.cloned().unwrap_or(own);
     let cloth = Arc::clone(bound.garment.shared_cloth());
-    let simulator = Simulator::of_garment(cloth, bound.garment.body(), &rest, &fabric.fabric());
+    // What is simulated all the way is to teach; any garment can settle.
+    let make = if settles {
+        Simulator::of_any_garment
+    } else {
+        Simulator::of_garment
+    };
+    let simulator = make(cloth, bound.garment.body(), &rest, &fabric.fabric());
     let simulator = simulator
         .with_context(|| format!("cannot simulate `{}`", bound.garment_file.path().display()))?;
     Ok((Arc::new(simulator), fabric))
@@ -64,7 +71,7 @@ impl Simulated {
         simulation: &Simulation,
         source: &Source,
     ) -> anyhow::Result<(Arc<Simulator>, Self)> {
-        let (simulator, fabric) = simulator_of(bound, simulation.fabric.as_ref(), source)?;
+        let (simulator, fabric) = simulator_of(bound, simulation.fabric.as_ref(), source, false)?;
         let simulated = Self {
             quality: simulation.quality,
             fabric,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use garnet::{
-    Point3, PosedBody, TriMesh,
+    Point3, PosedBody,
     io::{self, CacheKind, CachePart, CacheWriter, Target},
 };
 
@@ -129,8 +129,9 @@ fn write_body(path: &Path, bound: &Bound, posed: &PosedBody) -> anyhow::Result<(
     if let Some(file) = &rest.file {
         file.write_with_positions(path, &positions)?;
     } else {
-        let faces = posed.skin().faces().to_vec();
-        io::write_obj(path, &TriMesh::new(positions, faces)?)?;
+        // Without the faces that close holes of the skin.
+        let body = bound.garment.body().rest();
+        io::write_obj(path, &body.with_positions(positions)?)?;
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use std::{
 use garnet::{
     Body, BoundGarment, TriMesh,
     data::{Limits, SceneReport},
+    io::threaded_openings,
     knn::{Surface, TORN_STRETCH, VertexTree},
     mesh::{MeshDiagnosis, StretchSummary, diagnose},
     untangle::{UntangleReport, free_crossing_faces},
@@ -37,6 +38,8 @@ pub(crate) enum Problem {
     InconsistentEdges(usize),
     Components(usize),
     OpenBody(usize),
+    /// So many vertices of the garment lie over holes of the body, and the share that they are.
+    OverHoles(usize, f32),
     SelfIntersectingBody(usize),
     /// The faces of the body looked inwards.
     InsideOutBody,
@@ -49,6 +52,8 @@ pub(crate) enum Problem {
     /// The garment starts inside the rest body: how many vertices deeper than the limit, and the
     /// deepest in metres.
     StartsInside(usize, f32),
+    /// So many openings of the garment have no limb through them, of how many.
+    Unthreaded(usize, usize),
     /// Faces of the garment that cross the skin of the rest body.
     CrossingAtRest(usize),
     Trapped(usize),
@@ -88,12 +93,14 @@ impl Problem {
             Self::InconsistentEdges(_) => "inconsistent_edges",
             Self::Components(_) => "components",
             Self::OpenBody(_) => "open_body",
+            Self::OverHoles(..) => "over_holes",
             Self::SelfIntersectingBody(_) => "self_intersecting_body",
             Self::InsideOutBody => "inside_out_body",
             Self::LimbOutside(..) => "limb_outside",
             Self::Torn(_) => "torn",
             Self::Tight(_) => "tight",
             Self::StartsInside(..) => "starts_inside",
+            Self::Unthreaded(..) => "unthreaded",
             Self::CrossingAtRest(_) => "crossing_at_rest",
             Self::Trapped(_) => "trapped",
             Self::Squeezed(_) => "squeezed",
@@ -122,8 +129,10 @@ impl Problem {
             | Self::InconsistentEdges(count)
             | Self::Components(count)
             | Self::OpenBody(count)
+            | Self::OverHoles(count, _)
             | Self::SelfIntersectingBody(count)
             | Self::StartsInside(count, _)
+            | Self::Unthreaded(count, _)
             | Self::CrossingAtRest(count)
             | Self::Trapped(count)
             | Self::Squeezed(count)
@@ -192,9 +201,12 @@ impl fmt::Display for Warning {
                 format!("`{path}` is made of {count} parts that share no vertex")
             }
             Problem::OpenBody(count) => format!(
-                "the body `{path}` is open (rims: {count}), and what is inside is judged by the \
-                 generalised winding number"
+                "the body `{path}` is open (rims: {count}): its holes are closed for what cloth lies \
+                 on and what is inside"
             ),
+            Problem::OverHoles(count, share) => {
+                vertices(count, ["lies", "lie"]) + &over_holes(share)
+            }
             Problem::SelfIntersectingBody(count) => {
                 format!("the body `{path}` runs through itself (pairs of faces: {count})")
             }
@@ -209,6 +221,10 @@ impl fmt::Display for Warning {
             Problem::StartsInside(count, depth) => {
                 vertices(count, ["starts", "start"]) + &too_deep(depth)
             }
+            Problem::Unthreaded(count, openings) => format!(
+                "no limb of the body goes through {count} of the {openings} openings of `{path}`: it may \
+                 lie elsewhere than on the body; `--place` brings it there"
+            ),
             Problem::CrossingAtRest(count) => faces(count, ["crosses", "cross"]) + AT_REST,
             Problem::Trapped(count) => {
                 vertices(count, is) + " caught where the body runs through itself"
@@ -268,6 +284,14 @@ const LIFTED_BY: &str =
 
 /// What is done with a body whose faces look inwards.
 const INSIDE_OUT: &str = "is inside out: its faces look inwards, and are taken the other way round";
+
+fn over_holes(share: f32) -> String {
+    let share = 1e2 * share;
+    format!(
+        " over holes of the body ({share:.1} % of the garment): skin is missing there, and the \
+         cloth follows the bones and the rims of the holes"
+    )
+}
 
 fn too_deep(depth: f32) -> String {
     let depth = millimetres(depth);
@@ -342,7 +366,8 @@ const MAX_RESIDUAL: f32 = 0.15;
 /// What is unusual about a garment that was read from `path`, and about where it lies on its body.
 pub(crate) fn warnings_of(path: &Path, garment: &BoundGarment) -> Vec<WarningReport> {
     let problems = of_garment(garment.mesh()).into_iter();
-    let problems = problems.chain(of_start(garment));
+    let problems = problems.chain(of_start(garment)).chain(of_holes(garment));
+    let problems = problems.chain(of_openings(garment.mesh(), garment.body()));
     let problems = problems.chain(of_skin_at_rest(garment));
     let warnings = problems.map(|problem| Warning {
         path: path.to_path_buf(),
@@ -389,15 +414,16 @@ pub(crate) fn of_body(body: &Body) -> Vec<Problem> {
     let (diagnosis, pairs) = rayon::join(|| diagnose(mesh), || skin.self_intersections());
     let mut problems = of_mesh(&diagnosis);
     // Seams of textures are closed in the skin.
-    let is_sewn = skin.faces() != mesh.faces();
-    let sewn = is_sewn.then(|| TriMesh::new(mesh.positions().to_vec(), skin.faces().to_vec()));
+    let sewn = &skin.faces()[..mesh.num_faces()];
+    let is_sewn = sewn != mesh.faces();
+    let sewn = is_sewn.then(|| TriMesh::new(mesh.positions().to_vec(), sewn.to_vec()));
     let sewn = sewn.and_then(Result::ok).map(|mesh| diagnose(&mesh));
     let of_skin = sewn.as_ref().unwrap_or(&diagnosis);
     if of_skin.num_components > 1 {
         problems.push(Problem::Components(of_skin.num_components));
     }
-    if !of_skin.boundary_loops.is_empty() {
-        problems.push(Problem::OpenBody(of_skin.boundary_loops.len()));
+    if body.num_rims() > 0 {
+        problems.push(Problem::OpenBody(body.num_rims()));
     }
     if !pairs.is_empty() {
         problems.push(Problem::SelfIntersectingBody(pairs.len()));
@@ -421,6 +447,29 @@ fn of_mesh(diagnosis: &MeshDiagnosis) -> Vec<Problem> {
         .into_iter()
         .filter(|problem| problem.count() != Some(0))
         .collect()
+}
+
+/// Vertices of a garment that lie over holes of its body.
+pub(crate) fn num_over_holes(garment: &BoundGarment) -> usize {
+    let cloth = garment.cloth();
+    let nodes = cloth.weld().node_of_vertex().iter();
+    nodes
+        .filter(|&&node| cloth.is_over_hole(node as usize))
+        .count()
+}
+
+/// Whether limbs go through half of the openings of a garment at most, and cloth is around none.
+pub(crate) fn of_openings(garment: &TriMesh, body: &Body) -> Option<Problem> {
+    let [openings, threaded] = threaded_openings(garment, body);
+    let bare = openings - threaded;
+    (bare >= 2 && bare >= threaded).then_some(Problem::Unthreaded(bare, openings))
+}
+
+/// Whether a garment lies over holes of its body.
+pub(crate) fn of_holes(garment: &BoundGarment) -> Option<Problem> {
+    let count = num_over_holes(garment);
+    let share = count as f32 / garment.mesh().num_vertices().max(1) as f32;
+    (count > 0).then_some(Problem::OverHoles(count, share))
 }
 
 /// Whether a garment starts deep inside the rest body.

@@ -11,6 +11,7 @@ use garnet::{
 use crate::{
     drape::{UpName, units},
     hints::for_pattern,
+    rig_args::RigArgs,
 };
 
 /// Arguments of `garment`.
@@ -77,6 +78,9 @@ pub(crate) struct OwnArgs {
     /// Skeleton and weights: npz, GLB, glTF or JSON [default: `<rest body>.rig.npz`].
     #[arg(long, value_name = "FILE")]
     pub(crate) rig: Option<PathBuf>,
+    /// How the rig is read.
+    #[command(flatten)]
+    pub(crate) rig_args: RigArgs,
     /// Folder of the package.
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
@@ -86,6 +90,10 @@ pub(crate) struct OwnArgs {
     /// Name of the garment [default: that of the file].
     #[arg(long, value_name = "NAME", value_parser = name)]
     pub(crate) name: Option<String>,
+    /// Bring a garment to the rest body that does not lie on it: unit, axis, place, size and
+    /// sleeves are found by its openings and the skin.
+    #[arg(long)]
+    pub(crate) place: bool,
     /// Unit of the OBJ files: m, dm, cm, mm or auto; or two, of garment and body: `cm,m`. Packages
     /// are in metres.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = units)]

@@ -36,6 +36,8 @@ use crate::{
 struct Made {
     package: GarmentPackage,
     warnings: Vec<WarningReport>,
+    /// What was taken for granted.
+    notes: Vec<String>,
 }
 
 /// Makes a package and tells what is in it.
@@ -61,6 +63,9 @@ pub(crate) fn run(args: &GarmentArgs, console: &Console) -> anyhow::Result<ExitS
     if is_new && written.is_err() {
         // What is told is why nothing was written.
         let _ = std::fs::remove_dir(folder);
+    }
+    for note in &made.notes {
+        console.summary(&format_args!("note: {note}"));
     }
     let report = GarmentReport::new(&made.package, &written?, made.warnings, start.elapsed());
     if console.is_json() {
@@ -160,7 +165,11 @@ fn cut(args: &PatternArgs) -> anyhow::Result<Made> {
         .unwrap_or_else(|| kind.name().to_owned());
     let package = tailor.package(name, &worn, body, parameters)?;
     let warnings = fit::warnings(&tailor, &wearer, &package, &common.output)?;
-    Ok(Made { package, warnings })
+    Ok(Made {
+        package,
+        warnings,
+        notes: Vec::new(),
+    })
 }
 
 /// The fabric of a name.

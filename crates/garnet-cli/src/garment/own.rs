@@ -38,7 +38,9 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
     let mut scene = SceneFiles::new(&own.garment);
     scene.rig.clone_from(&own.rig);
     scene.rest_body.clone_from(&own.rest_body);
+    scene.rig_options = own.rig_args.clone().options();
     scene.units = own.units;
+    scene.place = own.place;
     scene.up = own.up.axis();
     let Prepared {
         garment_file,
@@ -46,6 +48,7 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
         garment,
         body,
         rest,
+        notes,
         ..
     } = Prepared::read(&Source::Files(Box::new(SourceFiles {
         package: None,
@@ -69,7 +72,7 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
     Simulator::of_garment(bound.cloth().clone(), &body, &shape, &fabric.fabric())
         .with_context(cannot)?;
     let warnings = warnings_of(&path, &bound);
-    let template = if garment_frame == Frame::OURS {
+    let template = if garment_frame == Frame::OURS && !own.place {
         garment_file
     } else {
         let bytes = garment_file.bytes_with_positions(garment.positions())?;
@@ -85,7 +88,11 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
         parameters: None,
     })
     .with_context(cannot)?;
-    Ok(Made { package, warnings })
+    Ok(Made {
+        package,
+        warnings,
+        notes,
+    })
 }
 
 /// The name of a garment after its file.

@@ -203,6 +203,10 @@ pub(super) fn for_package(error: &PackageError) -> Option<&'static str> {
             Some("copy the file again from where it came from, or make the package anew")
         }
         PackageError::InUse { .. } => Some(WAIT),
+        PackageError::OverHoles { .. } => Some(
+            "drape it by the warp, which holes of the body do not stop; or give the body with the \
+             skin below the garment",
+        ),
         PackageError::InsideAtStart { .. } => Some(
             "the garment may belong to another body: let it lie on the skin of this one, not in it",
         ),

@@ -58,7 +58,7 @@ fn for_scene(error: &SceneError) -> Option<String> {
             if let Misplaced::Unit { garment, .. } = problem {
                 return Some(format!(
                     "if so, `--units {garment},{body_unit}` reads the garment in {} and the bodies \
-                     in {}",
+                     in {}; `--place` brings it to the body",
                     garment.name(),
                     body_unit.name()
                 ));
@@ -84,17 +84,18 @@ fn for_scene_problem(problem: &SceneProblem) -> Option<&'static str> {
 pub(super) fn for_misplaced(problem: &Misplaced) -> &'static str {
     match problem {
         Misplaced::Unit { .. } => {
-            "`garnet info` shows both boxes; `--units GARMENT,BODY` names the units of both"
+            "`--place` brings it to the body; `--units GARMENT,BODY` names the units of both"
         }
         Misplaced::Axis { .. } => {
-            "export both with the same axis up; `--up` overrides what was detected for both"
+            "`--place` brings it to the body; `--up` overrides what was detected for both"
         }
         Misplaced::Aside { .. } | Misplaced::Through { .. } => {
-            "let the garment lie on the body in its rest pose; `garnet info` shows the boxes of both"
+            "let the garment lie on the body in its rest pose, or bring it there by `--place`; \
+             `garnet info` shows the boxes of both"
         }
         _ => {
-            "`garnet info` shows the boxes of both; `--units GARMENT,BODY` and `--up` override what \
-             was detected"
+            "`--place` brings it to the body; `garnet info` shows the boxes of both, and `--units \
+             GARMENT,BODY` and `--up` override what was detected"
         }
     }
 }

@@ -15,12 +15,13 @@ use std::{
 
 use anyhow::Context;
 use clap::Args;
-use garnet::package::GarmentPackage;
+use garnet::{io::RigOptions, package::GarmentPackage};
 use serde::Serialize;
 
 use crate::{
     console::{Console, print_data, print_document},
     failure::{ExitStatus, refused},
+    rig_args::RigArgs,
 };
 use mesh::MeshInfo;
 use motion::MotionInfo;
@@ -36,6 +37,9 @@ pub(crate) struct InfoArgs {
     /// folders of garment packages.
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
+    /// How rigs are read.
+    #[command(flatten)]
+    rig: RigArgs,
 }
 
 /// The document of `info`: `garnet.info/1`.
@@ -77,10 +81,11 @@ enum Content {
 
 /// Reads each file and tells what is in it.
 pub(crate) fn run(args: &InfoArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    let options = args.rig.clone().options();
     let files = args.files.iter().map(|path| {
         Ok(FileInfo {
             path: path.display().to_string(),
-            content: content(path)?,
+            content: content(path, &options)?,
         })
     });
     let files = files.collect::<anyhow::Result<Vec<_>>>()?;
@@ -107,10 +112,10 @@ fn table(file: &FileInfo) -> Table {
     table
 }
 
-fn content(path: &Path) -> anyhow::Result<Content> {
+fn content(path: &Path, options: &RigOptions) -> anyhow::Result<Content> {
     Ok(match kind(path)? {
         Kind::Mesh => Content::Mesh(MeshInfo::read(path)?),
-        Kind::Rig => match RigInfo::read(path) {
+        Kind::Rig => match RigInfo::read(path, options) {
             Ok(rig) => Content::Rig(rig),
             Err(error) => Content::Motion(MotionInfo::read(path).ok().ok_or(error)?),
         },

@@ -49,8 +49,8 @@ pub(crate) struct JointInfo {
 }
 
 impl RigInfo {
-    pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
-        let read = read_rig_with(path, &RigOptions::default())?;
+    pub(crate) fn read(path: &Path, options: &RigOptions) -> anyhow::Result<Self> {
+        let read = read_rig_with(path, options)?;
         let parts = read.parts.iter().map(|part| PartInfo {
             name: part.name.clone(),
             faces: part.num_faces,

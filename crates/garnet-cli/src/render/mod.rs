@@ -9,7 +9,7 @@ use anyhow::Context;
 use clap::Args;
 use garnet::{
     TriMesh,
-    io::{Frame, ObjFile, is_rig, read_mesh},
+    io::{Frame, ObjFile, is_rig, read_mesh_of},
     mesh::{Bounds, Unit, UpAxis},
 };
 use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
@@ -19,6 +19,7 @@ use crate::{
     console::{Console, print_document},
     failure::ExitStatus,
     output,
+    rig_args::RigArgs,
 };
 use colors::{ColorBy, Heatmap};
 use words::ViewName;
@@ -35,6 +36,9 @@ pub(crate) struct RenderArgs {
     /// A body; then all of MESH are garments.
     #[arg(long, value_name = "OBJ")]
     body: Option<PathBuf>,
+    /// How rigs are read.
+    #[command(flatten)]
+    rig: RigArgs,
     /// Sides to look from, with commas.
     #[arg(
         long,
@@ -75,8 +79,11 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
         .collect();
     output::check_apart(&[&args.output], &read)?;
     let up = args.up.axis();
-    let files: Vec<anyhow::Result<ObjFile>> =
-        paths.par_iter().map(|path| Ok(read_mesh(path)?)).collect();
+    let options = args.rig.clone().options();
+    let files: Vec<anyhow::Result<ObjFile>> = paths
+        .par_iter()
+        .map(|path| Ok(read_mesh_of(path, &options)?))
+        .collect();
     let files = files.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
     let heat = Heatmap::new(&args.color_by, &files[0])?;
     let upright = files.iter().map(|file| upright(file, up));

@@ -99,6 +99,12 @@ pub enum PackageError {
         /// The deepest, in metres.
         deepest: f32,
     },
+    /// Nothing holds a garment that is to be simulated.
+    #[error("{:.0} % of the garment lies over holes of the body, where nothing holds it", 1e2 * share)]
+    OverHoles {
+        /// The share of its vertices.
+        share: f64,
+    },
     /// The work was stopped from outside.
     #[error("stopped")]
     Stopped,

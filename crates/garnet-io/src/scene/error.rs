@@ -116,6 +116,14 @@ pub enum SceneError {
         #[source]
         problem: Misplaced,
     },
+    /// The garment cannot be brought to the rest body.
+    #[error("cannot bring `{}` to the rest body `{}`", garment.display(), body.display())]
+    Unplaced {
+        /// The garment.
+        garment: PathBuf,
+        /// The rest body.
+        body: PathBuf,
+    },
     /// A body is given where the garment is to be.
     #[error("`{}` is given as the garment", garment.display())]
     BodyAsGarment {

@@ -38,6 +38,8 @@ pub struct SceneFiles {
     pub rig: Option<PathBuf>,
     /// The body on which the garment lies, as OBJ, npz, GLB or glTF; else the rest mesh of the rig.
     pub rest_body: Option<PathBuf>,
+    /// Whether the garment is brought to its body where it does not lie on it.
+    pub place: bool,
     /// How the rig is read.
     pub rig_options: RigOptions,
     /// The poses that the rest body takes, in place of those of the bodies.

@@ -29,11 +29,11 @@ pub use files::{SceneFiles, SceneUnits};
 pub use frame::Frame;
 pub use own_body::OwnBody;
 pub use pose::{MotionOptions, NamedPose, PoseError, PoseNote, PoseProblem, PoseSource, Posing};
-pub use read_mesh::{is_rig, read_mesh};
+pub use read_mesh::{is_rig, read_mesh, read_mesh_of};
 pub use rest_body::largest_distance;
 pub use rig_search::rig_beside;
 
-use crate::{ObjFile, check_sizes};
+use crate::{Alignment, ObjFile, aligned, check_sizes};
 use files::{BodyFile, NamedFiles, ReadFiles};
 use places::{match_body, matched_rig};
 use rest_body::{RestBodies, Zero, in_metres, rest_body_of, unfit};
@@ -273,7 +273,7 @@ impl Scene {
             return Err(body_as_garment());
         }
         let frames = taken.frames(&bodies, files)?;
-        let frame = Frame {
+        let mut frame = Frame {
             unit: files.units.garment.unwrap_or(frames.obj.unit),
             up: frames.obj.up,
         };
@@ -283,9 +283,18 @@ impl Scene {
             rig.rest_pose = None;
         }
         let body = rest_body_of(rig, &taken, &frames, &rig_path)?;
+        let mut alignment = None;
         // A garment with a body of its own is in metres, whatever the bodies are in.
         let mesh = match files.own_rig {
             Some(_) => mesh,
+            None if files.place => {
+                let mesh = in_metres(mesh, frame)?;
+                let (mesh, found) = brought(files, mesh, (&body.rest, &taken.path))?;
+                // It is in the units of the body from here on.
+                frame = frames.obj;
+                alignment = Some(found);
+                mesh
+            }
             None => placed(
                 files,
                 mesh,
@@ -301,6 +310,10 @@ impl Scene {
         let mut notes: Vec<PoseNote> = parts.into_iter().map(PoseNote::Parts).collect();
         notes.extend(is_on_bind.then(|| PoseNote::OnBind {
             rig: rig_path.clone(),
+        }));
+        notes.extend(alignment.map(|alignment| PoseNote::Placed {
+            garment: files.garment.clone(),
+            alignment,
         }));
         notes.extend(body.posed_by.map(|degrees| PoseNote::RestPosed {
             path: taken.path.clone(),
@@ -348,6 +361,18 @@ impl Scene {
             frame_time,
         })
     }
+}
+
+/// A garment brought to the body, and what was done.
+fn brought(
+    files: &SceneFiles,
+    mesh: TriMesh,
+    (body, path): (&Body, &Path),
+) -> Result<(TriMesh, Alignment), SceneError> {
+    aligned(&mesh, body)?.ok_or_else(|| SceneError::Unplaced {
+        garment: files.garment.clone(),
+        body: path.to_path_buf(),
+    })
 }
 
 /// A garment in metres with y up, once its size and place are those of one on the body.

@@ -12,13 +12,12 @@ use garnet_body::{
         pose_between, put_on_ground,
     },
     poses::{BodyAngles, Poser, SelfContact, SeparationOptions, key_pose, turn},
-    shape::tape_measures,
 };
 use garnet_mesh::{UpAxis, Vector3};
 use garnet_skin::{Body, Pose, SkinError};
 
 use super::SceneError;
-use crate::{MotionError, PartsNote, Take, TakeError};
+use crate::{Alignment, MotionError, PartsNote, Take, TakeError};
 
 /// Where poses come from: a name of the library, or a file and the frames in it.
 ///
@@ -47,6 +46,8 @@ pub struct MotionOptions {
     pub fps: Option<f64>,
     /// Leave joints that the recording turns over from one frame to the next as they are.
     pub keep_flips: bool,
+    /// Leave arms where the recording has them, be that inside of the body.
+    pub keep_arms: bool,
 }
 
 impl MotionOptions {
@@ -106,6 +107,13 @@ pub enum PoseNote {
         /// The rig.
         rig: PathBuf,
     },
+    /// The garment was brought to its body.
+    Placed {
+        /// The garment.
+        garment: PathBuf,
+        /// What was done.
+        alignment: Alignment,
+    },
     /// The rest body is in another pose than its rig, which was recovered.
     RestPosed {
         /// The rest body.
@@ -149,6 +157,11 @@ impl fmt::Display for PoseNote {
                 "`{}` shows a frame of an animation; the garment lies on its bind pose, which is \
                  taken",
                 rig.display()
+            ),
+            Self::Placed { garment, alignment } => write!(
+                formatter,
+                "`{}` is brought to the body: {alignment}",
+                garment.display()
             ),
             Self::RestPosed { path, rig, degrees } => write!(
                 formatter,
@@ -412,7 +425,7 @@ impl PoseSource {
         let mut notes: Vec<PoseNote> = notes.map(PoseNote::Motion).collect();
         let mut poses = take.poses_of(skeleton, &moments.frames, &options)?;
         let is_motion = take.motion().is_some();
-        if is_motion && tape_measures(body).is_some() {
+        if is_motion && !of_motion.keep_arms {
             notes.extend(keep_apart(
                 body,
                 &take,
@@ -531,8 +544,7 @@ impl Moments {
     }
 }
 
-/// Turns arms of a built-in body away from what they run into in frames of a motion, and tells of
-/// it. Other bodies go as the motion says: they may have to match what another program makes of it.
+/// Turns arms of a body away from what they run into in frames of a motion, and tells of it.
 fn keep_apart(
     body: &Body,
     take: &Take,
@@ -571,7 +583,11 @@ fn of_library(name: &str, angles: &BodyAngles, body: &Body) -> Result<Posing, Po
     let pose = poser.pose(angles);
     let contact = SelfContact::new(body).map_err(cannot)?;
     let mut notes = Vec::new();
-    let separated = contact.separated(&pose, &SeparationOptions::default())?;
+    let separated = match contact.separated(&pose, &SeparationOptions::least())? {
+        // Where little does not do, more may.
+        None => contact.separated(&pose, &SeparationOptions::default())?,
+        separated => separated,
+    };
     let mut poses = if let Some(separated) = separated {
         vec![separated.pose]
     } else {

@@ -17,7 +17,16 @@ use crate::{ObjFile, RigOptions, read_rig_with};
 ///
 /// [`SceneError`] if the file cannot be read, or if it is a rig without a mesh.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<ObjFile, SceneError> {
-    Ok(read_mesh_with(path.as_ref(), &RigOptions::default())?.file)
+    read_mesh_of(path, &RigOptions::default())
+}
+
+/// Reads a mesh as [`read_mesh`] does, with a choice of the meshes of a rig.
+///
+/// # Errors
+///
+/// Those of [`read_mesh`], and a mesh of a name that is not there.
+pub fn read_mesh_of(path: impl AsRef<Path>, options: &RigOptions) -> Result<ObjFile, SceneError> {
+    Ok(read_mesh_with(path.as_ref(), options)?.file)
 }
 
 /// A mesh of a file.
