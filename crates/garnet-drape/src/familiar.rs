@@ -210,7 +210,7 @@ mod tests {
         };
         assert!(near(0.7).is_none());
         let mut last = 0.0;
-        for asked in [0.9, 1.2, 2.0, 3.0] {
+        for asked in [1.0, 1.2, 2.0, 3.0] {
             let found = near(asked).unwrap();
             let kept = angle(&found.body);
             // Trusted beyond the range: about MAX_TURN, of which chords are a little shorter.

@@ -139,7 +139,7 @@ mod tests {
     fn corners_keep_their_texture_and_polygons_their_material() {
         let look = look(
             "mtllib a b.mtl\no shirt\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0.25\nvt 1 nan\n\
-             f 1/1 2/-1 3//\nusemtl red silk\nf 1 2\nf 1/2/ 3/3 4/9\nusemtl\nf 2 3 4\nvt 0.5 0.5 0\n\
+             f 1/1 2/-1 3\nusemtl red silk\nf 1 2\nf 1/2/ 3/3 4\nusemtl\nf 2 3 4\nvt 0.5 0.5 0\n\
              usemtl blue\nf 1 2 3\nusemtl red silk\nf 1 2 3 4\n",
         );
         let [low, right, late] = [[0.0, 0.25], [1.0, 0.0], [0.5, 0.5]];
