@@ -32,7 +32,7 @@ mod workers;
 use std::process::ExitCode;
 
 use anyhow::Context;
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
 use args::{Cli, Command, Everywhere};
 use console::Console;
@@ -72,8 +72,8 @@ fn run(command: Command, console: &Console) -> anyhow::Result<ExitStatus> {
         Command::Render(args) => render::run(&args, console),
         Command::Poses => lists::poses(console),
         Command::Variants(args) => lists::variants(&args, console),
-        Command::Completions(args) => shell::completions(&args),
-        Command::Man(args) => shell::man(&args, console),
+        Command::Completions(args) => shell::completions(&args, Cli::command()),
+        Command::Man(args) => shell::man(&args, Cli::command(), console),
     }
 }
 

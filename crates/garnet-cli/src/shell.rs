@@ -1,12 +1,11 @@
 //! `garnet completions` and `garnet man`: what shells and manuals need.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
 use crate::{
-    args::Cli,
     console::{Console, print_data},
     failure::ExitStatus,
     output,
@@ -29,18 +28,25 @@ pub(crate) struct ManArgs {
 }
 
 /// Prints the script with which a shell completes the command.
-pub(crate) fn completions(args: &CompletionsArgs) -> anyhow::Result<ExitStatus> {
+pub(crate) fn completions(
+    args: &CompletionsArgs,
+    mut command: Command,
+) -> anyhow::Result<ExitStatus> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "garnet", &mut script);
+    clap_complete::generate(args.shell, &mut command, "garnet", &mut script);
     print_data(String::from_utf8(script)?.trim_end())?;
     Ok(ExitStatus::Done)
 }
 
 /// Writes a page of the manual for the command and for each of its subcommands.
-pub(crate) fn man(args: &ManArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+pub(crate) fn man(
+    args: &ManArgs,
+    command: Command,
+    console: &Console,
+) -> anyhow::Result<ExitStatus> {
     output::check_output_folder(&args.output)?;
     output::open_folder(&args.output)?;
-    let mut command = Cli::command().disable_help_subcommand(true);
+    let mut command = command.disable_help_subcommand(true);
     command.build();
     let mut count = 0;
     write(&command, "garnet", &args.output, &mut count)?;
@@ -52,9 +58,9 @@ pub(crate) fn man(args: &ManArgs, console: &Console) -> anyhow::Result<ExitStatu
 }
 
 fn write(
-    command: &clap::Command,
+    command: &Command,
     name: &str,
-    folder: &std::path::Path,
+    folder: &Path,
     count: &mut usize,
 ) -> anyhow::Result<()> {
     let mut page = Vec::new();

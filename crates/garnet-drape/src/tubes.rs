@@ -10,8 +10,8 @@ use crate::{BoundGarment, Error};
 /// Places on the skin of a joint that are looked at.
 const SAMPLES: usize = 24;
 
-/// Skin is in the cloth at rest if the cloth goes round it so often: less counts skin near openings,
-/// which slides out of them.
+/// Skin is in the cloth at rest if the cloth goes round it so often: less counts skin near
+/// openings, which slides out of them.
 const IN_WINDING: f32 = 0.8;
 
 /// It is out of the cloth if that goes round it less often than this.
