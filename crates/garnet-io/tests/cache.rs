@@ -1,5 +1,11 @@
 //! Files of moving meshes, read back byte by byte.
 
+#![allow(
+    clippy::float_cmp,
+    clippy::too_many_lines,
+    clippy::unnecessary_wraps,
+    reason = "numbers are copied, a file is read to its end"
+)]
 #![expect(
     clippy::unwrap_used,
     reason = "in a test that is a failure as good as any other"

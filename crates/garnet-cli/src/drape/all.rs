@@ -102,6 +102,7 @@ pub(super) struct All {
 }
 
 /// Drapes on all targets, writes and reports.
+#[expect(clippy::too_many_lines, reason = "a step after the other")]
 pub(super) fn drape_all(
     ready: &mut Ready,
     job: &Job,
@@ -372,6 +373,10 @@ impl Frame<'_> {
     }
 
     /// A drape, written where it has a file of its own.
+    #[expect(
+        clippy::too_many_lines,
+        reason = "a part of the report after the other"
+    )]
     fn finished(
         &self,
         number: usize,

@@ -242,6 +242,10 @@ impl Shard {
 
 /// What is to be done, checked as far as that goes without reading files.
 #[derive(Debug)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a choice of the user"
+)]
 pub(crate) struct Job {
     /// That of the report.
     pub(crate) schema: &'static str,

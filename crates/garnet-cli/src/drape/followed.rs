@@ -75,25 +75,23 @@ impl Followed {
             |number: usize| -> anyhow::Result<PosedBody> { Ok(bound.targets[number].posed(body)?) };
         let cannot = || format!("cannot simulate `{}`", bound.garment_file.path().display());
         let bar = console.progress(count);
-        let (mut cloth, mut num_done) = match begun {
-            Some(begun) => begun,
-            None => {
-                followed.begin()?;
-                bar.set_message("the way to the first frame");
-                let ready =
-                    simulator.ready(body, &posed(0)?, quality, stop, &mut |_: Event<'_>| {
-                        bar.tick();
-                    });
-                let cloth = followed.unless_stopped(ready, (stop, 0, count))?;
-                let cloth = cloth.with_context(cannot)?;
-                followed.keep(
-                    &[simulator.vertices(&cloth.positions)],
-                    &cloth,
-                    1,
-                    fingerprint,
-                )?;
-                (cloth, 1)
-            }
+        let (mut cloth, mut num_done) = if let Some(begun) = begun {
+            begun
+        } else {
+            followed.begin()?;
+            bar.set_message("the way to the first frame");
+            let ready = simulator.ready(body, &posed(0)?, quality, stop, &mut |_: Event<'_>| {
+                bar.tick();
+            });
+            let cloth = followed.unless_stopped(ready, (stop, 0, count))?;
+            let cloth = cloth.with_context(cannot)?;
+            followed.keep(
+                &[simulator.vertices(&cloth.positions)],
+                &cloth,
+                1,
+                fingerprint,
+            )?;
+            (cloth, 1)
         };
         bar.set_message("");
         while num_done < count {

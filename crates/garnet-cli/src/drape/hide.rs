@@ -64,7 +64,10 @@ impl Hiding {
             .extension()
             .is_some_and(|kind| kind.eq_ignore_ascii_case("txt"));
         let text = if is_text {
-            hidden.iter().map(|face| format!("{face}\n")).collect()
+            let lines = hidden
+                .iter()
+                .map(|face| [face.to_string(), "\n".to_owned()]);
+            lines.flatten().collect()
         } else {
             let report = HideReport {
                 schema: "garnet.hide/1",

@@ -111,11 +111,11 @@ pub(super) struct GlbWriter {
 impl GlbWriter {
     pub(super) fn create(
         path: &Path,
-        parts: Vec<CachePart>,
+        parts: &[CachePart],
         num_frames: usize,
         fps: f64,
     ) -> Result<Self, CacheError> {
-        let layout = Layout::new(&parts, num_frames, fps);
+        let layout = Layout::new(parts, num_frames, fps);
         let num_bounds = layout.parts.len() * num_frames;
         let longest = document(&layout, &vec![Bounds::LONGEST; num_bounds]);
         let room = padded(longest.len());

@@ -113,6 +113,10 @@ struct Shape {
 }
 
 /// The JSON of a file whose frames have these bounds `[frame × part]`.
+#[expect(
+    clippy::too_many_lines,
+    reason = "a part of the document after the other"
+)]
 pub(super) fn document(layout: &Layout, bounds: &[Bounds]) -> String {
     let (starts, num_parts) = (&layout.starts, layout.parts.len());
     let (mut views, mut accessors) = (Views::default(), Accessors::default());

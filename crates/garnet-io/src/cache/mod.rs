@@ -22,7 +22,7 @@ use points::PointsWriter;
 pub enum CacheKind {
     /// The point cache that Blender's Mesh Cache and 3ds Max play.
     Pc2,
-    /// The motion of LightWave, which Blender and Maya play.
+    /// The motion of `LightWave`, which Blender and Maya play.
     Mdd,
     /// Arrays for `NumPy`: `vertices [frames, n, 3]`, `faces [m, 3]`, `fps`.
     Npz,
@@ -210,7 +210,7 @@ impl CacheWriter {
         let num_vertices = parts.iter().map(|part| part.num_vertices).collect();
         let path = path.as_ref();
         let content = if kind == CacheKind::Glb {
-            Content::Glb(Box::new(GlbWriter::create(path, parts, num_frames, fps)?))
+            Content::Glb(Box::new(GlbWriter::create(path, &parts, num_frames, fps)?))
         } else {
             let part = parts.remove(0);
             Content::Points(Box::new(PointsWriter::create(

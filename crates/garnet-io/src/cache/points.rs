@@ -32,7 +32,7 @@ pub(super) struct PointsWriter {
 enum Content {
     Plain(OpenFile),
     Npz {
-        archive: ZipWriter<OpenFile>,
+        archive: Box<ZipWriter<OpenFile>>,
         path: Box<Path>,
         faces: Vec<[u32; 3]>,
         fps: f64,
@@ -72,7 +72,7 @@ impl PointsWriter {
                 begun.map_err(|source| failed(path, source))?;
                 return Ok(Self {
                     content: Content::Npz {
-                        archive,
+                        archive: Box::new(archive),
                         path: path.into(),
                         faces: part.faces,
                         fps,
@@ -120,7 +120,7 @@ impl PointsWriter {
                 path,
                 faces,
                 fps,
-            } => closed(archive, &faces, fps).map_err(|source| failed(&path, source))?,
+            } => closed(*archive, &faces, fps).map_err(|source| failed(&path, source))?,
         };
         file.close()?.put()
     }

@@ -106,7 +106,7 @@ fn texture_of(corner: &[u8], num_before: usize) -> Option<i64> {
     let part = corner.split(|&byte| byte == b'/').nth(1)?;
     match parse_index(part)? {
         index @ 1.. => Some(index - 1),
-        index => Some(num_before as i64 + index),
+        index => Some(i64::try_from(num_before).ok()? + index),
     }
 }
 
