@@ -57,12 +57,7 @@ pub(crate) fn man(
     Ok(ExitStatus::Done)
 }
 
-fn write(
-    command: &Command,
-    name: &str,
-    folder: &Path,
-    count: &mut usize,
-) -> anyhow::Result<()> {
+fn write(command: &Command, name: &str, folder: &Path, count: &mut usize) -> anyhow::Result<()> {
     let mut page = Vec::new();
     clap_mangen::Man::new(command.clone())
         .title(name.to_uppercase())
