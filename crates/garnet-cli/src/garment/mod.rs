@@ -48,11 +48,11 @@ pub(crate) fn run(args: &GarmentArgs, console: &Console) -> anyhow::Result<ExitS
         GarmentSource::Own(args) => &args.output,
     };
     output::check_output_folder(folder)?;
-    check_free(folder)?;
-    GarmentPackage::check_unused(folder)?;
     if let GarmentSource::Own(args) = &args.source {
         check_apart(folder, args)?;
     }
+    check_free(folder)?;
+    GarmentPackage::check_unused(folder)?;
     let made = match &args.source {
         GarmentSource::Pattern(args) => cut(args)?,
         GarmentSource::Own(args) => own::packed(args)?,
