@@ -155,7 +155,8 @@ fn garments_that_lie_elsewhere_are_brought_to_the_body() {
         tunic.with_positions(moved.collect()).unwrap()
     };
     let middle = Point3::new(0.0, 1.1, 0.0);
-    let cases: [(&str, f32, &dyn Fn(Point3) -> Point3); 5] = [
+    type Way<'a> = &'a dyn Fn(Point3) -> Point3;
+    let cases: [(&str, f32, Way<'_>); 5] = [
         ("as it is", 1e-6, &|p| p),
         ("in centimetres", 0.03, &|p| p * 100.0),
         ("at the origin", 0.03, &|p| p - middle.coords),

@@ -1,6 +1,6 @@
 //! `garnet poses` and `garnet variants`: what there is to choose from.
 
-use std::path::PathBuf;
+use std::{fmt::Write as _, path::PathBuf};
 
 use clap::Args;
 use garnet::{
@@ -144,7 +144,7 @@ impl<'a> VariantReport<'a> {
             line += "  the default";
         }
         if !self.aliases.is_empty() {
-            line += &format!("  (also {})", self.aliases.join(", "));
+            let _ = write!(line, "  (also {})", self.aliases.join(", "));
         }
         line
     }

@@ -8,6 +8,10 @@ pub(crate) const POSES: &str = "Poses and motions";
 
 /// Arguments about motions.
 #[derive(Debug, Clone, Copy, Default, Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
 pub(crate) struct MotionArgs {
     /// Stand a motion on the floor (y = 0): a single frame, or the lowest of all frames; without
     /// it, heights are those of the recording.

@@ -56,10 +56,7 @@ fn rims(faces: &[[u32; 3]]) -> Vec<Vec<u32>> {
         let mut path = vec![start];
         let mut place: BTreeMap<u32, usize> = BTreeMap::from([(start, 0)]);
         let mut at = start;
-        loop {
-            let Some(ends) = next.get_mut(&at) else {
-                break;
-            };
+        while let Some(ends) = next.get_mut(&at) {
             let Some(to) = ends.pop() else {
                 break;
             };

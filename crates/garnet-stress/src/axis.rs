@@ -143,7 +143,7 @@ pub const AXES: &[Axis] = &[
         ["trunk", "the trunk bends forwards from rest", DEGREES],
         Kind::Trunk,
         110.0,
-        &BY_TEN.split_at(13).0,
+        BY_TEN.split_at(13).0,
         &[0.0, 60.0, 110.0],
     ),
     bend(

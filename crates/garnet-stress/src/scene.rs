@@ -109,13 +109,13 @@ impl<'a> Scenes<'a> {
             Kind::Larger => self.scaled(level as f32)?,
             Kind::Smaller => self.scaled(1.0 / level as f32)?,
             Kind::FinerGarment => self.with_garment(finer(self.mesh(), level)?)?,
-            Kind::FinerBody => self.with_body(finer_body(self.package.body(), level)?)?,
+            Kind::FinerBody => self.with_body(&finer_body(self.package.body(), level)?)?,
             Kind::CoarserGarment => match self.coarser(level)? {
                 Some(mesh) => self.with_garment(mesh)?,
                 None => return Ok(None),
             },
             Kind::CoarserBody => match coarser_body(self.package.body(), level)? {
-                Some(body) => self.with_body(body)?,
+                Some(body) => self.with_body(&body)?,
                 None => return Ok(None),
             },
             Kind::Noise => self.noisy(level, &mut random)?,
@@ -319,8 +319,8 @@ impl<'a> Scenes<'a> {
         })
     }
 
-    fn with_body(&self, body: Body) -> Result<Scene, StressError> {
-        let garment = Garment::new(self.mesh().clone()).bind(&body)?;
+    fn with_body(&self, body: &Body) -> Result<Scene, StressError> {
+        let garment = Garment::new(self.mesh().clone()).bind(body)?;
         let posed = body.posed(&self.usual_pose())?;
         Ok(Scene {
             garment: Arc::new(garment),
@@ -337,7 +337,7 @@ impl<'a> Scenes<'a> {
         let body = Body::new(rest, body.skeleton().clone(), body.weights().clone())?;
         Ok(Scene {
             whole: Some(whole),
-            ..self.with_body(body)?
+            ..self.with_body(&body)?
         })
     }
 

@@ -158,7 +158,7 @@ impl<'a> OfAxis<'a> {
         stop: &AtomicBool,
     ) -> Result<Vec<Cell>, StressError> {
         let known = self.ways.iter().map(|way| self.known(way, level));
-        let known: Vec<Option<Cell>> = known.map(|cell| cell.cloned()).collect();
+        let known: Vec<Option<Cell>> = known.map(Option::<&Cell>::cloned).collect();
         // Cells of motions and comparisons need what was draped before.
         let stands_alone = !self.axis.kind.is_motion() && !is_compared(self.axis.kind);
         if stands_alone && known.iter().all(Option::is_some) {

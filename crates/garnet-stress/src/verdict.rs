@@ -88,13 +88,12 @@ pub(crate) fn measured(scene: &Scene, draped: &Draped) -> Result<Option<Measured
         return Ok(None);
     }
     let skin = scene.judge();
-    let trapped = match &draped.is_trapped {
-        Some(told) => told.clone(),
-        None => {
-            let traps = Traps::near(skin, positions)?;
-            let closest = skin.closest_all(positions);
-            closest.iter().map(|found| traps.holds(found)).collect()
-        }
+    let trapped = if let Some(told) = &draped.is_trapped {
+        told.clone()
+    } else {
+        let traps = Traps::near(skin, positions)?;
+        let closest = skin.closest_all(positions);
+        closest.iter().map(|found| traps.holds(found)).collect()
     };
     let inside = skin.contains_all(positions);
     let free = (0..positions.len()).filter(|&vertex| inside[vertex] && !trapped[vertex]);

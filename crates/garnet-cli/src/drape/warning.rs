@@ -170,6 +170,7 @@ impl Problem {
 }
 
 impl fmt::Display for Warning {
+    #[expect(clippy::too_many_lines, reason = "a text for each problem")]
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let path = self.path.display();
         let of = |count: usize, [one, many]: [&str; 2], [is, are]: [&str; 2]| match count {

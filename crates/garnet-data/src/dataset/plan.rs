@@ -67,6 +67,10 @@ impl Protocol {
     }
 
     /// Whether it is the default one.
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "serde passes a reference"
+    )]
     pub(super) fn is_unseen_sequences(&self) -> bool {
         *self == Self::UnseenSequences
     }

@@ -289,7 +289,7 @@ impl Scene {
             Some(_) => mesh,
             None if files.place => {
                 let mesh = in_metres(mesh, frame)?;
-                let (mesh, found) = brought(files, mesh, (&body.rest, &taken.path))?;
+                let (mesh, found) = brought(files, &mesh, (&body.rest, &taken.path))?;
                 // It is in the units of the body from here on.
                 frame = frames.obj;
                 alignment = Some(found);
@@ -366,10 +366,10 @@ impl Scene {
 /// A garment brought to the body, and what was done.
 fn brought(
     files: &SceneFiles,
-    mesh: TriMesh,
+    mesh: &TriMesh,
     (body, path): (&Body, &Path),
 ) -> Result<(TriMesh, Alignment), SceneError> {
-    aligned(&mesh, body)?.ok_or_else(|| SceneError::Unplaced {
+    aligned(mesh, body)?.ok_or_else(|| SceneError::Unplaced {
         garment: files.garment.clone(),
         body: path.to_path_buf(),
     })
@@ -461,13 +461,16 @@ fn mesh_targets(
     Ok(targets)
 }
 
+/// The targets of poses, what is to be told of them, and the time between two frames.
+type PosedTargets = (Vec<Target>, Vec<PoseNote>, Option<f64>);
+
 fn posed_targets(
     (source, of_motion): (&PoseSource, &MotionOptions),
     (rest, zero): (&Body, Option<&Arc<Zero>>),
     given: &[BodyFile],
     frames: &Frames,
     rig: &Path,
-) -> Result<(Vec<Target>, Vec<PoseNote>, Option<f64>), SceneError> {
+) -> Result<PosedTargets, SceneError> {
     for (body, frame) in given.iter().zip(&frames.bodies) {
         let positions = frame.to_metres(body.positions.clone());
         let from_zero = zero.iter().map(|zero| zero.body.rest());

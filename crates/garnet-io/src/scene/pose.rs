@@ -37,6 +37,7 @@ pub struct PoseSource {
 
 /// Where a motion goes, and how fast.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a choice of its own")]
 pub struct MotionOptions {
     /// Stand it on y = 0: the lowest vertex of a single frame, or of the whole motion.
     pub on_ground: bool,

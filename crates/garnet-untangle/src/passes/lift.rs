@@ -85,7 +85,9 @@ fn lift_corners(cloth: &mut Cloth<'_>, free: &[[u32; 3]]) -> Region {
         }
         for (node, leads) in layers.leads().rev() {
             if is_seed[node as usize] {
-                leads.iter().for_each(|&lead| is_seed[lead as usize] = true);
+                for lead in leads {
+                    is_seed[lead as usize] = true;
+                }
                 seeds.extend(leads);
             }
         }

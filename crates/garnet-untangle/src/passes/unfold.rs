@@ -43,7 +43,9 @@ pub(crate) fn unfold(cloth: &mut Cloth<'_>) -> Result<bool, UntangleError> {
         }
         for (node, leads) in binding.layers.leads().rev() {
             if is_seed[node as usize] {
-                leads.iter().for_each(|&lead| is_seed[lead as usize] = true);
+                for lead in leads {
+                    is_seed[lead as usize] = true;
+                }
             }
         }
         let seeds = (0..is_seed.len() as u32).filter(|&node| is_seed[node as usize]);
