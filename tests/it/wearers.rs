@@ -146,6 +146,9 @@ fn finer_bodies_give_the_drape_of_the_body_that_they_are_of() {
     assert_eq!(found.report.unwrap().inside, 0);
 }
 
+/// What is done to a garment before it is brought back.
+type Way<'a> = &'a dyn Fn(Point3) -> Point3;
+
 #[test]
 fn garments_that_lie_elsewhere_are_brought_to_the_body() {
     let body = mannequin(0.022);
@@ -155,7 +158,6 @@ fn garments_that_lie_elsewhere_are_brought_to_the_body() {
         tunic.with_positions(moved.collect()).unwrap()
     };
     let middle = Point3::new(0.0, 1.1, 0.0);
-    type Way<'a> = &'a dyn Fn(Point3) -> Point3;
     let cases: [(&str, f32, Way<'_>); 5] = [
         ("as it is", 1e-6, &|p| p),
         ("in centimetres", 0.03, &|p| p * 100.0),
