@@ -331,11 +331,13 @@ mod tests {
         let alike = vec![vec![(0, 1.0)]; positions.len()];
         let mut unlike = alike.clone();
         unlike[0] = vec![(1, 1.0)];
-        for (rows, is_closed) in [(alike, true), (unlike, false)] {
+        for (rows, is_alike) in [(alike, true), (unlike, false)] {
             let weights = SkinWeights::from_influences(2, rows).unwrap();
             let body = Body::new(split.clone(), skeleton.clone(), weights).unwrap();
-            assert_eq!(body.skin().is_closed(), is_closed);
-            assert_eq!(body.skin().faces().len(), ball.num_faces());
+            // Where they move apart, the slit is capped.
+            assert!(body.skin().is_closed());
+            let is_whole = body.skin().faces().len() == ball.num_faces();
+            assert_eq!(is_whole, is_alike);
             assert_eq!(body.rest(), &split);
         }
     }

@@ -152,7 +152,7 @@ fn what_never_ended_is_refused_with_its_range() {
         ),
         (
             "[pose_space]\nfolds = 1",
-            "`pose_space.folds` is `1`, but has to be from 2 to 8",
+            "`pose_space.folds` is `1`, but has to be from 2 to 16",
         ),
         (
             "epochs = -3",

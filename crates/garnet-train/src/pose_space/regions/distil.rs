@@ -107,12 +107,12 @@ mod tests {
             shares: &shares,
             scenes: &(0..120).collect::<Vec<usize>>(),
             hidden: 16,
-            passes: 100,
+            passes: 300,
             seed: 5,
         };
         let asked = PoseSpaceConfig {
             ensemble: 3,
-            passes: 100,
+            passes: 300,
             ..PoseSpaceConfig::default()
         };
         let mut seen = Vec::new();
