@@ -10,6 +10,7 @@ mod console;
 mod dataset;
 mod drape;
 mod eval;
+mod fabric;
 mod failure;
 mod garment;
 mod hints;

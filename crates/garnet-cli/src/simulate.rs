@@ -8,8 +8,9 @@ use crate::{
     console::Console,
     dataset::QualityName,
     drape::{InputArgs, Job, Simulation, do_job},
+    fabric,
     failure::{ExitStatus, refused},
-    garment, output,
+    output,
 };
 
 /// Arguments of `simulate`.
@@ -76,7 +77,7 @@ fn job(args: SimulateArgs) -> anyhow::Result<Job> {
     }
     job.simulation = Some(Simulation {
         quality: args.quality.quality(),
-        fabric: args.fabric.as_deref().map(garment::fabric).transpose()?,
+        fabric: args.fabric.as_deref().map(fabric::fabric).transpose()?,
         frames: args.frames,
     });
     Ok(job)

@@ -39,6 +39,7 @@ mod predicted;
 mod settling;
 #[cfg(feature = "package")]
 mod simulated_faces;
+#[cfg(feature = "package")]
 mod simulator;
 #[cfg(feature = "package")]
 pub mod tensors;

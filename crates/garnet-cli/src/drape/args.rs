@@ -13,8 +13,8 @@ use garnet::{
 
 use super::sink::CacheFile;
 use crate::{
+    fabric,
     failure::{Hint, refused},
-    garment,
     motion::MotionArgs,
     output,
     parse::{millimetres, milliseconds, settle_frames, tolerance},
@@ -354,7 +354,7 @@ impl Job {
                 "give several bodies, or a range of frames with `--pose FILE:FIRST:END`",
             ));
         }
-        job.fabric = args.fabric.as_deref().map(garment::fabric).transpose()?;
+        job.fabric = args.fabric.as_deref().map(fabric::fabric).transpose()?;
         job.options = DrapeOptions::default().with_warp(args.method.warp());
         if let Some(clearance) = args.clearance {
             job.options = job.options.with_clearance(clearance);

@@ -16,9 +16,8 @@ use garnet::{
     body::shape::ParametricBody,
     data::{Tailor, default_rest_body, usual_fabric, wearer_of},
     io::rig_beside,
-    package::{GarmentPackage, MANIFEST_FILE, StoredFabric, StoredParameters},
+    package::{GarmentPackage, MANIFEST_FILE, StoredParameters},
     pattern::GarmentKind,
-    sim::{FABRIC_NAMES, Fabric},
 };
 
 pub(crate) use args::GarmentArgs;
@@ -28,6 +27,7 @@ use report::GarmentReport;
 use crate::{
     console::{Console, print_document},
     drape::WarningReport,
+    fabric::fabric,
     failure::{ExitStatus, Hint, refused},
     output,
 };
@@ -170,16 +170,4 @@ fn cut(args: &PatternArgs) -> anyhow::Result<Made> {
         warnings,
         notes: Vec::new(),
     })
-}
-
-/// The fabric of a name.
-pub(crate) fn fabric(name: &str) -> anyhow::Result<StoredFabric> {
-    let fabric = Fabric::named(name).ok_or_else(|| {
-        refused(
-            format!("there is no fabric `{name}`"),
-            "it is none of the fabrics that are built in",
-            format!("the fabrics are: {}", FABRIC_NAMES.join(", ")),
-        )
-    })?;
-    Ok(StoredFabric::new(name, &fabric))
 }

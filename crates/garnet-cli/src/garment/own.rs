@@ -12,10 +12,10 @@ use garnet::{
 use super::{
     Made,
     args::{self, OwnArgs},
-    fabric,
 };
 use crate::{
     drape::{Prepared, Source, SourceFiles, warnings_of},
+    fabric::fabric,
     failure::{Hint, refused},
 };
 
