@@ -94,7 +94,7 @@ fn headline(report: &DrapeReport, folder: Option<&Path>) -> String {
     let garment = &report.garment.path;
     let seconds = readable(report.seconds.total);
     match (folder, report.drapes.as_slice()) {
-        (None, [drape]) => {
+        (_, [drape]) => {
             let target = match &report.pose {
                 Some(pose) => format!("`{}` posed by `{}`", report.rest_body.path, pose.path),
                 None => format!("`{}`", drape.target),
