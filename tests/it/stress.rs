@@ -3,9 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use garnet::Package;
-use garnet::body::shape::ParametricBody;
-use garnet::data::{Tailor, default_rest_body, usual_fabric, wearer_of};
-use garnet::package::GarmentPackage;
+use garnet::data::usual_package;
 use garnet::pattern::GarmentKind;
 use garnet::stress::{AXES, Broken, Method, StressOptions, holds, run};
 
@@ -13,24 +11,11 @@ use garnet::stress::{AXES, Broken, Method, StressOptions, holds, run};
 /// stress says how.
 const KNOWN: [&str; 1] = ["holes"];
 
-fn shirt(vertices: usize) -> GarmentPackage {
-    let kind: GarmentKind = "tshirt".parse().unwrap();
-    let body = ParametricBody::build(&default_rest_body()).unwrap();
-    let body = body.into_body();
-    let wearer = wearer_of(&body).unwrap().unwrap();
-    let tailor = Tailor::new(kind.parameters(), vertices, usual_fabric(kind)).unwrap();
-    let worn = tailor
-        .dress(&body, &wearer, &AtomicBool::new(false))
-        .unwrap();
-    tailor
-        .package("tshirt".to_owned(), &worn, body, None)
-        .unwrap()
-}
-
 #[test]
 fn ours_hold_up_to_the_bar_of_each_axis() {
     let folder = tempfile::tempdir().unwrap();
-    shirt(600).write(folder.path()).unwrap();
+    let shirt = usual_package(GarmentKind::Tshirt, 600).unwrap();
+    shirt.write(folder.path()).unwrap();
     let package = Package::open(folder.path()).unwrap();
     let mut options = StressOptions::default();
     options.is_quick = true;

@@ -19,5 +19,5 @@ pub use dataset::{
 pub use error::DataError;
 pub use garnet_sim::Moment;
 pub use noise::{NOISE_TURN, moved_by_turn, noise_floor, noise_joint};
-pub use tailor::{Tailor, Worn, usual_fabric};
+pub use tailor::{Tailor, Worn, usual_fabric, usual_package};
 pub use wearer::{default_rest_body, wearer_of};

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
+use garnet_body::shape::ParametricBody;
 use garnet_drape::{
     GarmentPackage, PackageParts, Simulator, StoredFabric, StoredParameters, StoredPattern,
     check_stop, collider, stopping,
@@ -14,6 +15,7 @@ use garnet_sim::{Cloth, Fabric, GRIP, MovingBody, Quality, RestShape, Scene, Sch
 use garnet_skin::{Body, Garment};
 
 use crate::DataError;
+use crate::wearer::{default_rest_body, wearer};
 
 /// Cuts garments of one topology to the measures of bodies, and puts them on.
 #[derive(Debug, Clone)]
@@ -198,6 +200,23 @@ pub(crate) fn values(parameters: &Parameters) -> BTreeMap<String, f64> {
         .iter()
         .map(|parameter| (parameter.spec.name.to_owned(), parameter.value))
         .collect()
+}
+
+/// A built-in garment with its usual parameters and fabric, of about so many vertices, on the usual
+/// body.
+///
+/// # Errors
+///
+/// [`DataError::Pattern`] for a number of vertices that the pattern does not have.
+pub fn usual_package(kind: GarmentKind, num_vertices: usize) -> Result<GarmentPackage, DataError> {
+    let parameters = default_rest_body();
+    let built = ParametricBody::build(&parameters)?;
+    let wearer = wearer(built.body(), built.measures())?;
+    let body = built.into_body();
+    let tailor = Tailor::new(kind.parameters(), num_vertices, usual_fabric(kind))?;
+    let worn = tailor.dress(&body, &wearer, &AtomicBool::new(false))?;
+    let stored = Some(StoredParameters::from(&parameters));
+    tailor.package(kind.name().to_owned(), &worn, body, stored)
 }
 
 /// The fabric that a garment is usually made of.

@@ -101,6 +101,11 @@ pub fn run(
     let mut cells = Vec::new();
     for axis in &options.axes {
         let mut of_axis = OfAxis::new(axis, &ways, known);
+        if let Some(whole) = of_axis.whole(options.is_quick) {
+            whole.iter().for_each(&mut *observer);
+            cells.extend(whole);
+            continue;
+        }
         for &level in axis.levels(options.is_quick) {
             if stop.load(Ordering::Relaxed) {
                 return Ok(cells);
@@ -149,6 +154,15 @@ impl<'a> OfAxis<'a> {
                 && cell.method == name
                 && cell.level.to_bits() == level.to_bits()
         })
+    }
+
+    /// All cells of the axis, if all are known: those of a motion need no drape then, either.
+    fn whole(&self, is_quick: bool) -> Option<Vec<Cell>> {
+        let levels = self.axis.levels(is_quick).iter();
+        let cells = levels.flat_map(|&level| self.ways.iter().map(move |way| (way, level)));
+        cells
+            .map(|(way, level)| self.known(way, level).cloned())
+            .collect()
     }
 
     fn at(

@@ -1,7 +1,8 @@
 //! Triangle meshes: diagnosis, comparison, strain, simple shapes.
 
 pub use garnet_mesh::{
-    Bounds, Kinship, KnownMesh, MAX_COORDINATE, MeshDiagnosis, MeshDifference, MeshError,
-    StretchSummary, Unit, UnitError, UpAxis, diagnose, edge_stretch, edge_stretches, is_inside_out,
-    kinship, pattern_stretches, primitives, vertex_distances,
+    Bounds, Fingerprint, Kinship, KnownMesh, MAX_COORDINATE, MOST_BYTES, MeshDiagnosis,
+    MeshDifference, MeshError, StretchSummary, Unit, UnitError, UpAxis, diagnose, edge_stretch,
+    edge_stretches, is_inside_out, kinship, pattern_stretches, primitives, read_bounded,
+    vertex_distances,
 };

@@ -17,7 +17,6 @@ use garnet::{
     data::{Tailor, default_rest_body, usual_fabric, wearer_of},
     io::rig_beside,
     package::{GarmentPackage, MANIFEST_FILE, StoredParameters},
-    pattern::GarmentKind,
 };
 
 pub(crate) use args::GarmentArgs;
@@ -121,20 +120,6 @@ fn check_free(folder: &Path) -> anyhow::Result<()> {
         ),
         ADVICE,
     ))
-}
-
-/// A built-in garment with its usual measures, on the usual body.
-pub(crate) fn usual(kind: &str, vertices: usize) -> anyhow::Result<GarmentPackage> {
-    let kind: GarmentKind = kind.parse()?;
-    let parameters = default_rest_body();
-    let body = ParametricBody::build(&parameters)?.into_body();
-    let wearer = wearer_of(&body)
-        .transpose()?
-        .ok_or_else(|| wearer::unknown(None, body.rest()))?;
-    let tailor = Tailor::new(kind.parameters(), vertices, usual_fabric(kind))?;
-    let worn = tailor.dress(&body, &wearer, &AtomicBool::new(false))?;
-    let stored = Some(StoredParameters::from(&parameters));
-    Ok(tailor.package(kind.name().to_owned(), &worn, body, stored)?)
 }
 
 /// Cuts, sews and puts on.

@@ -53,11 +53,14 @@ impl PackageInfo {
         let bound = if manifest.variants.is_empty() {
             None
         } else {
-            Some(Package::open(folder))
+            Some(Package::open(folder).map_err(anyhow::Error::new))
         };
         let problem = |name: &str| match bound.as_ref()? {
-            Ok(package) => package.draper(name).err().map(|error| causes(&error)),
-            Err(error) => Some(causes(error)),
+            Ok(package) => {
+                let refused = package.draper(name).err().map(anyhow::Error::new);
+                refused.map(|error| format!("{error:#}"))
+            }
+            Err(error) => Some(format!("{error:#}")),
         };
         let default = manifest.default_variant().map(|variant| &variant.name);
         let of = |variant: &Variant| VariantInfo {
@@ -116,17 +119,6 @@ impl VariantInfo {
         let parts: Vec<String> = parts.into_iter().flatten().collect();
         parts.join(", ")
     }
-}
-
-/// An error with its causes.
-fn causes(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(cause) = source {
-        text = format!("{text}: {cause}");
-        source = cause.source();
-    }
-    text
 }
 
 fn shown(path: &Path) -> String {

@@ -5,14 +5,16 @@ mod record;
 mod report;
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     sync::atomic::AtomicBool,
 };
 
 use garnet::{
     Package,
+    data::usual_package,
+    mesh::{Fingerprint, MOST_BYTES, read_bounded},
     package::GarmentPackage,
+    pattern::GarmentKind,
     stress::{Method, StressOptions, holds, run as stress},
 };
 
@@ -24,7 +26,7 @@ use crate::{
     console::{Console, print_data, print_document},
     dataset::read_package,
     failure::ExitStatus,
-    garment, output,
+    output,
 };
 
 /// Vertices of the T-shirt that is cut where no package is given.
@@ -53,7 +55,7 @@ pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitSt
     let mut keeper = Keeper::open(
         &args.output,
         &content.manifest.positions,
-        sizes(&folder, &content, &options),
+        fingerprints(&folder, &content, &options),
         &options,
     )?;
     let package = Package::open(&folder)?;
@@ -115,25 +117,31 @@ fn cut(in_folder: &Path) -> anyhow::Result<PathBuf> {
     let folder = in_folder.join("tshirt");
     if !GarmentPackage::is_at(&folder) {
         output::make_folder(&folder)?;
-        garment::usual("tshirt", VERTICES)?.write(&folder)?;
+        usual_package(GarmentKind::Tshirt, VERTICES)?.write(&folder)?;
     }
     Ok(folder)
 }
 
-/// The variants that are run, with the sizes of their weight files.
-fn sizes(folder: &Path, content: &GarmentPackage, options: &StressOptions) -> Vec<(String, u64)> {
+/// The variants that are run, with the fingerprints of their weight files.
+fn fingerprints(
+    folder: &Path,
+    content: &GarmentPackage,
+    options: &StressOptions,
+) -> Vec<(String, String)> {
     let run = options.methods.iter();
     let names = run.filter_map(|method| match method {
         Method::Variant(name) => Some(name),
         _ => None,
     });
-    let with_size = names.map(|name| {
+    let with_fingerprint = names.map(|name| {
         let variant = content.manifest.variants.iter().find(|v| v.name == *name);
         let file = variant.map(|variant| folder.join(&variant.weights));
-        let size = file.and_then(|file| fs::metadata(file).ok());
-        (name.clone(), size.map_or(0, |data| data.len()))
+        // What cannot be read is refused where it is used.
+        let bytes = file.and_then(|file| read_bounded(&file, MOST_BYTES).ok());
+        let fingerprint = Fingerprint::of_bytes(&bytes.unwrap_or_default());
+        (name.clone(), fingerprint.to_string())
     });
-    with_size.collect()
+    with_fingerprint.collect()
 }
 
 /// The command that runs one axis again.

@@ -25,8 +25,8 @@ struct Record {
     version: String,
     /// Fingerprint of the positions of the template.
     template: String,
-    /// The variants with the size of their weight files, which tells trainings apart.
-    variants: Vec<(String, u64)>,
+    /// The variants with the fingerprints of their weight files.
+    variants: Vec<(String, String)>,
     seed: u64,
     cells: Vec<Cell>,
 }
@@ -43,7 +43,7 @@ impl Keeper {
     pub(super) fn open(
         folder: &Path,
         template: &str,
-        variants: Vec<(String, u64)>,
+        variants: Vec<(String, String)>,
         options: &StressOptions,
     ) -> anyhow::Result<Self> {
         let path = folder.join("cells.json");

@@ -75,7 +75,14 @@ pub(super) fn table(report: &StressReport<'_>, options: &StressOptions, again: &
             let hold = hold
                 .filter(|hold| hold.axis == axis.name)
                 .find(|hold| hold.method == *method);
-            let _ = write!(text, " {} |", hold.map_or_else(|| "-".to_owned(), cell));
+            let _ = write!(
+                text,
+                " {} |",
+                hold.map_or_else(
+                    || "-".to_owned(),
+                    |hold| cell(hold, axis.bar, report.is_quick)
+                )
+            );
         }
         text.push('\n');
     }
@@ -101,11 +108,12 @@ pub(super) fn table(report: &StressReport<'_>, options: &StressOptions, again: &
     text
 }
 
-fn cell(hold: &Hold) -> String {
+fn cell(hold: &Hold, bar: f64, is_quick: bool) -> String {
     let held = hold
         .held
         .map_or_else(|| "none".to_owned(), |level| level.to_string());
     match &hold.broke {
+        None if !is_quick && hold.held.is_some_and(|held| held < bar) => held + ", no body beyond",
         None => held,
         Some((_, broken)) if hold.fails => format!("**{held}: {broken}**"),
         Some((_, broken)) => format!("{held}: {broken}"),
