@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
-use garnet_body::shape::ParametricBody;
+use garnet_body::shape::{ParametricBody, tape_measures};
 use garnet_drape::{
     GarmentPackage, PackageParts, Simulator, StoredFabric, StoredParameters, StoredPattern,
     check_stop, collider, stopping,
@@ -211,7 +211,9 @@ pub(crate) fn values(parameters: &Parameters) -> BTreeMap<String, f64> {
 pub fn usual_package(kind: GarmentKind, num_vertices: usize) -> Result<GarmentPackage, DataError> {
     let parameters = default_rest_body();
     let built = ParametricBody::build(&parameters)?;
-    let wearer = wearer(built.body(), built.measures())?;
+    // As the tape reads them on any body of this kind, so that garments are the same to the byte.
+    let measures = tape_measures(built.body()).unwrap_or(*built.measures());
+    let wearer = wearer(built.body(), &measures)?;
     let body = built.into_body();
     let tailor = Tailor::new(kind.parameters(), num_vertices, usual_fabric(kind))?;
     let worn = tailor.dress(&body, &wearer, &AtomicBool::new(false))?;
