@@ -24,6 +24,7 @@ mod refit;
 mod render;
 mod simulate;
 mod stress;
+mod tailored;
 mod train;
 
 use fixtures::Fixture;

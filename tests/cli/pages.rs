@@ -293,8 +293,16 @@ fn without_numbers(line: &str) -> String {
 
 #[test]
 fn numbers_and_times_match_any() {
-    let shown = ["draped in 12.5 ms, 80 a second", "...", "  mean  1.0e-3, 2 faces"];
-    let printed = ["draped in 1 min 20 s, 2 a second", "note: more", "  mean 17, 3 faces"];
+    let shown = [
+        "draped in 12.5 ms, 80 a second",
+        "...",
+        "  mean  1.0e-3, 2 faces",
+    ];
+    let printed = [
+        "draped in 1 min 20 s, 2 a second",
+        "note: more",
+        "  mean 17, 3 faces",
+    ];
     assert!(is_shown(&shown, &printed));
     assert!(!is_shown(&shown, &printed[..2]));
     assert!(!is_shown(&["2 faces"], &["2 edges"]));

@@ -186,6 +186,7 @@ impl Tailor {
                 kind: self.parameters.garment().name().to_owned(),
                 vertices: self.num_vertices,
                 size: self.size.map(|size| size.name().to_owned()),
+                made_to_measure: false,
                 parameters: values(&self.parameters),
             }),
             body,

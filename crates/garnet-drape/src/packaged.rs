@@ -10,7 +10,7 @@ use garnet_skin::{Body, Pose, PosedBody};
 
 use crate::{
     BoundGarment, Choice, Draper, Error, Garment, GarmentPackage, Limit, Manifest, Network,
-    Settling, Simulator, StoredCost, calibration,
+    PackageError, Settling, Simulator, StoredCost, calibration,
 };
 
 /// Poses of the library in which costs are measured: arms up, legs bent, and wide.
@@ -51,6 +51,28 @@ impl Package {
         let garment = Garment::new(content.mesh.clone()).bind(&content.body)?;
         Ok(Self {
             folder: folder.to_path_buf(),
+            content,
+            garment: Arc::new(garment),
+            simulator: OnceLock::new(),
+        })
+    }
+
+    /// The same with its garment on another body, as one that was [cut to the
+    /// measures](Manifest::is_made_to_measure) of that one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Package`] for a garment of another topology, and what [`Garment::bind`] refuses.
+    pub fn with_content(&self, content: GarmentPackage) -> Result<Self, Error> {
+        let expected = &self.manifest().fingerprint;
+        if content.manifest.fingerprint != *expected {
+            let found = &content.manifest.fingerprint;
+            let what = format!("a garment of the fingerprint {found}, not {expected}");
+            return Err(PackageError::foreign(&self.folder, what).into());
+        }
+        let garment = Garment::new(content.mesh.clone()).bind(&content.body)?;
+        Ok(Self {
+            folder: self.folder.clone(),
             content,
             garment: Arc::new(garment),
             simulator: OnceLock::new(),

@@ -3,7 +3,9 @@
 //! `gallery.png` has scenes of the split (test, unless told otherwise) in rows: skinning, warp,
 //! variants and teacher, and where the last variant is off; `curvature.png` has the mean curvature
 //! of variants and teacher (figure 7 of the paper); `errors.png` has the mean distance of each
-//! vertex over the split on the template, one column a variant, from the front and from the back.
+//! vertex over the split on the template, one column a variant, from the front and from the back;
+//! `sheet.png` has four bodies in six poses each, the relaxed drapes of the variants beside the
+//! teacher's, to be looked at.
 
 use std::{
     error::Error,
@@ -26,8 +28,14 @@ use crate::{Outcome, spread as splits};
 /// Rows of the gallery.
 const SCENES: usize = 6;
 
+/// Bodies of the sheet, and scenes of each.
+const SHEET: [usize; 2] = [4, 6];
+
 /// Width and height of a view, in pixels.
 const CELL: [u32; 2] = [300, 380];
+
+/// And of one of the sheet.
+const SHEET_CELL: [u32; 2] = [170, 250];
 
 /// Values at the ends of the color bars.
 const MOST_MILLIMETRES: f32 = 40.0;
@@ -88,8 +96,9 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let stage = Stage::new(package, Dataset::open(&arguments.dataset)?)?;
     let all = stage.scene_names(split)?;
     let chosen = spread(&all, SCENES);
+    let on_sheet = of_bodies(&all, SHEET);
 
-    let mut scenes = Vec::new();
+    let (mut scenes, mut sheet) = (Vec::new(), Vec::new());
     let num_vertices = stage.package.mesh.num_vertices();
     let mut sums = vec![vec![0.0_f32; num_vertices]; candidates.len()];
     let options = UntangleOptions::default();
@@ -105,6 +114,9 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
                     *sum += distance / all.len() as f32;
                 }
             }
+            if on_sheet.contains(&scene.scene) {
+                sheet.push(scene.clone());
+            }
             if chosen.contains(&scene.scene) {
                 scenes.push(scene);
             }
@@ -115,19 +127,68 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     write(
         &gallery(mesh, &scenes, &names)?,
         names.len() + 2,
+        CELL,
         &folder.join("gallery.png"),
     )?;
     write(
         &curvature(mesh, &scenes, &names)?,
         names.len(),
+        CELL,
         &folder.join("curvature.png"),
     )?;
     write(
         &errors(mesh, &sums, &names),
         names.len(),
+        CELL,
         &folder.join("errors.png"),
     )?;
-    Ok(())
+    let (figures, columns) = sheet_of(mesh, &mut sheet, &names)?;
+    write(&figures, columns, SHEET_CELL, &folder.join("sheet.png"))
+}
+
+/// The first scenes of bodies that are spread over all, as many of each as are asked for.
+fn of_bodies(all: &[SceneName], [bodies, poses]: [usize; 2]) -> Vec<SceneName> {
+    let count = |body: u32| all.iter().filter(|scene| scene.body == body).count();
+    let mut whole: Vec<u32> = all.iter().map(|scene| scene.body).collect();
+    whole.dedup();
+    whole.retain(|&body| count(body) >= poses);
+    let chosen = (0..bodies.min(whole.len())).map(|at| whole[at * whole.len() / bodies]);
+    let scenes = chosen.flat_map(|body| {
+        let of_body = all.iter().filter(move |scene| scene.body == body);
+        of_body.take(poses).copied()
+    });
+    scenes.collect()
+}
+
+/// A row for each pose; in it for each body what the variants make of it, and the teacher.
+fn sheet_of(
+    mesh: &TriMesh,
+    scenes: &mut [DrapedScene],
+    names: &[String],
+) -> Result<(Vec<Figure>, usize), Box<dyn Error>> {
+    let [_, poses] = SHEET;
+    scenes.sort_by_key(|scene| (scene.scene.body, scene.scene.pose));
+    // Skinning, the warp and what networks predict before they are relaxed are left out.
+    let is_shown = |name: &str| name.ends_with("settled");
+    let mut figures = Vec::new();
+    for row in 0..poses {
+        for scene in scenes.iter().skip(row).step_by(poses) {
+            let drapes = scene.drapes.iter().zip(names);
+            let drapes = drapes.filter(|(_, name)| is_shown(name));
+            let drapes = drapes.map(|(drape, name)| (drape, name.trim_end_matches(" settled")));
+            for (drape, name) in drapes.chain([(&scene.teacher, "simulator")]) {
+                figures.push(Figure {
+                    mesh: mesh.with_positions(drape.clone())?,
+                    values: None,
+                    body: Some(scene.body.clone()),
+                    caption: name.to_owned(),
+                    camera: Camera::new(0.5, 0.1),
+                });
+            }
+        }
+    }
+    let columns = figures.len() / poses;
+    Ok((figures, columns.max(1)))
 }
 
 /// Distances in millimetres.
@@ -215,7 +276,7 @@ fn errors(mesh: &TriMesh, sums: &[Vec<f32>], names: &[String]) -> Vec<Figure> {
     figures
 }
 
-fn write(figures: &[Figure], columns: usize, path: &Path) -> Result<(), Box<dyn Error>> {
+fn write(figures: &[Figure], columns: usize, cell: [u32; 2], path: &Path) -> Outcome {
     let mut layers = Vec::new();
     let mut views = Vec::new();
     for figure in figures {
@@ -242,7 +303,7 @@ fn write(figures: &[Figure], columns: usize, path: &Path) -> Result<(), Box<dyn 
         columns: Some(columns as u32),
         supersampling: 2,
         views,
-        ..Picture::new(CELL[0] * columns as u32 + 120, CELL[1] * rows as u32)
+        ..Picture::new(cell[0] * columns as u32 + 120, cell[1] * rows as u32)
     };
     render(&picture)?.write_png(path)?;
     Ok(())

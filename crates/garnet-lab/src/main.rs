@@ -32,12 +32,14 @@ mod noise_floor;
 mod pattern_sheet;
 mod physics;
 mod pose_sheet;
+mod repack;
 mod report;
 mod sampled;
 mod sheet;
 mod sim_scene;
 mod spread;
 mod torch_case;
+mod wardrobe;
 
 use std::{error::Error, process::ExitCode};
 
@@ -89,12 +91,16 @@ enum Instrument {
     DrapeSheet(drape_sheet::Arguments),
     /// Draw what the variants of a package make of a data set, beside the teacher.
     Gallery(gallery::Arguments),
+    /// Draw packages on four bodies in four poses.
+    Wardrobe(wardrobe::Arguments),
     /// Write the files of `models/demo` anew.
     MakeDemo(make_demo::Arguments),
     /// Fit the joints of the built-in body to its vertices, and store them.
     MakeJoints(make_joints::Arguments),
     /// Make the mesh that all built-in bodies share, and store it.
     MakeTemplate(make_template::Arguments),
+    /// Store the weights of variants in fewer bits.
+    Repack(repack::Arguments),
     /// Print tables of the docs as Markdown.
     #[command(subcommand)]
     Report(report::Table),
@@ -119,9 +125,11 @@ fn main() -> ExitCode {
         Instrument::SimScene(arguments) => sim_scene::run(&arguments),
         Instrument::DrapeSheet(arguments) => drape_sheet::run(&arguments),
         Instrument::Gallery(arguments) => gallery::run(&arguments),
+        Instrument::Wardrobe(arguments) => wardrobe::run(&arguments),
         Instrument::MakeDemo(arguments) => make_demo::run(&arguments),
         Instrument::MakeJoints(arguments) => make_joints::run(&arguments),
         Instrument::MakeTemplate(arguments) => make_template::run(&arguments),
+        Instrument::Repack(arguments) => repack::run(&arguments),
         Instrument::Report(table) => report::run(&table),
     };
     let Err(error) = done else {

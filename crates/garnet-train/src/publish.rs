@@ -293,6 +293,9 @@ pub(crate) fn add_variant(
         let changed = GarmentPackage::change_manifest(folder, |manifest| {
             let name = variant.name.clone();
             manifest.add(variant);
+            if let Some(pattern) = &mut manifest.pattern {
+                pattern.made_to_measure = stage.is_made_to_measure();
+            }
             if let Some(cost) = cost {
                 manifest.set_cost(&name, cost);
             }

@@ -5,5 +5,5 @@ pub use garnet_data::{
     DatasetManifest, DatasetOptions, ImportManifest, ImportProblem, ImportScene, Limits, Moment,
     NOISE_TURN, Plan, Posed, Protocol, Rejection, SceneRecord, SceneReport, Shard, Sizing, Split,
     Tailor, Tally, Variations, Worn, default_rest_body, generate, import, moved_by_turn,
-    noise_floor, noise_joint, sampler, sequences, usual_fabric, usual_package, wearer_of,
+    noise_floor, noise_joint, recut, sampler, sequences, usual_fabric, usual_package, wearer_of,
 };

@@ -44,7 +44,7 @@ pub use error::ShapeError;
 pub use measure::{Measure, Measures};
 pub use parameters::{BMI_RANGE, BodyParameters, STATURE_RANGE};
 pub use population::{Population, SAMPLED_BMI, SAMPLED_STATURES};
-pub use recognize::{Recognized, recognized};
+pub use recognize::{Recognized, recognized, unposed};
 pub use skeleton::{JOINT_NAMES, JOINT_PARENTS, NUM_JOINTS};
 pub use surface::BodySurface;
 pub use tape::BODY_DENSITY;

@@ -8,7 +8,7 @@
 use std::sync::OnceLock;
 
 use garnet_mesh::{Point3, TriMesh, Vector3};
-use garnet_skin::{Body, Joint, Skeleton};
+use garnet_skin::{Body, Joint, Skeleton, SkinError};
 
 use super::body::shared;
 use super::skeleton::{JOINT_NAMES, JOINT_PARENTS, NUM_JOINTS, mirrored};
@@ -145,6 +145,63 @@ pub fn recognized(mesh: &TriMesh) -> Recognized {
     ))
 }
 
+/// How often [`unposed`] looks for the shape anew, each time from the joints that it has found.
+const UNPOSINGS: usize = 3;
+
+/// The built-in body at rest whose skin in some pose is at `target` `[vertex]`, in metres; `body` is
+/// the built-in body in any shape, at rest.
+///
+/// None if the target is `body` itself in a pose, or `body` is none of ours: the shape of others
+/// is not known at the joints.
+///
+/// # Errors
+///
+/// Those of [`Body::fitted`].
+pub fn unposed(body: &Body, target: &[Point3]) -> Result<Option<Body>, SkinError> {
+    let mut found: Option<Body> = None;
+    for _ in 0..UNPOSINGS {
+        let known = found.as_ref().unwrap_or(body);
+        let posed = known.fitted(target)?;
+        let Some(offsets) = posed.shape_offsets() else {
+            break;
+        };
+        let rest = known.rest();
+        if offsets.len() != rest.num_vertices() {
+            return Ok(None);
+        }
+        let moved = rest.positions().iter().zip(offsets);
+        let moved = moved.map(|(place, offset)| place + offset);
+        let Ok(moved) = rest.with_positions(symmetric(moved.collect())) else {
+            return Ok(None);
+        };
+        match recognized(&moved) {
+            Recognized::Rest(body) => found = Some(*body),
+            Recognized::Stranger | Recognized::Posed => return Ok(None),
+        }
+    }
+    Ok(found)
+}
+
+/// The mean of a body at rest and its mirror image, which halves what a pose leaves in it.
+fn symmetric(mut positions: Vec<Point3>) -> Vec<Point3> {
+    let template = Template::stored();
+    let half = template.half.len();
+    if positions.len() < 2 * half - template.num_middle {
+        return positions;
+    }
+    for place in &mut positions[..template.num_middle] {
+        place.x = 0.0;
+    }
+    for left in template.num_middle..half {
+        let right = left + half - template.num_middle;
+        let (a, b) = (positions[left], positions[right]);
+        let mean = 0.5 * Vector3::new(a.x - b.x, a.y + b.y, a.z + b.z);
+        positions[left] = Point3::from(mean);
+        positions[right] = Point3::new(-mean.x, mean.y, mean.z);
+    }
+    positions
+}
+
 fn is_at_rest(positions: &[Point3], joints: &[Point3]) -> bool {
     let at = |name: &str| {
         let place = JOINT_NAMES.iter().position(|other| *other == name);
@@ -244,5 +301,40 @@ mod tests {
         assert!(matches!(recognized(&posed), Recognized::Posed));
         let ball = garnet_mesh::primitives::icosphere(2, 1.0);
         assert!(matches!(recognized(&ball), Recognized::Stranger));
+    }
+
+    /// The shape of a posed body is found back this well: mean and largest distance, in metres.
+    const UNPOSED: [f32; 2] = [2e-3, 2e-2];
+
+    #[test]
+    fn the_shape_of_a_posed_body_is_found() {
+        let population = Population::new(78);
+        let of = |index| ParametricBody::build(&population.sample(index)).unwrap();
+        let (own, other) = (of(0), of(1));
+        let mut pose = garnet_skin::Pose::rest(NUM_JOINTS);
+        let at = |name: &str| JOINT_NAMES.iter().position(|other| *other == name).unwrap();
+        for (name, angle) in [("left_hip", -0.9), ("right_shoulder", 0.6), ("spine1", 0.3)] {
+            let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
+            pose.rotations[at(name)] = turn;
+        }
+        let posed = other.body().posed(&pose).unwrap();
+        let found = unposed(own.body(), posed.skin().positions()).unwrap();
+        let found = found.expect("it has another shape");
+        let pairs = found.rest().positions().iter();
+        let distances = pairs.zip(other.body().rest().positions());
+        let distances: Vec<f32> = distances.map(|(a, b)| (a - b).norm()).collect();
+        let mean = distances.iter().sum::<f32>() / distances.len() as f32;
+        let most = distances.iter().copied().fold(0.0, f32::max);
+        assert!(mean < UNPOSED[0] && most < UNPOSED[1], "{mean} {most}");
+    }
+
+    #[test]
+    fn a_body_in_its_own_shape_needs_no_other() {
+        let built = ParametricBody::build(&Population::new(78).sample(0)).unwrap();
+        let mut pose = garnet_skin::Pose::rest(NUM_JOINTS);
+        pose.rotations[1] = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -0.5);
+        let posed = built.body().posed(&pose).unwrap();
+        let found = unposed(built.body(), posed.skin().positions()).unwrap();
+        assert!(found.is_none());
     }
 }

@@ -12,6 +12,7 @@ mod report;
 mod simulated;
 mod sink;
 mod summary;
+mod tailored;
 mod timing;
 mod warning;
 
@@ -32,6 +33,7 @@ pub(crate) use prepared::Prepared;
 use ready::{Found, Ready};
 pub(crate) use report::WarningReport;
 use report::{BodyReport, DrapeOutput, DrapeReport, GarmentReport, OnceSeconds, PoseReport};
+use tailored::{Cut, by_wearer};
 use timing::timed;
 pub(crate) use warning::warnings_of;
 use warning::{Problem, Warning};
@@ -63,18 +65,27 @@ pub(crate) fn do_job(
         for note in &prepared.notes {
             console.summary(&format_args!("note: {note}"));
         }
-        let ((bound, bind), found) =
-            rayon::join(|| timed(|| Bound::new(prepared)), || Found::read(&job));
-        let mut ready = Ready::new(bound?, found?, &job, console)?;
-        let (done, drape) = timed(|| drape_all(&mut ready, &job, &part, console));
-        let done = done?;
-        let seconds = OnceSeconds {
+        let mut seconds = OnceSeconds {
             read,
-            bind,
-            drape,
-            total: 0.0,
+            ..OnceSeconds::default()
         };
-        anyhow::Ok((report_of(ready, &job, done, seconds), job))
+        let mut whole: Option<DrapeReport> = None;
+        for (prepared, part) in by_wearer(prepared, part, &job)? {
+            let ((bound, bind), found) =
+                rayon::join(|| timed(|| Bound::new(prepared)), || Found::read(&job));
+            let mut ready = Ready::new(bound?, found?, &job, console)?;
+            let (done, drape) = timed(|| drape_all(&mut ready, &job, &part, console));
+            let done = done?;
+            seconds.bind += bind;
+            seconds.drape += drape;
+            let report = report_of(ready, &job, done, seconds);
+            match &mut whole {
+                None => whole = Some(report),
+                Some(whole) => whole.extend(report),
+            }
+        }
+        let report = whole.context("there is nothing to drape on")?;
+        anyhow::Ok((report, job))
     });
     let (mut report, job) = match done {
         Err(error) if error.downcast_ref::<Interrupted>().is_some() => {
@@ -107,6 +118,8 @@ struct Bound {
     motion: MotionOptions,
     /// Seconds from each target to the next, if they are frames of a motion that says.
     frame_time: Option<f64>,
+    /// The garment as it was cut for its wearer, if it was.
+    cut: Option<Arc<Cut>>,
     warnings: Vec<Warning>,
 }
 
@@ -123,7 +136,11 @@ impl Bound {
             pose,
             motion,
             frame_time,
+            cut,
+            warnings,
             notes: _,
+            tailored: _,
+            is_on_other: _,
         } = prepared;
         let unusual = || unusual(&garment, &body);
         let edges = || garment_file.polygon_edges();
@@ -150,7 +167,8 @@ impl Bound {
         let start = small.into_iter().chain(held).chain(start).chain(holes);
         let of_garment = found.garment.into_iter().chain(start);
         let of_garment = of_garment.map(at(garment_file.path()));
-        let warnings = of_garment.chain(found.body.into_iter().map(at(&rest.path)));
+        let of_body = found.body.into_iter().map(at(&rest.path));
+        let warnings = warnings.into_iter().chain(of_garment).chain(of_body);
         Ok(Self {
             warnings: warnings.collect(),
             garment: Arc::new(garment),
@@ -165,6 +183,7 @@ impl Bound {
             pose,
             motion,
             frame_time,
+            cut,
         })
     }
 }
@@ -257,6 +276,7 @@ fn report_of(
         repeat: job.repeat,
         drapes_per_second: drapes.len() as f64 / seconds.drape.max(1e-9),
         hidden_faces,
+        cuts: (bound.cut.iter()).map(|cut| cut.report.clone()).collect(),
         drapes,
         peak_bytes: machine::peak_bytes(),
         seconds,

@@ -1,16 +1,21 @@
 //! From files to values in metres: the garment, the rest body, and the targets.
 
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 use anyhow::Context;
 use garnet::{
     Body, Garment, TriMesh,
+    body::shape::tape_measures,
     drape::Refit,
     io::{Frame, MotionOptions, ObjFile, PoseSource, RestSource, Scene, Target},
     package::GarmentPackage,
 };
 
-use super::args::{Source, SourceFiles};
+use super::{
+    args::{Source, SourceFiles},
+    tailored::{Cut, tailored_package},
+    warning::Warning,
+};
 
 /// All that a drape starts from, in metres with y up.
 #[derive(Debug)]
@@ -30,11 +35,20 @@ pub(crate) struct Prepared {
     pub(crate) frame_time: Option<f64>,
     /// What was taken for granted while poses were read.
     pub(crate) notes: Vec<String>,
+    /// The package whose garment is to be cut for each wearer.
+    pub(super) tailored: Option<GarmentPackage>,
+    /// Whether `body` is another one than that of the package, on which the garment does not lie.
+    pub(super) is_on_other: bool,
+    /// The garment as it was cut for its wearer.
+    pub(super) cut: Option<Arc<Cut>>,
+    /// What is wrong already.
+    pub(super) warnings: Vec<Warning>,
 }
 
 impl Prepared {
     /// Reads the files and brings them together.
     pub(crate) fn read(source: &Source) -> anyhow::Result<Self> {
+        let tailored = tailored_package(source)?;
         match source {
             Source::Scene(path) => Ok(Self::of(
                 Scene::read(path)?,
@@ -47,12 +61,20 @@ impl Prepared {
                 if let Some(folder) = &source.package {
                     check_template(folder, &scene)?;
                 }
-                let refit = match scene.own.take() {
-                    Some(own) => Some(refitted(source, &mut scene, &own)?),
-                    None => None,
+                let own = scene.own.take();
+                let is_measured = own.is_none() || tape_measures(&scene.body).is_some();
+                let is_on_other = own.is_some() && is_measured && tailored.is_some();
+                let refit = match own {
+                    Some(own) if !is_on_other => Some(refitted(source, &mut scene, &own)?),
+                    _ => None,
                 };
                 let files = &source.scene;
-                Ok(Self::of(scene, refit, files.pose.clone(), files.motion))
+                let prepared = Self::of(scene, refit, files.pose.clone(), files.motion);
+                Ok(Self {
+                    tailored,
+                    is_on_other,
+                    ..prepared
+                })
             }
         }
     }
@@ -75,6 +97,31 @@ impl Prepared {
             motion,
             frame_time: scene.frame_time,
             notes: scene.notes.iter().map(ToString::to_string).collect(),
+            tailored: None,
+            is_on_other: false,
+            cut: None,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Keeps the first targets, and gives the same with the others.
+    pub(super) fn split_off(&mut self, count: usize) -> Self {
+        Self {
+            garment_file: self.garment_file.clone(),
+            garment_frame: self.garment_frame,
+            garment: self.garment.clone(),
+            refit: None,
+            rest: self.rest.clone(),
+            body: self.body.clone(),
+            targets: self.targets.split_off(count.min(self.targets.len())),
+            pose: self.pose.clone(),
+            motion: self.motion,
+            frame_time: self.frame_time,
+            notes: Vec::new(),
+            tailored: None,
+            is_on_other: self.is_on_other,
+            cut: None,
+            warnings: Vec::new(),
         }
     }
 }

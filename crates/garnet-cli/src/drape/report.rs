@@ -3,8 +3,10 @@
 
 use garnet::{
     TriMesh,
+    body::shape::{Measure, Measures},
     data::SceneReport,
     drape::TakeFrame,
+    io::Target,
     knn::Surface,
     package::StoredFabric,
     sim,
@@ -58,6 +60,9 @@ pub(crate) struct DrapeReport {
     /// Faces of the body that the garment covers in all drapes; none without `--hide`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) hidden_faces: Option<usize>,
+    /// For whom the garment was cut; empty unless that is done for each wearer.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) cuts: Vec<CutReport>,
     /// What came out, in the order of the bodies.
     pub(crate) drapes: Vec<DrapeOutput>,
     /// Times of what is done once.
@@ -87,6 +92,32 @@ pub(crate) struct GarmentReport {
     pub(crate) units: String,
     /// The axis that was taken as up: `y` or `z`.
     pub(crate) up: String,
+}
+
+/// Whom a garment was cut for.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct CutReport {
+    /// The first of the bodies of this shape.
+    pub(crate) target: String,
+    pub(crate) chest_m: f64,
+    pub(crate) waist_m: f64,
+    pub(crate) hip_m: f64,
+    pub(crate) inseam_m: f64,
+    /// How long it took to cut it and to put it on.
+    pub(crate) seconds: f64,
+}
+
+impl CutReport {
+    pub(super) fn new(target: &Target, measures: &Measures, seconds: f64) -> Self {
+        Self {
+            target: target.path.display().to_string(),
+            chest_m: measures[Measure::Chest],
+            waist_m: measures[Measure::Waist],
+            hip_m: measures[Measure::Hip],
+            inseam_m: measures[Measure::Inseam],
+            seconds,
+        }
+    }
 }
 
 /// The rest body.
@@ -322,8 +353,20 @@ pub(crate) struct Stretch {
     pub(crate) max_at_trapped: Option<f32>,
 }
 
+impl DrapeReport {
+    /// Goes on with what another part of the targets has come to.
+    pub(super) fn extend(&mut self, other: Self) {
+        self.cuts.extend(other.cuts);
+        self.drapes.extend(other.drapes);
+        self.warnings.extend(other.warnings);
+        self.seconds = other.seconds;
+        self.peak_bytes = other.peak_bytes;
+        self.drapes_per_second = self.drapes.len() as f64 / self.seconds.drape.max(1e-9);
+    }
+}
+
 /// Times of what is done once.
-#[derive(Debug, Default, Serialize)]
+#[derive(Debug, Clone, Copy, Default, Serialize)]
 pub(crate) struct OnceSeconds {
     /// Reading and parsing all files.
     pub(crate) read: f64,

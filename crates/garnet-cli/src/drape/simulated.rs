@@ -44,7 +44,10 @@ pub(super) fn simulator_of(
     settles: bool,
 ) -> anyhow::Result<(Arc<Simulator>, StoredFabric)> {
     let mesh = bound.garment.mesh();
-    let (own, rest) = if let Some(package) = package_of(source) {
+    let (own, rest) = if let Some(cut) = &bound.cut {
+        let package = &cut.package;
+        (package.manifest.fabric.clone(), package.rest.clone())
+    } else if let Some(package) = package_of(source) {
         GarmentPackage::read_cloth(package, mesh)?
     } else {
         let worn = mesh.positions().to_vec();

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, path::Path};
 
 use super::{
-    report::{DrapeOutput, DrapeReport, RepeatedSeconds, WarningReport},
+    report::{CutReport, DrapeOutput, DrapeReport, RepeatedSeconds, WarningReport},
     timing::{Repeated, readable},
 };
 use crate::console::Console;
@@ -11,6 +11,9 @@ use crate::console::Console;
 /// Tells what was draped, what it is like, what may be wrong, and how long it took.
 pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Console) {
     console.summary(&headline(report, folder));
+    for cut in &report.cuts {
+        console.summary(&format_args!("  {}", cut_for(cut)));
+    }
     console.summary(&format_args!("  {}", result(&report.drapes)));
     console.summary(&format_args!("  {}", stretch(&report.drapes)));
     if let Some(line) = cloth_crossings(report) {
@@ -36,6 +39,23 @@ pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Consol
         }
     }
     console.detail(&stages(report));
+}
+
+/// For whom the garment was cut.
+fn cut_for(cut: &CutReport) -> String {
+    let measures = [
+        ("chest", cut.chest_m),
+        ("waist", cut.waist_m),
+        ("hip", cut.hip_m),
+        ("inseam", cut.inseam_m),
+    ];
+    let measures = measures.map(|(name, metres)| format!("{name} {:.0}", 100.0 * metres));
+    format!(
+        "cut for `{}`: {} cm, in {}",
+        cut.target,
+        measures.join(", "),
+        readable(cut.seconds)
+    )
 }
 
 /// More warnings of a kind are told in one line.

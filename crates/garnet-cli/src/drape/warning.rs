@@ -66,6 +66,8 @@ pub(crate) enum Problem {
     Moving(f32),
     /// Cloth is left in the body: how many vertices, and the deepest in metres.
     Inside(usize, f32),
+    /// The garment is not cut for its wearer, and why.
+    NotCut(String),
     /// The target was fitted with this error, in metres.
     PoorFit(f32),
     /// The network was not used, and why, and whether the whole motion was simulated in its place.
@@ -108,6 +110,7 @@ impl Problem {
             Self::CrossingFaces(_) | Self::CrossingUntouched(_) => "crossing_faces",
             Self::Moving(_) => "moving",
             Self::Inside(..) => "inside",
+            Self::NotCut(_) => "not_cut",
             Self::PoorFit(_) => "poor_fit",
             Self::Fallback(..) => "fallback",
             Self::Beyond(_) => "beyond_training",
@@ -145,6 +148,7 @@ impl Problem {
             | Self::Torn(_)
             | Self::Tight(_)
             | Self::Moving(_)
+            | Self::NotCut(_)
             | Self::PoorFit(_)
             | Self::Fallback(..)
             | Self::Beyond(_)
@@ -246,6 +250,9 @@ impl fmt::Display for Warning {
             Problem::Inside(count, deepest) => {
                 let deepest = millimetres(deepest);
                 vertices(count, is) + &format!(" left inside the body, the deepest {deepest} mm")
+            }
+            Problem::NotCut(ref reason) => {
+                format!("`{path}` is not cut for its wearer, as it should be: {reason}")
             }
             Problem::PoorFit(residual) => format!(
                 "the body of `{path}` is not the rest body in another pose: a vertex is {} mm from \

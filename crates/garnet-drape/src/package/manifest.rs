@@ -87,6 +87,11 @@ impl Manifest {
         }
     }
 
+    /// Whether the garment is cut for each wearer before it is draped.
+    pub fn is_made_to_measure(&self) -> bool {
+        (self.pattern.as_ref()).is_some_and(|pattern| pattern.made_to_measure)
+    }
+
     /// The garment alone, as data sets keep it: without variants, which are trained later, and
     /// without the checksum of a file, which may be packed anew.
     #[must_use]
@@ -266,6 +271,10 @@ pub struct StoredPattern {
     /// The size that was cut; none if it was cut to the measures of the rest body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<String>,
+    /// Whether the trained variants know the garment cut to the measures of each wearer, and not
+    /// as the template is.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub made_to_measure: bool,
     /// The parameters, in metres or without unit.
     pub parameters: BTreeMap<String, f64>,
 }

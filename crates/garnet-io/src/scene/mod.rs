@@ -73,7 +73,7 @@ pub struct SceneGarment {
 }
 
 /// Where a rest body came from.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct RestSource {
     /// The file with its mesh.

@@ -1,14 +1,16 @@
 //! What a scene tells of its mirror image.
 
-use garnet_mesh::{Point3, TriMesh};
+use garnet_mesh::{Point3, TriMesh, Vector3};
 use garnet_net::pose_space::{Exchange, Image, Mirror};
 use garnet_skin::Symmetry;
 use rayon::prelude::*;
 
 use crate::Stage;
 
-/// As many of the vertices as this, mirrored, must lie on the garment.
-const SHARE_ON: f64 = 0.95;
+/// As many of the vertices as this, mirrored, must lie on the garment. Lower ones let garments
+/// learn from mirror images whose hems and cuffs lie in other folds on the left than on the right at
+/// rest; too low ones let those learn that are worn on one side.
+const SHARE_ON: f64 = 0.9;
 
 /// No farther than this from it, in metres: folds that a garment has at rest are not the same on
 /// both sides.
@@ -19,6 +21,9 @@ const ON: f32 = 0.01;
 pub(crate) struct GarmentMirror {
     /// For each vertex the triangle on which its mirror image lies, and the weights of its corners.
     images: Vec<Image>,
+    /// From where each vertex is at rest to where the mirror image of the garment has it, in metres:
+    /// folds at rest need not be alike on both sides.
+    apart: Vec<Vector3>,
     numbers: Exchange,
 }
 
@@ -40,13 +45,29 @@ pub(crate) fn images_on(mesh: &TriMesh, symmetry: &Symmetry) -> Option<Vec<Image
     Some(images.into_iter().map(without_distance).collect())
 }
 
+/// From where each vertex is at rest to where the mirror image of the garment has it.
+fn apart(mesh: &TriMesh, images: &[Image], symmetry: &Symmetry) -> Vec<Vector3> {
+    let places = mesh.positions();
+    let apart = |((triangle, weights), place): (&Image, &Point3)| {
+        let corners = triangle.iter().zip(weights);
+        let sum = corners.fold(Vector3::zeros(), |sum, (&corner, &weight)| {
+            sum + places[corner as usize].coords * weight
+        });
+        symmetry.point(&Point3::from(sum)) - place
+    };
+    images.iter().zip(places).map(apart).collect()
+}
+
 impl GarmentMirror {
     /// Of the garment and the body of a package; none if left and right of them differ.
     pub(crate) fn of(stage: &Stage) -> Option<Self> {
         let template = stage.template();
         let symmetry = template.body.skeleton().symmetry()?;
+        let mesh = template.garment.mesh();
+        let images = images_on(mesh, &symmetry)?;
         Some(Self {
-            images: images_on(template.garment.mesh(), &symmetry)?,
+            apart: apart(mesh, &images, &symmetry),
+            images,
             numbers: Exchange(template.body.mirrored_numbers(&symmetry)),
         })
     }
@@ -54,15 +75,16 @@ impl GarmentMirror {
     /// The mirror image of offsets in the skinning frames `[vertex][3]`.
     pub(super) fn offsets(&self, offsets: &[f32]) -> Vec<f32> {
         let (vectors, _) = offsets.as_chunks::<3>();
-        let image = |(triangle, weights): &([u32; 3], [f32; 3])| {
+        let image = |((triangle, weights), apart): (&Image, &Vector3)| {
             let corners = triangle.iter().zip(weights);
-            let sum = corners.fold(garnet_skin::Vector3::zeros(), |sum, (&corner, &weight)| {
-                sum + garnet_skin::Vector3::from(vectors[corner as usize]) * weight
+            let sum = corners.fold(Vector3::zeros(), |sum, (&corner, &weight)| {
+                sum + Vector3::from(vectors[corner as usize]) * weight
             });
-            let image = Symmetry::vector(sum);
+            let image = Symmetry::vector(sum) + apart;
             [image.x, image.y, image.z]
         };
-        self.images.iter().flat_map(image).collect()
+        let images = self.images.iter().zip(&self.apart);
+        images.flat_map(image).collect()
     }
 
     /// For each vertex the triangle on which its mirror image lies, and the weights of its corners.
