@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::fixtures::{Fixture, refused_with_hint};
+use crate::fixtures::{Fixture, refused_with_hint, stderr, stdout};
 use crate::train::{done, prepared};
 
 #[test]
@@ -63,4 +63,24 @@ fn shells_and_manuals_know_every_subcommand() {
     for name in ["garnet.1", "garnet-stress.1", "garnet-garment-tshirt.1"] {
         assert!(!fixture.read(&format!("pages/{name}")).is_empty());
     }
+}
+
+#[test]
+fn packages_are_found_by_their_name() {
+    let fixture = Fixture::new();
+    done(&fixture, "garment tshirt --vertices 600 -o shop/tee -q");
+    let unknown = fixture.garnet("info tee");
+    assert_eq!(unknown.status.code(), Some(2));
+    let found = std::process::Command::new(env!("CARGO_BIN_EXE_garnet"))
+        .args(["info", "tee"])
+        .current_dir(fixture.folder())
+        .env("GARNET_MODELS", fixture.path("shop"))
+        .output()
+        .unwrap();
+    assert_eq!(found.status.code(), Some(0), "{}", stderr(&found));
+    assert!(
+        stdout(&found).contains("garment package"),
+        "{}",
+        stdout(&found)
+    );
 }

@@ -13,13 +13,14 @@ use crate::{
     console::{Console, print_data, print_document},
     dataset::read_package,
     failure::ExitStatus,
+    models,
 };
 
 /// Arguments of `variants`.
 #[derive(Debug, Args)]
 pub(crate) struct VariantsArgs {
     /// Garment package.
-    #[arg(value_name = "PACKAGE")]
+    #[arg(value_name = "PACKAGE", value_parser = models::package_or_file)]
     package: PathBuf,
 }
 

@@ -18,6 +18,7 @@ mod info;
 mod interrupt;
 mod lists;
 mod machine;
+mod models;
 mod motion;
 mod output;
 mod parse;

@@ -11,7 +11,7 @@ use garnet::{
 
 use crate::{
     dataset::QualityName,
-    eval, output,
+    eval, models, output,
     parse::{at_least_one, millimetres, settle_frames, tolerance},
 };
 
@@ -20,7 +20,7 @@ use crate::{
 #[command(after_long_help = LONG_HELP)]
 pub(crate) struct ChartArgs {
     /// Garment package.
-    #[arg(value_name = "PACKAGE")]
+    #[arg(value_name = "PACKAGE", value_parser = models::package_or_file)]
     pub(crate) package: PathBuf,
     /// Data set of the garment; its test split is draped.
     #[arg(value_name = "DATASET")]

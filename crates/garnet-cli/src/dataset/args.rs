@@ -9,14 +9,14 @@ use garnet::{
     package::{GarmentPackage, Moment, Quality},
 };
 
-use crate::failure::refused;
+use crate::{failure::refused, models};
 
 /// Arguments of `dataset`.
 #[derive(Debug, Args)]
 #[command(after_long_help = LONG_HELP)]
 pub(crate) struct DatasetArgs {
     /// Garment package.
-    #[arg(value_name = "GARMENT")]
+    #[arg(value_name = "GARMENT", value_parser = models::package_or_file)]
     pub(crate) garment: PathBuf,
     /// Folder of the data set.
     #[arg(short, long, value_name = "DIR")]

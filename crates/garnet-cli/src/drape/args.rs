@@ -15,6 +15,7 @@ use super::sink::CacheFile;
 use crate::{
     fabric,
     failure::{Hint, refused},
+    models,
     motion::MotionArgs,
     output,
     parse::{millimetres, milliseconds, settle_frames, tolerance},
@@ -97,6 +98,7 @@ pub(crate) struct InputArgs {
     /// Garment, as OBJ, lying on the rest body, or a garment package.
     #[arg(
         value_name = "GARMENT",
+        value_parser = models::package_or_file,
         required_unless_present = "scene",
         conflicts_with = "scene"
     )]

@@ -12,7 +12,7 @@ use garnet::{
 
 use crate::{
     failure::Hint,
-    output,
+    models, output,
     parse::{millimetres, settle_frames},
 };
 
@@ -20,7 +20,7 @@ use crate::{
 #[derive(Debug, Args)]
 pub(crate) struct EvalArgs {
     /// Garment package.
-    #[arg(value_name = "PACKAGE")]
+    #[arg(value_name = "PACKAGE", value_parser = models::package_or_file)]
     pub(crate) package: PathBuf,
     /// Data set of the garment.
     #[arg(value_name = "DATASET")]

@@ -1,5 +1,6 @@
 //! `garnet info`: what is in files.
 
+mod dataset;
 mod mesh;
 mod motion;
 mod package;
@@ -21,8 +22,10 @@ use serde::Serialize;
 use crate::{
     console::{Console, print_data, print_document},
     failure::{ExitStatus, refused},
+    models,
     rig_args::RigArgs,
 };
+use dataset::DatasetInfo;
 use mesh::MeshInfo;
 use motion::MotionInfo;
 use package::PackageInfo;
@@ -34,8 +37,8 @@ use table::Table;
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
     /// Meshes (OBJ), rigs (npz, GLB, glTF, JSON), scenes and poses (JSON), motions (BVH, npz),
-    /// folders of garment packages.
-    #[arg(value_name = "FILE", required = true)]
+    /// folders of garment packages and data sets.
+    #[arg(value_name = "FILE", required = true, value_parser = models::package_or_file)]
     files: Vec<PathBuf>,
     /// How rigs are read.
     #[command(flatten)]
@@ -77,6 +80,8 @@ enum Content {
     Motion(MotionInfo),
     /// A garment with its body and networks.
     Package(PackageInfo),
+    /// Simulated scenes.
+    Dataset(DatasetInfo),
 }
 
 /// Reads each file and tells what is in it.
@@ -108,6 +113,7 @@ fn table(file: &FileInfo) -> Table {
         Content::Pose(pose) => pose.fill(&mut table),
         Content::Motion(motion) => motion.fill(&mut table),
         Content::Package(package) => package.fill(&mut table),
+        Content::Dataset(dataset) => dataset.fill(&mut table),
     }
     table
 }
@@ -123,6 +129,7 @@ fn content(path: &Path, options: &RigOptions) -> anyhow::Result<Content> {
         Kind::Scene => Content::Scene(SceneInfo::read(path)?),
         Kind::Pose => Content::Pose(PoseInfo::read(path)?),
         Kind::Package => Content::Package(PackageInfo::read(path)?),
+        Kind::Dataset => Content::Dataset(DatasetInfo::read(path)?),
     })
 }
 
@@ -133,6 +140,7 @@ enum Kind {
     Pose,
     Motion,
     Package,
+    Dataset,
 }
 
 /// The content decides, and the extension where it tells nothing.
@@ -140,11 +148,15 @@ fn kind(path: &Path) -> anyhow::Result<Kind> {
     if GarmentPackage::is_at(path) {
         return Ok(Kind::Package);
     }
+    if DatasetInfo::is_at(path) {
+        return Ok(Kind::Dataset);
+    }
     if path.is_dir() {
         return Err(refused(
             format!("cannot read `{}`", path.display()),
-            "it is a folder, and no garment package: it has no `garment.toml`",
-            "name a file in it, or the folder of a garment package",
+            "it is a folder, and neither a garment package nor a data set: it has no \
+             `garment.toml` and no `dataset.json`",
+            "name a file in it, or the folder of a garment package or data set",
         ));
     }
     let mut start = Vec::new();

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 use garnet::stress::{AXES, Axis, Method, StressOptions};
 
-use crate::{failure::refused, output};
+use crate::{failure::refused, models, output};
 
 /// Arguments of `stress`.
 #[derive(Debug, Args)]
 #[command(after_long_help = LONG_HELP)]
 pub(crate) struct StressArgs {
     /// Garment package; without one, a T-shirt is cut into DIR.
-    #[arg(value_name = "PACKAGE")]
+    #[arg(value_name = "PACKAGE", value_parser = models::package_or_file)]
     pub(crate) package: Option<PathBuf>,
     /// Where table, picture and numbers go.
     #[arg(short, long, value_name = "DIR")]

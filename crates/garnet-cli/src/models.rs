@@ -1,0 +1,60 @@
+//! Where packages are found that are named and not told the folder of.
+//!
+//! `tshirt` means the folder `tshirt` here, else a package of that name in `GARNET_MODELS`, in
+//! `share/garnet/models` beside the folder of the program, or in `garnet/models` of the user's data.
+
+use std::{
+    convert::Infallible,
+    env,
+    path::{Component, Path, PathBuf},
+};
+
+use garnet::package::GarmentPackage;
+
+/// Names more folders to look in, as `PATH` does.
+const VARIABLE: &str = "GARNET_MODELS";
+
+/// The package that an argument names: for `value_parser`.
+#[expect(clippy::unnecessary_wraps, reason = "as clap asks for")]
+pub(crate) fn package_or_file(argument: &str) -> Result<PathBuf, Infallible> {
+    let path = PathBuf::from(argument);
+    let is_name = matches!(
+        path.components().collect::<Vec<_>>()[..],
+        [Component::Normal(_)]
+    );
+    if !is_name || path.exists() || argument.ends_with(['/', '\\']) {
+        return Ok(path);
+    }
+    let found = folders().into_iter().map(|folder| folder.join(&path));
+    let found = found
+        .into_iter()
+        .find(|folder| GarmentPackage::is_at(folder));
+    Ok(found.unwrap_or(path))
+}
+
+/// The folders that packages are looked for in.
+fn folders() -> Vec<PathBuf> {
+    let own = env::var_os(VARIABLE);
+    let own = own.iter().flat_map(env::split_paths);
+    let program = env::current_exe().ok();
+    let beside = program.as_deref().and_then(Path::parent);
+    let beside = beside.map(|folder| folder.join("../share/garnet/models"));
+    let data = env::var_os("XDG_DATA_HOME").map(PathBuf::from);
+    let home = || env::var_os("HOME").map(|home| PathBuf::from(home).join(".local/share"));
+    let data = data
+        .or_else(home)
+        .map(|folder| folder.join("garnet/models"));
+    own.chain(beside).chain(data).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_taken_as_they_are() {
+        for path in ["models/none", "./none", "/none", "none/", "none.obj"] {
+            assert_eq!(package_or_file(path), Ok(PathBuf::from(path)));
+        }
+    }
+}
