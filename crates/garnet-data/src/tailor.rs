@@ -87,6 +87,11 @@ impl Tailor {
         Ok(Some(tailor.with_size(size)))
     }
 
+    /// The template that garments are cut from.
+    pub fn template(&self) -> &Template {
+        &self.template
+    }
+
     /// The same with other parameters of the same pattern.
     #[must_use]
     pub fn with_parameters(self, parameters: Parameters) -> Self {

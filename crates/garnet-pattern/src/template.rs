@@ -113,6 +113,12 @@ impl Template {
         &self.faces
     }
 
+    /// The vertex that is each vertex's mirror image at x = 0, its own in the middle, of all
+    /// garments of this template `[vertex]`.
+    pub fn mirror(&self) -> &[u32] {
+        &self.mirror
+    }
+
     /// Cuts and sews a garment to the measures of the person who wears it.
     ///
     /// # Errors

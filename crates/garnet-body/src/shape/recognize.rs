@@ -122,16 +122,25 @@ pub(crate) fn joints_of(positions: &[Point3]) -> Vec<Point3> {
 ///
 /// Never: the template has a weight for every vertex.
 pub fn recognized(mesh: &TriMesh) -> Recognized {
-    let weights = &shared().weights;
-    // Vertices that no face names may have been added.
-    let has_vertices = mesh.num_vertices() == weights.num_vertices();
-    if !has_vertices || mesh.faces() != Template::stored().faces {
+    if !is_ours(mesh) {
         return Recognized::Stranger;
     }
     let joints = joints_of(mesh.positions());
     if !is_at_rest(mesh.positions(), &joints) {
         return Recognized::Posed;
     }
+    Recognized::Rest(Box::new(with_joints(mesh, joints)))
+}
+
+/// Whether a mesh has the vertices and faces of the built-in body.
+fn is_ours(mesh: &TriMesh) -> bool {
+    // Vertices that no face names may have been added.
+    let has_vertices = mesh.num_vertices() == shared().weights.num_vertices();
+    has_vertices && mesh.faces() == Template::stored().faces
+}
+
+/// The built-in body of a mesh at rest and its joints.
+fn with_joints(mesh: &TriMesh, joints: Vec<Point3>) -> Body {
     let named = JOINT_NAMES.iter().zip(JOINT_PARENTS).zip(joints);
     let joints = named.map(|((name, parent), rest_position)| Joint {
         name: (*name).to_owned(),
@@ -139,10 +148,8 @@ pub fn recognized(mesh: &TriMesh) -> Recognized {
         rest_position,
     });
     let skeleton = Skeleton::new(joints.collect()).expect("the built-in joints form a tree");
-    let body = Body::new(mesh.clone(), skeleton, weights.clone());
-    Recognized::Rest(Box::new(
-        body.expect("the template has a weight for every vertex"),
-    ))
+    let body = Body::new(mesh.clone(), skeleton, shared().weights.clone());
+    body.expect("the template has a weight for every vertex")
 }
 
 /// How often [`unposed`] looks for the shape anew, each time from the joints that it has found.
@@ -158,6 +165,9 @@ const UNPOSINGS: usize = 3;
 ///
 /// Those of [`Body::fitted`].
 pub fn unposed(body: &Body, target: &[Point3]) -> Result<Option<Body>, SkinError> {
+    if !is_ours(body.rest()) || body.skeleton().num_joints() != NUM_JOINTS {
+        return Ok(None);
+    }
     let mut found: Option<Body> = None;
     for _ in 0..UNPOSINGS {
         let known = found.as_ref().unwrap_or(body);
@@ -174,10 +184,8 @@ pub fn unposed(body: &Body, target: &[Point3]) -> Result<Option<Body>, SkinError
         let Ok(moved) = rest.with_positions(symmetric(moved.collect())) else {
             return Ok(None);
         };
-        match recognized(&moved) {
-            Recognized::Rest(body) => found = Some(*body),
-            Recognized::Stranger | Recognized::Posed => return Ok(None),
-        }
+        let joints = joints_of(moved.positions());
+        found = Some(with_joints(&moved, joints));
     }
     Ok(found)
 }

@@ -1,5 +1,6 @@
 //! What a scene tells of its mirror image.
 
+use garnet_data::Tailor;
 use garnet_mesh::{Point3, TriMesh, Vector3};
 use garnet_net::pose_space::{Exchange, Image, Mirror};
 use garnet_skin::Symmetry;
@@ -7,10 +8,8 @@ use rayon::prelude::*;
 
 use crate::Stage;
 
-/// As many of the vertices as this, mirrored, must lie on the garment. Lower ones let garments
-/// learn from mirror images whose hems and cuffs lie in other folds on the left than on the right at
-/// rest; too low ones let those learn that are worn on one side.
-const SHARE_ON: f64 = 0.9;
+/// As many of the vertices as this, mirrored, must lie on the garment.
+const SHARE_ON: f64 = 0.95;
 
 /// No farther than this from it, in metres: folds that a garment has at rest are not the same on
 /// both sides.
@@ -45,6 +44,22 @@ pub(crate) fn images_on(mesh: &TriMesh, symmetry: &Symmetry) -> Option<Vec<Image
     Some(images.into_iter().map(without_distance).collect())
 }
 
+/// The mirror images of the vertices of a garment that was cut from a pattern, which are vertices,
+/// however its folds lie at rest.
+fn sewn_images(stage: &Stage, mesh: &TriMesh) -> Option<Vec<Image>> {
+    let tailor = Tailor::of_package(&stage.package).ok()??;
+    let template = tailor.template();
+    if template.faces() != mesh.faces() || template.mirror().len() != mesh.num_vertices() {
+        return None;
+    }
+    let images = template.mirror().iter();
+    Some(
+        images
+            .map(|&vertex| ([vertex; 3], [1.0, 0.0, 0.0]))
+            .collect(),
+    )
+}
+
 /// From where each vertex is at rest to where the mirror image of the garment has it.
 fn apart(mesh: &TriMesh, images: &[Image], symmetry: &Symmetry) -> Vec<Vector3> {
     let places = mesh.positions();
@@ -64,7 +79,10 @@ impl GarmentMirror {
         let template = stage.template();
         let symmetry = template.body.skeleton().symmetry()?;
         let mesh = template.garment.mesh();
-        let images = images_on(mesh, &symmetry)?;
+        let images = match sewn_images(stage, mesh) {
+            Some(images) => images,
+            None => images_on(mesh, &symmetry)?,
+        };
         Some(Self {
             apart: apart(mesh, &images, &symmetry),
             images,
