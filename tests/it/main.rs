@@ -16,4 +16,5 @@ mod pipeline;
 mod stability;
 mod stress;
 mod take;
+mod wardrobe;
 mod wearers;

@@ -1,0 +1,71 @@
+//! All trained garments that come with the repository: what each variant makes of them.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use garnet::{Package, body::poses::Poser, body::poses::key_pose, mesh::vertex_distances};
+
+/// Poses of the library: an arm up, a leg up.
+const POSES: [&str; 2] = ["wave", "stairs_up"];
+
+/// The variants that every garment has.
+const VARIANTS: [&str; 3] = ["accurate", "balanced", "fast"];
+
+/// No variant is farther from `accurate` than this in the mean, in metres.
+const FARTHEST: f32 = 0.025;
+
+fn packages() -> Vec<PathBuf> {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let folders = fs::read_dir(models)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let mut packages: Vec<PathBuf> = folders
+        .filter(|folder| folder.join("garment.toml").is_file())
+        .collect();
+    packages.sort();
+    packages
+}
+
+#[test]
+fn every_variant_of_every_garment_drapes_and_is_free() {
+    let packages = packages();
+    assert!(!packages.is_empty());
+    for path in packages {
+        let package = Package::open(&path).unwrap();
+        let poser = Poser::new(package.body().skeleton()).unwrap();
+        for pose in POSES {
+            let pose_of = poser.pose(&key_pose(pose).unwrap().angles);
+            let target = package.body().posed(&pose_of).unwrap();
+            let mut drapes = VARIANTS.map(|variant| {
+                let drape = package.draper(variant).unwrap().drape(&target).unwrap();
+                let what = format!("{} by {variant} in {pose}", path.display());
+                let provenance = &drape.provenance;
+                assert!(
+                    provenance.fallback.is_none(),
+                    "{what}: {:?}",
+                    provenance.fallback
+                );
+                assert_eq!(drape.report.as_ref().unwrap().inside, 0, "{what}");
+                (what, drape.positions)
+            });
+            let (_, accurate) = std::mem::take(&mut drapes[0]);
+            for (what, positions) in &drapes[1..] {
+                let distances = vertex_distances(&accurate, positions).unwrap();
+                let mean = distances.iter().sum::<f32>() / distances.len() as f32;
+                println!("{what}: {:.1} mm from accurate", 1e3 * mean);
+                assert!(mean < FARTHEST, "{what}: {mean}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_default_of_every_garment_is_its_most_accurate_variant() {
+    for path in packages() {
+        let package = Package::open(&path).unwrap();
+        let default = package.manifest().default_variant().unwrap();
+        assert_eq!(default.name, "accurate", "{}", path.display());
+    }
+}
