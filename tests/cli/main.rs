@@ -26,6 +26,7 @@ mod simulate;
 mod stress;
 mod tailored;
 mod train;
+mod view;
 
 use fixtures::Fixture;
 

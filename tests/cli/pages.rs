@@ -59,6 +59,11 @@ fn the_guide_to_many_machines_holds() {
 }
 
 #[test]
+fn the_guide_to_looking_holds() {
+    follow("docs/guide/looking.md");
+}
+
+#[test]
 fn the_options_are_those_of_the_help() {
     follow("docs/reference/options.md");
 }

@@ -18,6 +18,7 @@ use crate::{
     simulate::SimulateArgs,
     stress::StressArgs,
     train::TrainArgs,
+    view::ViewArgs,
 };
 
 /// Drapes garment meshes on body meshes.
@@ -58,6 +59,8 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Draw a shaded picture of meshes.
     Render(RenderArgs),
+    /// Write a page that shows meshes in a browser: to turn, compare and play.
+    View(ViewArgs),
     /// List the poses of the library.
     Poses,
     /// List the variants of a package, with their error and time.

@@ -29,6 +29,7 @@ mod simulate;
 mod stderr;
 mod stress;
 mod train;
+mod view;
 mod workers;
 
 use std::process::ExitCode;
@@ -72,6 +73,7 @@ fn run(command: Command, console: &Console) -> anyhow::Result<ExitStatus> {
         Command::Stress(args) => stress::run(&args, console),
         Command::Info(args) => info::run(&args, console),
         Command::Render(args) => render::run(&args, console),
+        Command::View(args) => view::run(&args, console),
         Command::Poses => lists::poses(console),
         Command::Variants(args) => lists::variants(&args, console),
         Command::Completions(args) => shell::completions(&args, Cli::command()),

@@ -60,6 +60,14 @@ pub(crate) fn check_png(path: &Path) -> anyhow::Result<()> {
     check_file(path)
 }
 
+/// Refuses a page that cannot be written, or whose name says that it is of another format than is
+/// written.
+pub(crate) fn check_page(path: &Path) -> anyhow::Result<()> {
+    check_named(path, "name a file")?;
+    check_kinds(path, "pages are HTML", &["html", "htm"])?;
+    check_file(path)
+}
+
 fn check_kind(path: &Path, what: &str, kind: &str) -> anyhow::Result<()> {
     check_kinds(path, what, &[kind])
 }

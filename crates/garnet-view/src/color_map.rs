@@ -56,10 +56,7 @@ impl ColorMap {
         if position.is_nan() {
             return crate::palette::NON_FINITE;
         }
-        let points = match self {
-            Self::Viridis => &VIRIDIS,
-            Self::CoolWarm => &COOL_WARM,
-        };
+        let points = self.points();
         let along = position.clamp(0.0, 1.0) * (NUM_POINTS - 1) as f32;
         let first = points
             .iter()
@@ -73,6 +70,14 @@ impl ColorMap {
         let [red, green, blue] =
             [0, 1, 2].map(|channel| between(from[channel], to[channel], share));
         Rgb::new(red, green, blue)
+    }
+
+    /// Colors at equal steps of the position, ends included; between them they change evenly.
+    pub(crate) const fn points(self) -> &'static [Rgb; NUM_POINTS] {
+        match self {
+            Self::Viridis => &VIRIDIS,
+            Self::CoolWarm => &COOL_WARM,
+        }
     }
 
     /// The light at `num_steps` equally spaced positions, ends included.

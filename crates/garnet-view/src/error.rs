@@ -68,6 +68,28 @@ pub enum ViewError {
         /// How many layers there are.
         num_layers: usize,
     },
+    /// A mesh of a page with too many or too few of something.
+    #[error("mesh {mesh} of the page has {found} {what}, expected {expected}")]
+    PageCount {
+        /// Which mesh.
+        mesh: usize,
+        /// What is counted.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// A pane of a page that names a mesh which does not exist.
+    #[error("pane {pane} names mesh {index}, but there are {num_meshes} meshes")]
+    PagePane {
+        /// Which pane.
+        pane: usize,
+        /// The mesh it names.
+        index: usize,
+        /// How many meshes there are.
+        num_meshes: usize,
+    },
     /// A camera angle, field of view or zoom that cannot be used.
     #[error("the {what} of view {view} is `{value}`, expected {expected}")]
     Camera {

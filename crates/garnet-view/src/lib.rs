@@ -1,4 +1,4 @@
-//! Pictures: shaded PNG of meshes, and charts as SVG and PNG.
+//! Pictures: shaded PNG of meshes, charts as SVG and PNG, and pages that show meshes in a browser.
 //!
 //! A small software renderer for looking at cloth on bodies: several meshes from several sides in
 //! one picture, lit like clay, with creases darkened so that folds, contact and skin that pokes
@@ -41,6 +41,7 @@ mod letters;
 mod lighting;
 mod normals;
 mod occlusion;
+mod page;
 pub mod palette;
 mod picture;
 mod prepared;
@@ -62,6 +63,7 @@ pub use color_map::ColorMap;
 pub use error::ViewError;
 pub use image::Image;
 pub use layer::{BackSide, Heat, Layer, Paint, Shading};
+pub use page::{Coloring, Page, PageMesh, PagePane, PagePart};
 pub use picture::{MAX_SIZE, MAX_SUPERSAMPLING, Picture, View};
 pub use render::render;
 pub use rgb::Rgb;

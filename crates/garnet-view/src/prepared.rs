@@ -115,7 +115,7 @@ fn scale<'a>(heat: &'a Heat<'a>, layer: usize, expected: usize) -> Result<Scale<
 }
 
 /// The range that shows all finite values; one without width is widened.
-fn range_of(values: &[f32], map: ColorMap) -> [f32; 2] {
+pub(crate) fn range_of(values: &[f32], map: ColorMap) -> [f32; 2] {
     let finite = || values.iter().copied().filter(|value| value.is_finite());
     let [low, high] = match map {
         ColorMap::Viridis => [

@@ -31,6 +31,7 @@ use super::{
     },
     sink::{Sink, write_files},
     timing::timed,
+    viewing::Viewing,
     warning::{self, Problem, Warning},
 };
 use crate::{
@@ -127,6 +128,7 @@ pub(super) fn drape_all(
     }
     let mut sink = Sink::open(bound, job, num_written)?;
     let mut hiding = job.hide.as_ref().map(|path| Hiding::new(path, bound));
+    let mut viewing = job.view.as_deref().map(Viewing::new);
     // A part of a motion is one, too, if it has a frame alone.
     let goes_on = is_take(bound.pose.is_some(), count, job);
     let mut take = goes_on.then(|| Take::new(&ready.draper));
@@ -175,6 +177,9 @@ pub(super) fn drape_all(
         if let Some(hiding) = &mut hiding {
             hiding.see(bound, &drape, &posed);
         }
+        if let Some(viewing) = &mut viewing {
+            viewing.see(bound, target, &drape, &posed);
+        }
         let (pushed, seconds) = timed(|| sink.push(&drape.positions, &posed));
         pushed?;
         output.seconds.write += seconds;
@@ -203,6 +208,7 @@ pub(super) fn drape_all(
     sink.finish()?;
     followed.map_or(Ok(()), Followed::remove)?;
     let hidden_faces = hiding.map(|hiding| hiding.finish(bound)).transpose()?;
+    viewing.map_or(Ok(()), |viewing| viewing.finish(bound, console))?;
     let (drapes, warnings): (Vec<_>, Vec<_>) = drapes.into_iter().unzip();
     ready.bound.warnings.extend(warnings.into_iter().flatten());
     Ok(All {

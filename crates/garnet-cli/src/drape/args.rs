@@ -39,6 +39,10 @@ pub(crate) struct DrapeArgs {
     /// drawn: JSON, or a number a line if it ends with .txt.
     #[arg(long, value_name = "FILE")]
     hide: Option<PathBuf>,
+    /// Write a page that shows the drapes on their bodies in a browser, with heat maps of stretch and
+    /// distance to the skin, as HTML.
+    #[arg(long, value_name = "HTML")]
+    view: Option<PathBuf>,
     /// A variant of the package: fast, balanced, accurate, or one of the paper's networks (naive,
     /// global, local …); or auto (its default, else warp), warp, dqs, lbs, sim.
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = MethodName::parse)]
@@ -260,6 +264,8 @@ pub(crate) struct Job {
     pub(crate) body_cache: Option<CacheFile>,
     /// Where it is told which faces of the body are covered.
     pub(crate) hide: Option<PathBuf>,
+    /// Where a page shows the drapes.
+    pub(crate) view: Option<PathBuf>,
     /// Whether the cloth is simulated along the motion, instead of on each pose.
     pub(crate) follows: bool,
     /// Whether that goes on where it was stopped.
@@ -348,6 +354,8 @@ impl Job {
             output::check_file(path)?;
         }
         job.hide = args.hide;
+        args.view.as_deref().map_or(Ok(()), output::check_page)?;
+        job.view = args.view;
         job.shard = args.shard;
         if job.shard.is_some() && !job.is_several {
             return Err(refused(
@@ -420,6 +428,7 @@ impl Job {
             is_several,
             body_cache: None,
             hide: None,
+            view: None,
             follows: false,
             resumes: false,
             shard: None,

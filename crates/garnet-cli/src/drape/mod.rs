@@ -14,6 +14,7 @@ mod sink;
 mod summary;
 mod tailored;
 mod timing;
+mod viewing;
 mod warning;
 
 use std::{path::Path, sync::Arc};

@@ -66,7 +66,12 @@ pub(super) fn check_outputs(
     }
     inputs.extend(in_package.iter().map(PathBuf::as_path));
     let bodies = bodies_out(&prepared.targets, job);
-    let own = job.report.iter().chain(&job.hide).chain(&bodies);
+    let own = job
+        .report
+        .iter()
+        .chain(&job.hide)
+        .chain(&job.view)
+        .chain(&bodies);
     let beside = own.map(PathBuf::as_path);
     let all: Vec<&Path> = match &job.cache {
         Some(cache) => std::iter::once(cache.path.as_path())

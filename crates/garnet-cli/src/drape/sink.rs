@@ -24,6 +24,11 @@ fn frames_a_second(frame_time: f64) -> f64 {
     }
 }
 
+/// Frames a second of the targets.
+pub(super) fn fps_of(bound: &Bound) -> f64 {
+    bound.frame_time.map_or(USUAL_FPS, frames_a_second)
+}
+
 /// A file of all frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct CacheFile {
@@ -52,7 +57,7 @@ pub(super) struct Sink {
 impl Sink {
     /// Begins the files that a job asks for, of `num_frames` frames.
     pub(super) fn open(bound: &Bound, job: &Job, num_frames: usize) -> anyhow::Result<Self> {
-        let fps = bound.frame_time.map_or(USUAL_FPS, frames_a_second);
+        let fps = fps_of(bound);
         let begin = |file: &CacheFile, parts: Vec<CachePart>| {
             CacheWriter::create(&file.path, file.kind, parts, num_frames, fps)
         };

@@ -33,7 +33,7 @@ pub(crate) enum ColorBy {
 
 impl ColorBy {
     /// The file that it is read from, if it is.
-    pub(super) fn file(&self) -> Option<&Path> {
+    pub(crate) fn file(&self) -> Option<&Path> {
         match self {
             Self::Nothing => None,
             Self::Stretch(path)
@@ -63,70 +63,131 @@ pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {
 /// millimetres.
 const DISTANCES: [f32; 2] = [-20.0, 20.0];
 
+/// How values are shown.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Scale {
+    pub(crate) label: String,
+    pub(crate) map: ColorMap,
+    /// Values at the ends of the bar; where none is given, those of the mesh.
+    pub(crate) range: Option<[f32; 2]>,
+}
+
+impl Scale {
+    /// Of the stretch of edges, in percent.
+    pub(crate) fn stretch() -> Self {
+        Self {
+            label: "stretch (%)".to_owned(),
+            map: ColorMap::CoolWarm,
+            range: None,
+        }
+    }
+
+    /// Of distances to the skin, in millimetres.
+    pub(crate) fn distance() -> Self {
+        Self {
+            label: "to the skin (mm)".to_owned(),
+            map: ColorMap::CoolWarm,
+            range: Some(DISTANCES),
+        }
+    }
+}
+
+/// What meshes are colored by, read once.
+#[derive(Debug)]
+pub(crate) enum Measure {
+    /// Mean stretch of the edges of each vertex against a mesh.
+    Stretch(ObjFile),
+    /// Distance to a skin, of which a unit is so many millimetres.
+    Distance(Box<Surface>, f32),
+    /// Distance to the same vertex of a mesh.
+    Displacement(ObjFile),
+    /// The numbers of a file.
+    Numbers(PathBuf),
+}
+
+impl Measure {
+    /// Reads what is needed; nothing for [`ColorBy::Nothing`].
+    pub(crate) fn read(color_by: &ColorBy) -> anyhow::Result<Option<Self>> {
+        Ok(Some(match color_by {
+            ColorBy::Nothing => return Ok(None),
+            ColorBy::Stretch(path) => Self::Stretch(read_mesh(path)?),
+            ColorBy::Distance(path) => {
+                let body = read_mesh(path)?;
+                let skin = Surface::new(&body.mesh()?);
+                Self::Distance(Box::new(skin), 1e3 * metres_of(&body))
+            }
+            ColorBy::Displacement(path) => Self::Displacement(read_mesh(path)?),
+            ColorBy::File(path) => Self::Numbers(path.clone()),
+        }))
+    }
+
+    pub(crate) fn scale(&self) -> Scale {
+        let viridis = |label| Scale {
+            label,
+            map: ColorMap::Viridis,
+            range: None,
+        };
+        match self {
+            Self::Stretch(_) => Scale::stretch(),
+            Self::Distance(..) => Scale::distance(),
+            Self::Displacement(_) => viridis("displacement (mm)".to_owned()),
+            Self::Numbers(path) => {
+                let stem = path.file_stem().unwrap_or_default();
+                viridis(stem.to_string_lossy().into_owned())
+            }
+        }
+    }
+
+    /// A value for each vertex of a mesh that is at `positions`, in the unit of its file.
+    pub(crate) fn values(&self, file: &ObjFile, positions: &[Point3]) -> anyhow::Result<Vec<f32>> {
+        Ok(match self {
+            Self::Stretch(rest) => {
+                check_same_vertices(file, rest)?;
+                mean_stretches(&file.polygon_edges(), rest.positions(), positions)
+            }
+            Self::Distance(skin, millimetres) => distances(positions, skin, *millimetres),
+            Self::Displacement(other) => {
+                check_same_vertices(file, other)?;
+                let millimetres = 1e3 * metres_of(file);
+                let pairs = positions.iter().zip(other.positions());
+                pairs.map(|(a, b)| millimetres * (a - b).norm()).collect()
+            }
+            Self::Numbers(path) => numbers(path, file.num_vertices())?,
+        })
+    }
+}
+
 /// Values `[vertex]` and how they are shown.
 #[derive(Debug)]
 pub(crate) struct Heatmap {
     values: Vec<f32>,
-    map: ColorMap,
-    range: Option<[f32; 2]>,
-    label: String,
+    scale: Scale,
 }
 
 impl Heatmap {
     pub(crate) fn new(color_by: &ColorBy, file: &ObjFile) -> anyhow::Result<Option<Self>> {
-        let (values, map, range, label) = match color_by {
-            ColorBy::Nothing => return Ok(None),
-            ColorBy::Stretch(path) => {
-                let rest = same_vertices(file, read_mesh(path)?)?;
-                let values = mean_stretches(file, rest.positions());
-                (values, ColorMap::CoolWarm, None, "stretch (%)".to_owned())
-            }
-            ColorBy::Distance(path) => {
-                let body = read_mesh(path)?;
-                let skin = Surface::new(&body.mesh()?);
-                let values = distances(file.positions(), &skin, 1e3 * metres_of(&body));
-                let label = "to the skin (mm)".to_owned();
-                (values, ColorMap::CoolWarm, Some(DISTANCES), label)
-            }
-            ColorBy::Displacement(path) => {
-                let other = same_vertices(file, read_mesh(path)?)?;
-                let millimetres = 1e3 * metres_of(file);
-                let pairs = file.positions().iter().zip(other.positions());
-                let values = pairs.map(|(a, b)| millimetres * (a - b).norm()).collect();
-                (
-                    values,
-                    ColorMap::Viridis,
-                    None,
-                    "displacement (mm)".to_owned(),
-                )
-            }
-            ColorBy::File(path) => {
-                let values = numbers(path, file.num_vertices())?;
-                let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-                (values, ColorMap::Viridis, None, stem.into_owned())
-            }
+        let Some(measure) = Measure::read(color_by)? else {
+            return Ok(None);
         };
         Ok(Some(Self {
-            values,
-            map,
-            range,
-            label,
+            values: measure.values(file, file.positions())?,
+            scale: measure.scale(),
         }))
     }
 
     pub(crate) fn heat(&self, range: Option<[f32; 2]>) -> Heat<'_> {
         Heat {
-            map: self.map,
-            range: range.or(self.range),
-            ..Heat::new(&self.values, &self.label)
+            map: self.scale.map,
+            range: range.or(self.scale.range),
+            ..Heat::new(&self.values, &self.scale.label)
         }
     }
 }
 
-fn same_vertices(file: &ObjFile, other: ObjFile) -> anyhow::Result<ObjFile> {
+fn check_same_vertices(file: &ObjFile, other: &ObjFile) -> anyhow::Result<()> {
     let (expected, found) = (file.num_vertices(), other.num_vertices());
     if found == expected {
-        return Ok(other);
+        return Ok(());
     }
     Err(refused(
         format!(
@@ -140,10 +201,13 @@ fn same_vertices(file: &ObjFile, other: ObjFile) -> anyhow::Result<ObjFile> {
 }
 
 /// Mean stretch of the edges of each vertex, in percent; 0 of no edge.
-fn mean_stretches(file: &ObjFile, rest: &[Point3]) -> Vec<f32> {
-    let positions = file.positions();
+pub(crate) fn mean_stretches(
+    edges: &[[u32; 2]],
+    rest: &[Point3],
+    positions: &[Point3],
+) -> Vec<f32> {
     let mut sums = vec![(0.0_f32, 0.0_f32); positions.len()];
-    for [a, b] in file.polygon_edges() {
+    for &[a, b] in edges {
         let length = |positions: &[Point3]| (positions[a as usize] - positions[b as usize]).norm();
         let rest_length = length(rest);
         if rest_length > 0.0 {
@@ -158,8 +222,8 @@ fn mean_stretches(file: &ObjFile, rest: &[Point3]) -> Vec<f32> {
     sums.into_iter().map(mean).collect()
 }
 
-/// Distances to the skin, negative inside.
-fn distances(positions: &[Point3], skin: &Surface, millimetres: f32) -> Vec<f32> {
+/// Distances to the skin, negative inside, times how many millimetres a unit is.
+pub(crate) fn distances(positions: &[Point3], skin: &Surface, millimetres: f32) -> Vec<f32> {
     let is_inside = skin.contains_all(positions);
     let closest = skin.closest_all(positions);
     let signed = closest.iter().zip(is_inside).map(|(closest, inside)| {

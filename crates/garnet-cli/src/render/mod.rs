@@ -1,6 +1,6 @@
 //! `garnet render`: a shaded picture of meshes.
 
-mod colors;
+pub(crate) mod colors;
 mod words;
 
 use std::path::{Path, PathBuf};
@@ -22,6 +22,7 @@ use crate::{
     rig_args::RigArgs,
 };
 use colors::{ColorBy, Heatmap};
+pub(crate) use words::UpName;
 use words::ViewName;
 
 /// Arguments of `render`.
@@ -65,7 +66,7 @@ pub(crate) struct RenderArgs {
     zoom: f32,
     /// Axis that points up.
     #[arg(long, hide_short_help = true, value_name = "AXIS", default_value = "y")]
-    up: words::UpName,
+    up: UpName,
 }
 
 const DEFAULT_SIZE: [u32; 2] = [600, 800];
@@ -171,7 +172,7 @@ fn upright(file: &ObjFile, up: UpAxis) -> anyhow::Result<TriMesh> {
 }
 
 /// How many metres one unit of a file is, if it is of the size of a person.
-fn metres_of(file: &ObjFile) -> f32 {
+pub(crate) fn metres_of(file: &ObjFile) -> f32 {
     let named = Bounds::of_faces(file.positions(), &file.triangles());
     let extent = named.unwrap_or_default().extent();
     let unit = garnet::io::guess_body_unit(extent.max());

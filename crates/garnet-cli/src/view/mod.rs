@@ -1,0 +1,430 @@
+//! `garnet view`: a page that shows meshes in a browser.
+
+mod moving;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use garnet::{Point3, TriMesh, knn::Surface};
+use garnet_view::{Coloring, Page, PageMesh, PagePane, PagePart, palette};
+use rayon::prelude::*;
+
+use crate::{
+    console::{Console, print_document},
+    failure::{ExitStatus, refused},
+    output,
+    render::{
+        UpName,
+        colors::{ColorBy, Measure, Scale, color_by, distances},
+        metres_of,
+    },
+    rig_args::RigArgs,
+};
+use moving::Moving;
+
+/// Arguments of `view`.
+#[derive(Debug, Args)]
+#[command(after_long_help = LONG_HELP)]
+pub(crate) struct ViewArgs {
+    /// Meshes, as OBJ, GLB, glTF or npz: garments, each in a pane of its own, and the body last. A
+    /// folder with an OBJ for each frame, or an npz of all frames, is a motion.
+    #[arg(value_name = "MESH", required = true)]
+    meshes: Vec<PathBuf>,
+    /// Where the page goes, as HTML.
+    #[arg(short, long, value_name = "HTML")]
+    output: PathBuf,
+    /// A body; then all of MESH are garments. Named again: a body for each garment, in their order.
+    #[arg(long, value_name = "OBJ")]
+    body: Vec<PathBuf>,
+    /// How rigs are read.
+    #[command(flatten)]
+    rig: RigArgs,
+    /// What the garments are called, with commas [default: their files].
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    names: Vec<String>,
+    /// A heat map to choose: stretch=REST.obj, distance=BODY.obj, displacement=OTHER.obj or
+    /// file=VALUES.txt (one number for each vertex); several by naming it again
+    /// [default: the distance from each garment to its body; none for none].
+    #[arg(long, value_name = "WHAT", value_parser = color_by)]
+    color_by: Vec<ColorBy>,
+    /// Frames a second of a motion [default: those of an npz, else 30].
+    #[arg(long, hide_short_help = true, value_name = "N", value_parser = frames_a_second, allow_negative_numbers = true)]
+    fps: Option<f64>,
+    /// What stands above the page [default: the names].
+    #[arg(long, hide_short_help = true, value_name = "TEXT")]
+    title: Option<String>,
+    /// Axis that points up.
+    #[arg(long, hide_short_help = true, value_name = "AXIS", default_value = "y")]
+    up: UpName,
+}
+
+const LONG_HELP: &str = "\
+The page is one file that any browser opens, without a network. In it, `?` lists the keys.";
+
+fn frames_a_second(text: &str) -> Result<f64, String> {
+    let fps = text.parse().ok();
+    fps.filter(|fps| (1e-3..=1e3).contains(fps))
+        .ok_or_else(|| "expected frames a second from 0.001 to 1000".to_owned())
+}
+
+/// Browsers open larger pages slowly, in bytes.
+const LARGE: usize = 20_000_000;
+
+/// Reads the meshes, measures what they can be colored by, writes.
+pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    output::check_page(&args.output)?;
+    let (garments, bodies) = parts(args)?;
+    let files = args.color_by.iter().filter_map(ColorBy::file);
+    let read = garments.iter().chain(bodies).map(PathBuf::as_path);
+    let read: Vec<&Path> = read.chain(files).collect();
+    output::check_apart(&[&args.output], &read)?;
+    let up = args.up.axis();
+    let options = args.rig.clone().options();
+    let paths: Vec<&PathBuf> = garments.iter().chain(bodies).collect();
+    let moving: Vec<anyhow::Result<Moving>> = (paths.par_iter())
+        .map(|path| Moving::read(path, &options, up))
+        .collect();
+    let moving = moving.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    let frames = frames_of(&moving)?;
+    let (of_garments, of_bodies) = moving.split_at(garments.len());
+    let body_of = |garment: usize| match of_bodies {
+        [] => None,
+        [one] => Some(one),
+        each => Some(&each[garment]),
+    };
+    let measures = measures(&args.color_by)?;
+    let has_own_distance =
+        (args.color_by.iter()).any(|by| matches!(by, ColorBy::Nothing | ColorBy::Distance(_)));
+    let colorings = |(index, garment): (usize, &Moving)| {
+        let mut all = Vec::new();
+        if let Some(body) = body_of(index).filter(|_| !has_own_distance) {
+            all.push(to_the_skin(garment, body)?);
+        }
+        for (measure, scale) in &measures {
+            let values = each_frame(garment.num_frames(), |frame| {
+                measure.values(garment.file(), garment.positions(frame))
+            });
+            all.push(coloring(scale, values?));
+        }
+        Ok(all)
+    };
+    let colorings: Vec<anyhow::Result<Vec<Coloring>>> =
+        of_garments.iter().enumerate().map(colorings).collect();
+    let colorings = colorings.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    let names = names_of(args, garments)?;
+    let title = args
+        .title
+        .clone()
+        .unwrap_or_else(|| title_of(&names, bodies));
+    let meshes = moving.iter().map(Moving::upright);
+    let meshes: Vec<TriMesh> = meshes.collect::<anyhow::Result<_>>()?;
+    let page = Page {
+        meshes: page_meshes(&names, bodies, &moving, &meshes, colorings),
+        panes: panes(&names, bodies.len()),
+        fps: args
+            .fps
+            .or(moving.iter().find_map(Moving::fps))
+            .unwrap_or(30.0),
+        frames,
+        ..Page::new(title)
+    };
+    let bytes = write_page(&args.output, &page, console)?;
+    let (num_meshes, num_frames) = (page.meshes.len(), page.frames.len().max(1));
+    console.summary(&format_args!(
+        "wrote `{}`: {num_meshes} {}, {num_frames} {}, {:.2} MB",
+        args.output.display(),
+        if num_meshes == 1 { "mesh" } else { "meshes" },
+        if num_frames == 1 { "frame" } else { "frames" },
+        1e-6 * bytes as f64
+    ));
+    if console.is_json() {
+        print_document(&serde_json::json!({
+            "schema": "garnet.view/1",
+            "output": args.output.display().to_string(),
+            "meshes": paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+            "frames": num_frames,
+            "bytes": bytes,
+        }))?;
+    }
+    Ok(ExitStatus::Done)
+}
+
+/// Garments and bodies: the last of several meshes is the body, unless it is named as such.
+fn parts(args: &ViewArgs) -> anyhow::Result<(&[PathBuf], &[PathBuf])> {
+    let (garments, bodies) = match &args.meshes[..] {
+        [garments @ .., body] if !garments.is_empty() && args.body.is_empty() => {
+            (garments, std::slice::from_ref(body))
+        }
+        garments => (garments, &args.body[..]),
+    };
+    if bodies.len() > 1 && bodies.len() != garments.len() {
+        return Err(refused(
+            "each garment needs a body",
+            format!(
+                "there are {} garments and {} bodies",
+                garments.len(),
+                bodies.len()
+            ),
+            "name one `--body` for all garments, or one for each",
+        ));
+    }
+    Ok((garments, bodies))
+}
+
+/// Names of the frames, which all that moves shares.
+fn frames_of(moving: &[Moving]) -> anyhow::Result<Vec<String>> {
+    let mut moves = moving.iter().filter(|mesh| mesh.num_frames() > 1);
+    let Some(first) = moves.next() else {
+        return Ok(Vec::new());
+    };
+    let count = first.num_frames();
+    if let Some(other) = moves.find(|mesh| mesh.num_frames() != count) {
+        return Err(refused(
+            "the meshes do not move together",
+            format!(
+                "`{}` has {count} frames, `{}` has {}",
+                first.path().display(),
+                other.path().display(),
+                other.num_frames()
+            ),
+            "give the same frames of each, or one",
+        ));
+    }
+    Ok(first.names().to_vec())
+}
+
+/// What is to be measured, each under a label of its own.
+fn measures(color_by: &[ColorBy]) -> anyhow::Result<Vec<(Measure, Scale)>> {
+    let mut measures: Vec<(Measure, Scale)> = Vec::new();
+    for by in color_by {
+        let Some(measure) = Measure::read(by)? else {
+            continue;
+        };
+        let mut scale = measure.scale();
+        let is_taken = measures.iter().any(|(_, other)| other.label == scale.label);
+        if let Some(path) = by.file().filter(|_| is_taken) {
+            scale.label = format!("{}: {}", scale.label, path.display());
+        }
+        measures.push((measure, scale));
+    }
+    Ok(measures)
+}
+
+fn coloring(scale: &Scale, values: Vec<Vec<f32>>) -> Coloring {
+    Coloring {
+        label: scale.label.clone(),
+        map: scale.map,
+        range: scale.range,
+        values,
+    }
+}
+
+/// Distances from a garment to the skin of its body, in each frame in which one of them moves.
+fn to_the_skin(garment: &Moving, body: &Moving) -> anyhow::Result<Coloring> {
+    let millimetres = 1e3 * metres_of(body.file());
+    let skin = Surface::new(&body.file().mesh()?);
+    let frames = garment.num_frames().max(body.num_frames());
+    let values = each_frame(frames, |frame| {
+        let moved = match frame {
+            0 => None,
+            _ => Some(skin.moved(body.positions(frame).to_vec())?),
+        };
+        let skin = moved.as_ref().unwrap_or(&skin);
+        Ok(distances(garment.positions(frame), skin, millimetres))
+    });
+    Ok(coloring(&Scale::distance(), values?))
+}
+
+/// What is measured in each frame.
+fn each_frame(
+    count: usize,
+    of: impl Fn(usize) -> anyhow::Result<Vec<f32>> + Sync,
+) -> anyhow::Result<Vec<Vec<f32>>> {
+    let values: Vec<anyhow::Result<Vec<f32>>> = (0..count).into_par_iter().map(of).collect();
+    values.into_iter().collect()
+}
+
+/// What the garments are called: as asked for, or by their files, with folders where those alone
+/// differ.
+fn names_of(args: &ViewArgs, garments: &[PathBuf]) -> anyhow::Result<Vec<String>> {
+    let expected = garments.len();
+    if !args.names.is_empty() {
+        let found = args.names.len();
+        if found != expected {
+            return Err(refused(
+                "`--names` has one for each garment",
+                format!("there are {found} names and {expected} garments"),
+                "name each garment, with commas between",
+            ));
+        }
+        return Ok(args.names.clone());
+    }
+    let stems: Vec<String> = garments.iter().map(|path| stem_of(path)).collect();
+    let is_told = |stem: &String| stems.iter().filter(|other| *other == stem).count() == 1;
+    let named = |(path, stem): (&PathBuf, &String)| {
+        let folder = path.parent().and_then(Path::file_name);
+        match folder {
+            Some(folder) if !is_told(stem) => format!("{}/{stem}", folder.to_string_lossy()),
+            _ => stem.clone(),
+        }
+    };
+    Ok(garments.iter().zip(&stems).map(named).collect())
+}
+
+fn stem_of(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    stem.to_string_lossy().into_owned()
+}
+
+fn title_of(names: &[String], bodies: &[PathBuf]) -> String {
+    let names = names.join(", ");
+    match bodies {
+        [body] => format!("{names} on {}", stem_of(body)),
+        _ => names,
+    }
+}
+
+/// Garments in strong colors, in their order, and then bodies in that of skin.
+fn page_meshes<'a>(
+    names: &[String],
+    bodies: &[PathBuf],
+    moving: &[Moving],
+    meshes: &'a [TriMesh],
+    colorings: Vec<Vec<Coloring>>,
+) -> Vec<PageMesh<'a>> {
+    let strong = [palette::GARMENT, palette::REFERENCE, palette::THIRD];
+    let bodies = bodies.iter().map(|path| (stem_of(path), PagePart::Body));
+    let garments = names.iter().map(|name| (name.clone(), PagePart::Garment));
+    let mut colorings = colorings.into_iter();
+    let mesh = |(index, (name, part)): (usize, (String, PagePart))| PageMesh {
+        later: moving[index].later_upright(),
+        colorings: colorings.next().unwrap_or_default(),
+        ..PageMesh::new(
+            name,
+            part,
+            match part {
+                PagePart::Garment => strong[index % strong.len()],
+                PagePart::Body => palette::SKIN,
+            },
+            &meshes[index],
+        )
+    };
+    garments.chain(bodies).enumerate().map(mesh).collect()
+}
+
+/// A pane for each garment, with its body.
+fn panes(names: &[String], num_bodies: usize) -> Vec<PagePane> {
+    let pane = |(garment, name): (usize, &String)| {
+        let body = match num_bodies {
+            0 => None,
+            1 => Some(names.len()),
+            _ => Some(names.len() + garment),
+        };
+        PagePane {
+            name: name.clone(),
+            meshes: std::iter::once(garment).chain(body).collect(),
+        }
+    };
+    names.iter().enumerate().map(pane).collect()
+}
+
+/// A drape on its bodies, frame by frame, in metres with y up.
+pub(crate) struct Drapes<'a> {
+    /// What is draped.
+    pub(crate) name: String,
+    /// The garment, for its faces.
+    pub(crate) garment: &'a [[u32; 3]],
+    /// The body, for its faces.
+    pub(crate) body: &'a [[u32; 3]],
+    /// Positions `[frame][vertex]` of the garment.
+    pub(crate) cloth: Vec<Vec<Point3>>,
+    /// Positions `[frame][vertex]` of the body.
+    pub(crate) skin: Vec<Vec<Point3>>,
+    pub(crate) colorings: Vec<Coloring>,
+    /// Names of the frames.
+    pub(crate) frames: Vec<String>,
+    pub(crate) fps: f64,
+}
+
+impl Drapes<'_> {
+    /// Writes a page of them.
+    pub(crate) fn write(self, path: &Path, console: &Console) -> anyhow::Result<()> {
+        let (mut cloth, mut skin) = (self.cloth.into_iter(), self.skin.into_iter());
+        let first = |frames: &mut std::vec::IntoIter<Vec<Point3>>, faces: &[[u32; 3]]| {
+            let positions = frames.next().context("there is no drape to show")?;
+            anyhow::Ok(TriMesh::new(positions, faces.to_vec())?)
+        };
+        let garment = first(&mut cloth, self.garment)?;
+        let body = first(&mut skin, self.body)?;
+        let page = Page {
+            meshes: vec![
+                PageMesh {
+                    later: cloth.collect(),
+                    colorings: self.colorings,
+                    ..PageMesh::new(&self.name, PagePart::Garment, palette::GARMENT, &garment)
+                },
+                PageMesh {
+                    later: skin.collect(),
+                    ..PageMesh::new("body", PagePart::Body, palette::SKIN, &body)
+                },
+            ],
+            panes: vec![PagePane {
+                name: self.name.clone(),
+                meshes: vec![0, 1],
+            }],
+            frames: if self.frames.len() > 1 {
+                self.frames
+            } else {
+                Vec::new()
+            },
+            fps: self.fps,
+            ..Page::new(&self.name)
+        };
+        write_page(path, &page, console)?;
+        Ok(())
+    }
+}
+
+/// Writes a page, and tells how many bytes it has.
+fn write_page(path: &Path, page: &Page<'_>, console: &Console) -> anyhow::Result<usize> {
+    let html = page.to_html();
+    let html = html.with_context(|| format!("cannot show `{}`", path.display()))?;
+    output::write(path, html.as_bytes())?;
+    if html.len() > LARGE {
+        console.warning(&format_args!(
+            "`{}` has {:.0} MB, which browsers open slowly: take fewer frames, as FIRST:END:STEP",
+            path.display(),
+            1e-6 * html.len() as f64
+        ));
+    }
+    Ok(html.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_files_share_get_their_folders() {
+        let args = |names: &[&str]| ViewArgs {
+            meshes: Vec::new(),
+            output: PathBuf::new(),
+            body: Vec::new(),
+            rig: RigArgs::default(),
+            names: names.iter().map(|name| (*name).to_owned()).collect(),
+            color_by: Vec::new(),
+            fps: None,
+            title: None,
+            up: UpName::Y,
+        };
+        let named = |paths: &[&str]| {
+            let paths: Vec<PathBuf> = paths.iter().map(PathBuf::from).collect();
+            names_of(&args(&[]), &paths).unwrap()
+        };
+        assert_eq!(named(&["a/fast.obj", "b/warp.obj"]), ["fast", "warp"]);
+        assert_eq!(named(&["a/x.obj", "b/x.obj"]), ["a/x", "b/x"]);
+        assert_eq!(named(&["x.obj", "b/x.obj", "walk/"]), ["x", "b/x", "walk"]);
+        assert!(names_of(&args(&["one"]), &["x".into(), "y".into()]).is_err());
+    }
+}

@@ -1,0 +1,231 @@
+//! A mesh in one frame or several.
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, ensure};
+use garnet::{
+    Point3, TriMesh,
+    io::{ArrayProblem, FileProblem, Frame, NpzFile, ObjFile, RigOptions, is_rig, read_mesh_of},
+    mesh::{Unit, UpAxis},
+};
+
+use crate::failure::refused;
+
+/// A mesh, and where its vertices are in the frames after the first, as the files have them.
+#[derive(Debug)]
+pub(super) struct Moving {
+    path: PathBuf,
+    file: ObjFile,
+    later: Vec<Vec<Point3>>,
+    names: Vec<String>,
+    fps: Option<f64>,
+    frame: Frame,
+}
+
+impl Moving {
+    /// Reads a mesh, a folder of OBJ files, or an npz with the positions of all frames.
+    pub(super) fn read(path: &Path, options: &RigOptions, up: UpAxis) -> anyhow::Result<Self> {
+        if path.is_dir() {
+            return Self::in_folder(path, up);
+        }
+        if let Some(moving) = Self::in_npz(path, up)? {
+            return Ok(moving);
+        }
+        // Rigs have y up, whatever the OBJ files have.
+        let up = if is_rig(path) { UpAxis::Y } else { up };
+        let file = read_mesh_of(path, options)?;
+        Ok(Self::still(path, file, up))
+    }
+
+    fn still(path: &Path, file: ObjFile, up: UpAxis) -> Self {
+        Self {
+            path: path.to_path_buf(),
+            file,
+            later: Vec::new(),
+            names: Vec::new(),
+            fps: None,
+            frame: Frame {
+                unit: Unit::Metre,
+                up,
+            },
+        }
+    }
+
+    /// The OBJ files of a folder, in the order of their names.
+    fn in_folder(folder: &Path, up: UpAxis) -> anyhow::Result<Self> {
+        let cannot = || format!("cannot read the folder `{}`", folder.display());
+        let entries = fs::read_dir(folder).with_context(cannot)?;
+        let paths: io::Result<Vec<PathBuf>> = entries.map(|entry| Ok(entry?.path())).collect();
+        let mut paths = paths.with_context(cannot)?;
+        paths.retain(|path| {
+            path.extension()
+                .is_some_and(|kind| kind.eq_ignore_ascii_case("obj"))
+        });
+        paths.sort();
+        let Some((first, others)) = paths.split_first() else {
+            return Err(refused(
+                cannot(),
+                "it has no OBJ",
+                "name a mesh, or a folder with an OBJ for each frame",
+            ));
+        };
+        let mut moving = Self::still(folder, ObjFile::read(first)?, up);
+        if others.is_empty() {
+            return Ok(moving);
+        }
+        let faces = moving.file.triangles();
+        for path in others {
+            let file = ObjFile::read(path)?;
+            if file.num_vertices() != moving.file.num_vertices() || file.triangles() != faces {
+                return Err(refused(
+                    format!("`{}` is no motion", folder.display()),
+                    format!(
+                        "`{}` and `{}` are not the same mesh in two frames",
+                        first.display(),
+                        path.display()
+                    ),
+                    "name a folder with the frames of one mesh alone",
+                ));
+            }
+            moving.later.push(file.positions().to_vec());
+        }
+        let stems = paths.iter().map(|path| super::stem_of(path));
+        moving.names = stems.collect();
+        Ok(moving)
+    }
+
+    /// The frames of an npz, if it has any: `vertices [frames, n, 3]`, `faces`, `fps`.
+    fn in_npz(path: &Path, up: UpAxis) -> anyhow::Result<Option<Self>> {
+        let extension = path.extension();
+        if !extension.is_some_and(|kind| kind.eq_ignore_ascii_case("npz")) {
+            return Ok(None);
+        }
+        let mut archive = NpzFile::open(path)?;
+        let Some(vertices) = archive.array("vertices")? else {
+            return Ok(None);
+        };
+        let &[num_frames, num_vertices, 3] = &vertices.shape[..] else {
+            return Ok(None);
+        };
+        archive.require(&["vertices", "faces"])?;
+        let faces = archive.array("faces")?.context("`faces` is there")?;
+        let wrong = |key: &str, problem: ArrayProblem| archive.wrong(key, problem);
+        let shape = |key: &str, found: &[usize], expected: &'static str| {
+            let found = found.to_vec();
+            wrong(key, ArrayProblem::Shape { found, expected })
+        };
+        if num_frames == 0 {
+            return Err(shape("vertices", &vertices.shape, "one frame or more").into());
+        }
+        if faces.shape.len() != 2 || faces.shape[1] != 3 {
+            return Err(shape("faces", &faces.shape, "[m, 3]").into());
+        }
+        let floats = vertices
+            .floats()
+            .map_err(|problem| wrong("vertices", problem))?;
+        let corners = faces
+            .integers()
+            .map_err(|problem| wrong("faces", problem))?;
+        let cannot = || format!("cannot read `{}`", path.display());
+        let corners = corners.iter().map(|&corner| {
+            let is_vertex = usize::try_from(corner).is_ok_and(|corner| corner < num_vertices);
+            ensure!(
+                is_vertex,
+                "a face has the vertex {corner}, of {num_vertices}"
+            );
+            Ok(corner as u32)
+        });
+        let corners: Vec<u32> = corners
+            .collect::<anyhow::Result<_>>()
+            .with_context(cannot)?;
+        let (faces, _) = corners.as_chunks::<3>();
+        let (points, _) = floats.as_chunks::<3>();
+        let points: Vec<Point3> = (points.iter())
+            .map(|point| point.map(|coordinate| coordinate as f32).into())
+            .collect();
+        let mut frames = points.chunks(num_vertices.max(1)).map(<[Point3]>::to_vec);
+        let first = TriMesh::new(frames.next().unwrap_or_default(), faces.to_vec());
+        let first = first.with_context(cannot)?;
+        let mut moving = Self::still(path, ObjFile::of_mesh(&first, path)?, up);
+        for positions in frames {
+            let moved = first.with_positions(positions).with_context(cannot)?;
+            moving.later.push(moved.into_parts().0);
+        }
+        moving.fps = match archive.array("fps")? {
+            Some(fps) => {
+                let values = fps
+                    .floats()
+                    .map_err(|problem| archive.wrong("fps", problem))?;
+                let fps = values
+                    .first()
+                    .copied()
+                    .filter(|fps| (1e-3..=1e3).contains(fps));
+                Some(
+                    fps.ok_or_else(|| FileProblem::Field {
+                        field: "fps".to_owned(),
+                        found: format!("{values:?}"),
+                        expected: "frames a second from 0.001 to 1000",
+                    })
+                    .with_context(cannot)?,
+                )
+            }
+            None => None,
+        };
+        if num_frames > 1 {
+            moving.names = (0..num_frames)
+                .map(|frame| format!("frame {frame}"))
+                .collect();
+        }
+        Ok(Some(moving))
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The mesh in the first frame.
+    pub(super) fn file(&self) -> &ObjFile {
+        &self.file
+    }
+
+    pub(super) fn num_frames(&self) -> usize {
+        1 + self.later.len()
+    }
+
+    /// Names of the frames; none of a mesh that keeps still.
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Frames a second, if the file tells.
+    pub(super) fn fps(&self) -> Option<f64> {
+        self.fps
+    }
+
+    /// Positions `[vertex]` in a frame, as the file has them; of what keeps still, in any.
+    pub(super) fn positions(&self, frame: usize) -> &[Point3] {
+        match frame.min(self.later.len()) {
+            0 => self.file.positions(),
+            frame => &self.later[frame - 1],
+        }
+    }
+
+    /// The mesh in the first frame, with y up.
+    pub(super) fn upright(&self) -> anyhow::Result<TriMesh> {
+        let mesh = self.file.mesh();
+        let mesh = mesh.with_context(|| format!("cannot read `{}`", self.path.display()))?;
+        let (positions, faces) = mesh.into_parts();
+        Ok(TriMesh::new(self.frame.to_metres(positions), faces)?)
+    }
+
+    /// Positions `[vertex]` in the frames after the first, with y up.
+    pub(super) fn later_upright(&self) -> Vec<Vec<Point3>> {
+        let frames = self.later.iter();
+        frames
+            .map(|positions| self.frame.to_metres(positions.clone()))
+            .collect()
+    }
+}
