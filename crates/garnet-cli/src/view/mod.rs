@@ -96,7 +96,7 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
     let measures = measures(&args.color_by)?;
     let has_own_distance =
         (args.color_by.iter()).any(|by| matches!(by, ColorBy::Nothing | ColorBy::Distance(_)));
-    let colorings = |(index, garment): (usize, &Moving)| {
+    let colorings = |(index, garment): (usize, &Moving)| -> anyhow::Result<Vec<Coloring>> {
         let mut all = Vec::new();
         if let Some(body) = body_of(index).filter(|_| !has_own_distance) {
             all.push(to_the_skin(garment, body)?);

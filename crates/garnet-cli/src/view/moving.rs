@@ -113,8 +113,8 @@ impl Moving {
         archive.require(&["vertices", "faces"])?;
         let faces = archive.array("faces")?.context("`faces` is there")?;
         let wrong = |key: &str, problem: ArrayProblem| archive.wrong(key, problem);
-        let shape = |key: &str, found: &[usize], expected: &'static str| {
-            let found = found.to_vec();
+        let shape = |key: &str, found: &[usize], expected: &str| {
+            let (found, expected) = (found.to_vec(), expected.to_owned());
             wrong(key, ArrayProblem::Shape { found, expected })
         };
         if num_frames == 0 {

@@ -128,8 +128,8 @@ fn scales<'a>(page: &'a Page<'a>) -> (Vec<Scale<'a>>, Vec<&'a str>) {
             labels.push(&coloring.label);
         }
     }
-    let scale = |label: &&'a str| {
-        let of_label: Vec<&Coloring> = all().filter(|found| found.label == *label).collect();
+    let scale = |&label: &&'a str| {
+        let of_label: Vec<&Coloring> = all().filter(|found| found.label == label).collect();
         let map = of_label[0].map;
         let given = of_label.iter().find_map(|coloring| coloring.range);
         let [low, high] = given.unwrap_or_else(|| {
