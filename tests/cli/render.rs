@@ -20,6 +20,7 @@ fn pictures_are_png_of_the_size_asked_for() {
         "--color-by distance=body.obj --range -5:30",
         "--color-by displacement=sleeve.obj --up z",
         "--color-by stretch=sleeve.obj --body bent.obj",
+        "--color-by problems",
     ] {
         let arguments = format!("render sleeve.obj body.obj -o out.png --size 320x120 {options}");
         let output = fixture.garnet(&arguments);
@@ -45,6 +46,7 @@ fn values_that_do_not_fit_are_refused() {
         ("file=words.txt", "line 2: `x` is not a number"),
         ("stretch=body.obj", "`body.obj`"),
         ("distance=no.obj", "`no.obj`"),
+        ("problems", "problems are looked for on a body"),
     ] {
         let output = fixture.garnet(&format!("render sleeve.obj -o out.png --color-by {what}"));
         assert_eq!(output.status.code(), Some(2), "{what}");

@@ -88,14 +88,19 @@ fn garments_stand_side_by_side_on_one_body() {
         2,
         "one for both garments"
     );
-    let labels = ["to the skin (mm)", "stretch (%)", "displacement (mm)"];
+    let labels = [
+        "to the skin (mm)",
+        "problems",
+        "stretch (%)",
+        "displacement (mm)",
+    ];
     assert_eq!(texts(&scene["colorings"], "label"), labels);
     // To itself there is none.
-    assert_eq!(scene["colorings"][2]["low"], 0.0);
-    assert!(scene["colorings"][2]["high"].as_f64().unwrap() > 0.1);
+    assert_eq!(scene["colorings"][3]["low"], 0.0);
+    assert!(scene["colorings"][3]["high"].as_f64().unwrap() > 0.1);
     assert_eq!(scene["frames"], json!([""]));
     let values = scene["meshes"][1]["values"].as_array().unwrap();
-    assert_eq!(values.len(), 3);
+    assert_eq!(values.len(), 4);
     assert_eq!(scene["meshes"][2]["values"], json!([]));
 }
 
@@ -160,7 +165,7 @@ fn drape_shows_what_it_writes() {
     assert_eq!(draped["frames"], json!(["bent", "more", "most"]));
     assert_eq!(
         texts(&draped["colorings"], "label"),
-        ["stretch (%)", "to the skin (mm)"]
+        ["stretch (%)", "to the skin (mm)", "problems"]
     );
     for mesh in [0, 1] {
         for frame in 0..3 {

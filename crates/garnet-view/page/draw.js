@@ -7,10 +7,11 @@ in vec4 normal;
 in float value;
 out vec3 facing;
 out float openness, level;
+flat out float kind;
 void main() {
   facing = mat3(view) * normal.xyz;
   openness = normal.w;
-  level = value;
+  level = kind = value;
   gl_Position = projection * (view * vec4(position, 1.0));
 }`;
 
@@ -19,10 +20,11 @@ void main() {
 const SURFACE_FRAGMENT = `#version 300 es
 precision highp float;
 uniform vec3 color, notFinite, up;
-uniform bool isHeat;
+uniform bool isHeat, hasKinds;
 uniform sampler2D heat;
 in vec3 facing;
 in float openness, level;
+flat in float kind;
 out vec4 pixel;
 const vec3 KEY = vec3(-0.661, 0.601, 0.450);
 const vec3 HALFWAY = vec3(-0.388, 0.353, 0.851);
@@ -32,8 +34,10 @@ void main() {
   vec3 n = normalize(facing);
   vec3 coat = color;
   if (isHeat) {
-    vec3 shown = texture(heat, vec2(level * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb;
-    coat = level < -0.01 ? notFinite : shown * shown;
+    // Kinds do not blend into each other: a face has that of one corner.
+    float along = hasKinds ? kind : level;
+    vec3 shown = texture(heat, vec2(along * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb;
+    coat = along < -0.01 ? notFinite : shown * shown;
   }
   if (!gl_FrontFacing) {
     n = -n;
@@ -380,6 +384,7 @@ class Painter {
       shape.show(frame);
       const isHeat = shape.color(coloring, this.scene.colorings[coloring]);
       gl.uniform1i(places.isHeat, isHeat);
+      gl.uniform1i(places.hasKinds, isHeat && this.scene.colorings[coloring].kinds.length > 0);
       gl.uniform3fv(places.color, linear(shape.mesh.color));
       gl[shape.isClosed ? "enable" : "disable"](gl.CULL_FACE);
       gl.bindVertexArray(shape.array);

@@ -167,11 +167,25 @@ function rounded(value) {
   return value.toFixed(Math.max(0, Math.min(4, 2 - digits)));
 }
 
-/** Mean and greatest of the values of a mesh that are shown. */
+/** How many vertices of a mesh have each kind but the first. */
+function counts(mesh, values, kinds) {
+  const found = kinds.map(() => 0);
+  for (let vertex = 0; vertex < mesh.vertices; vertex++) {
+    found[Math.round(valueAt(values, state.frame, vertex, mesh.vertices))]++;
+  }
+  const told = kinds.map((kind, index) => `${found[index]} ${kind}`).filter((_, index) => index > 0 && found[index] > 0);
+  return told.length > 0 ? `vertices: ${told.join(", ")}` : "no vertex";
+}
+
+/** Mean and ends of the values of a mesh that are shown. */
 function figures(mesh) {
   const values = mesh.values.find((found) => found.coloring === state.coloring);
   if (!values) {
     return null;
+  }
+  const { kinds } = scene.colorings[state.coloring];
+  if (kinds.length > 0) {
+    return counts(mesh, values, kinds);
   }
   let [sum, count, least, most] = [0, 0, Infinity, -Infinity];
   for (let vertex = 0; vertex < mesh.vertices; vertex++) {
@@ -184,6 +198,13 @@ function figures(mesh) {
     }
   }
   return count && `mean ${rounded(sum / count)}, from ${rounded(least)} to ${rounded(most)}`;
+}
+
+/** A spot of a color. */
+function dot(color) {
+  const spot = document.createElement("i");
+  spot.style.background = color;
+  return spot;
 }
 
 /** Writes names and figures over the panes. */
@@ -202,9 +223,7 @@ function tell() {
       const texts = [state.isTogether && isNamed ? mesh.name : "", found ?? ""].filter(Boolean);
       if (texts.length > 0) {
         const line = document.createElement("span");
-        const dot = document.createElement("i");
-        dot.style.background = mesh.color;
-        line.append(...(found ? [] : [dot]), texts.join(": "), document.createElement("br"));
+        line.append(...(found ? [] : [dot(mesh.color)]), texts.join(": "), document.createElement("br"));
         label.append(line);
       }
     }
@@ -227,6 +246,15 @@ function color(coloring) {
   part("legend").hidden = !found;
   if (found) {
     part("what").textContent = found.label;
+    const hasKinds = found.kinds.length > 0;
+    for (const name of ["bar", "low", "high", "kinds"]) {
+      part(name).hidden = (name === "kinds") !== hasKinds;
+    }
+    part("kinds").replaceChildren(...found.kinds.map((kind, index) => {
+      const line = document.createElement("li");
+      line.append(dot(found.colors[index]), kind);
+      return line;
+    }));
     part("low").value = rounded(found.low);
     part("high").value = rounded(found.high);
     part("bar").setAttribute("aria-label", `Colors from ${rounded(found.low)} to ${rounded(found.high)}: ${found.label}`);

@@ -23,7 +23,8 @@ const MAX_LABEL: usize = 24;
 /// The width that bars need, pixels; none without legends.
 pub(crate) fn width(legends: &[Legend<'_>], scale: u32) -> u32 {
     let widths = legends.iter().map(|legend| {
-        let ticks = (0..NUM_TICKS).map(|tick| text::width(&tick_text(legend, tick), scale));
+        let ticks = ticks(legend).into_iter();
+        let ticks = ticks.map(|(_, text)| text::width(&text, scale));
         let bar = (BAR_WIDTH + 2 * GAP) * scale + ticks.max().unwrap_or(0);
         let label: String = legend.label.chars().take(MAX_LABEL).collect();
         bar.max(text::width(&label, scale)) + 2 * GAP * scale
@@ -61,8 +62,8 @@ pub(crate) fn draw(
         };
         image.fill(line, bar_color(legend, row, bar_height));
     }
-    for tick in 0..NUM_TICKS {
-        let y = top + (bar_height - 1) * (NUM_TICKS - 1 - tick) / (NUM_TICKS - 1);
+    for (share, text) in ticks(legend) {
+        let y = top + ((bar_height - 1) as f32 * (1.0 - share)).round() as u32;
         let mark = Rect {
             x: left + BAR_WIDTH * scale,
             y: y.saturating_sub(scale / 2),
@@ -72,7 +73,7 @@ pub(crate) fn draw(
         image.fill(mark, palette::INK);
         let x = mark.x + mark.width + GAP * scale / 2;
         let y = y.saturating_sub(text::HEIGHT * scale / 2);
-        write(image, &tick_text(legend, tick), [x, y])?;
+        write(image, &text, [x, y])?;
     }
     Ok(())
 }
@@ -80,7 +81,34 @@ pub(crate) fn draw(
 /// The color of a row of a bar, from the upper end.
 fn bar_color(legend: &Legend<'_>, row: u32, bar_height: u32) -> Rgb {
     let last = bar_height.saturating_sub(1).max(1);
-    legend.map.color(1.0 - row as f32 / last as f32)
+    let share = 1.0 - row as f32 / last as f32;
+    let num_kinds = legend.map.kinds().len();
+    if num_kinds == 0 {
+        return legend.map.color(share);
+    }
+    // As much of the bar for each kind.
+    let kind = (share * num_kinds as f32)
+        .floor()
+        .min((num_kinds - 1) as f32);
+    legend.map.color(kind / (num_kinds - 1) as f32)
+}
+
+/// What is named along a bar: the share of it that is below, and its text.
+fn ticks(legend: &Legend<'_>) -> Vec<(f32, String)> {
+    let kinds = legend.map.kinds();
+    if kinds.is_empty() {
+        let tick = |tick: u32| {
+            (
+                tick as f32 / (NUM_TICKS - 1) as f32,
+                tick_text(legend, tick),
+            )
+        };
+        return (0..NUM_TICKS).map(tick).collect();
+    }
+    let count = kinds.len() as f32;
+    let kinds = kinds.into_iter().enumerate();
+    let tick = |(kind, name): (usize, &str)| ((kind as f32 + 0.5) / count, name.to_owned());
+    kinds.map(tick).collect()
 }
 
 fn tick_text(legend: &Legend<'_>, tick: u32) -> String {
@@ -130,6 +158,22 @@ mod tests {
         assert_eq!(bar_color(&LEGEND, 99, 100), ColorMap::Viridis.color(0.0));
         assert_eq!(tick_text(&LEGEND, 0), "-0.5");
         assert_eq!(tick_text(&LEGEND, NUM_TICKS - 1), "2");
+    }
+
+    #[test]
+    fn kinds_are_named_where_their_color_is() {
+        let legend = Legend {
+            map: ColorMap::Problems,
+            low: 0.0,
+            high: 3.0,
+            label: "problems",
+        };
+        for (kind, (share, name)) in ticks(&legend).into_iter().enumerate() {
+            assert_eq!(name, crate::Problem::ALL[kind].name());
+            let row = (100.0 * (1.0 - share)) as u32;
+            let color = ColorMap::Problems.color(kind as f32 / 3.0);
+            assert_eq!(bar_color(&legend, row, 101), color, "{name}");
+        }
     }
 
     #[test]

@@ -10,6 +10,46 @@ pub enum ColorMap {
     Viridis,
     /// Blue over light grey to red: for signed values, grey at zero (Moreland 2009).
     CoolWarm,
+    /// A color for each [`Problem`], which do not blend into each other.
+    Problems,
+}
+
+/// What can be wrong with a vertex of a drape, the worst last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Problem {
+    /// Nothing.
+    None,
+    /// Cloth runs through cloth.
+    ThroughCloth,
+    /// The body traps it where it runs through itself.
+    Trapped,
+    /// It is in the skin, or on a face that crosses it.
+    ThroughSkin,
+}
+
+impl Problem {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::None,
+        Self::ThroughCloth,
+        Self::Trapped,
+        Self::ThroughSkin,
+    ];
+
+    /// The value that [`ColorMap::Problems`] shows between 0 and 3.
+    pub fn value(self) -> f32 {
+        f32::from(self as u8)
+    }
+
+    /// What people call it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::ThroughCloth => "cloth through cloth",
+            Self::Trapped => "trapped",
+            Self::ThroughSkin => "through the skin",
+        }
+    }
 }
 
 /// How many control points a map has.
@@ -39,7 +79,22 @@ const COOL_WARM: [Rgb; NUM_POINTS] = [
     Rgb::new(180, 4, 38),
 ];
 
+const PROBLEMS: [Rgb; Problem::ALL.len()] = [
+    Rgb::new(201, 204, 209),
+    Rgb::new(230, 159, 0),
+    Rgb::new(86, 180, 233),
+    Rgb::new(204, 32, 39),
+];
+
 impl ColorMap {
+    /// Names of the kinds that it shows, from the lower end; none if its colors blend.
+    pub fn kinds(self) -> Vec<&'static str> {
+        match self {
+            Self::Viridis | Self::CoolWarm => Vec::new(),
+            Self::Problems => Problem::ALL.map(Problem::name).to_vec(),
+        }
+    }
+
     /// The color at `position`, 0 at the lower end and 1 at the upper.
     ///
     /// Positions beyond an end take the color of that end; a position that is not a number is
@@ -57,11 +112,15 @@ impl ColorMap {
             return crate::palette::NON_FINITE;
         }
         let points = self.points();
-        let along = position.clamp(0.0, 1.0) * (NUM_POINTS - 1) as f32;
+        let along = position.clamp(0.0, 1.0) * (points.len() - 1) as f32;
+        let along = match self {
+            Self::Viridis | Self::CoolWarm => along,
+            Self::Problems => along.round(),
+        };
         let first = points
             .iter()
             .enumerate()
-            .take(NUM_POINTS - 1)
+            .take(points.len() - 1)
             .rev()
             .find(|(index, _)| *index as f32 <= along)
             .map_or(0, |(index, _)| index);
@@ -73,10 +132,11 @@ impl ColorMap {
     }
 
     /// Colors at equal steps of the position, ends included; between them they change evenly.
-    pub(crate) const fn points(self) -> &'static [Rgb; NUM_POINTS] {
+    pub(crate) const fn points(self) -> &'static [Rgb] {
         match self {
             Self::Viridis => &VIRIDIS,
             Self::CoolWarm => &COOL_WARM,
+            Self::Problems => &PROBLEMS,
         }
     }
 
@@ -107,6 +167,20 @@ mod tests {
         assert_eq!(ColorMap::Viridis.color(-3.0), VIRIDIS[0]);
         assert_eq!(ColorMap::Viridis.color(f32::INFINITY), VIRIDIS[8]);
         assert_eq!(ColorMap::CoolWarm.color(0.5), COOL_WARM[4]);
+    }
+
+    #[test]
+    fn problems_have_a_color_each_and_none_between() {
+        let last = (Problem::ALL.len() - 1) as f32;
+        for (problem, color) in Problem::ALL.into_iter().zip(PROBLEMS) {
+            for off in [-0.4, 0.0, 0.4] {
+                assert_eq!(
+                    ColorMap::Problems.color((problem.value() + off) / last),
+                    color
+                );
+            }
+        }
+        assert_eq!(ColorMap::Problems.kinds().len(), PROBLEMS.len());
     }
 
     #[test]

@@ -59,7 +59,7 @@ pub use camera::{Camera, Projection};
 pub use chart::{
     Axis, Chart, Entry, Key, Level, Line, Mark, Scale, Series, Shape, Stroke, Symbol, safe,
 };
-pub use color_map::ColorMap;
+pub use color_map::{ColorMap, Problem};
 pub use error::ViewError;
 pub use image::Image;
 pub use layer::{BackSide, Heat, Layer, Paint, Shading};

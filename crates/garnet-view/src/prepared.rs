@@ -44,6 +44,11 @@ pub(crate) struct Legend<'a> {
 }
 
 impl Scale<'_> {
+    /// Whether values stand for kinds, which do not blend into each other.
+    pub(crate) fn has_kinds(&self) -> bool {
+        self.legend.map == ColorMap::Problems
+    }
+
     /// The color of a value.
     pub(crate) fn light(&self, value: f64) -> Light {
         let (low, high) = (f64::from(self.legend.low), f64::from(self.legend.high));
@@ -126,13 +131,14 @@ pub(crate) fn range_of(values: &[f32], map: ColorMap) -> [f32; 2] {
             let most = finite().map(f32::abs).reduce(f32::max).unwrap_or(0.0);
             [-most, most]
         }
+        ColorMap::Problems => [0.0, (map.points().len() - 1) as f32],
     };
     if low < high {
         return [low, high];
     }
     match map {
         ColorMap::Viridis => [low, (low + low.abs().max(1.0)).min(f32::MAX)],
-        ColorMap::CoolWarm => [-1.0, 1.0],
+        ColorMap::CoolWarm | ColorMap::Problems => [-1.0, 1.0],
     }
 }
 

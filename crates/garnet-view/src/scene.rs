@@ -133,7 +133,11 @@ impl<'a> Scene<'a> {
             Coat::Plain(light) => *light,
             Coat::Heat(scale) => {
                 let values = layer.mesh.faces()[face].map(|vertex| scale.values[vertex as usize]);
-                scale.light(meeting.mix(values))
+                scale.light(if scale.has_kinds() {
+                    meeting.nearest(values)
+                } else {
+                    meeting.mix(values)
+                })
             }
         };
         let mut color = match layer.back {
@@ -199,6 +203,11 @@ impl Meeting {
             .filter(|&(_, &weight)| weight > 0.0)
             .map(|(value, weight)| value * weight)
             .sum()
+    }
+
+    /// The value of the nearest corner.
+    fn nearest(&self, values: [f32; 3]) -> f64 {
+        f64::from(values[self.weights.imax()])
     }
 
     fn normal(&self, lens: &Lens, prepared: &Prepared<'_>, face: usize) -> Vector3<f32> {

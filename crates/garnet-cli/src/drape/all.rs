@@ -178,7 +178,7 @@ pub(super) fn drape_all(
             hiding.see(bound, &drape, &posed);
         }
         if let Some(viewing) = &mut viewing {
-            viewing.see(bound, target, &drape, &posed);
+            viewing.see(bound, target, &drape, &posed)?;
         }
         let (pushed, seconds) = timed(|| sink.push(&drape.positions, &posed));
         pushed?;

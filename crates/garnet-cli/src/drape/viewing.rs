@@ -8,7 +8,10 @@ use garnet_view::Coloring;
 use super::{Bound, sink::fps_of};
 use crate::{
     console::Console,
-    render::colors::{Scale, distances, mean_stretches},
+    render::{
+        colors::{Scale, distances, mean_stretches},
+        problems::problems,
+    },
     view::Drapes,
 };
 
@@ -21,6 +24,8 @@ pub(super) struct Viewing {
     stretches: Vec<Vec<f32>>,
     /// Of each drape, in millimetres.
     distances: Vec<Vec<f32>>,
+    /// Of each drape.
+    problems: Vec<Vec<f32>>,
     names: Vec<String>,
 }
 
@@ -32,22 +37,33 @@ impl Viewing {
             skin: Vec::new(),
             stretches: Vec::new(),
             distances: Vec::new(),
+            problems: Vec::new(),
             names: Vec::new(),
         }
     }
 
-    pub(super) fn see(&mut self, bound: &Bound, target: &Target, drape: &Drape, body: &PosedBody) {
+    pub(super) fn see(
+        &mut self,
+        bound: &Bound,
+        target: &Target,
+        drape: &Drape,
+        body: &PosedBody,
+    ) -> anyhow::Result<()> {
         let rest = bound.rest_positions();
         let stretches = mean_stretches(&bound.edges, rest, &drape.positions);
         self.stretches.push(stretches);
         self.distances
             .push(distances(&drape.positions, body.skin(), 1e3));
+        let faces = bound.garment.mesh().faces();
+        self.problems
+            .push(problems(&drape.positions, faces, body.skin())?);
         self.cloth.push(drape.positions.clone());
         self.skin.push(body.skin().positions().to_vec());
         let stem = target.path.file_stem().unwrap_or_default();
         let name = target.stem.clone();
         self.names
             .push(name.unwrap_or_else(|| stem.to_string_lossy().into_owned()));
+        Ok(())
     }
 
     /// Writes the page.
@@ -74,6 +90,7 @@ impl Viewing {
             colorings: vec![
                 coloring(Scale::stretch(), self.stretches),
                 coloring(Scale::distance(), self.distances),
+                coloring(Scale::problems(), self.problems),
             ],
             frames: self.names,
             fps: fps_of(bound),

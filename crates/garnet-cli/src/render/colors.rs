@@ -13,7 +13,7 @@ use garnet::{
 };
 use garnet_view::{ColorMap, Heat};
 
-use super::metres_of;
+use super::{metres_of, problems::problems};
 use crate::failure::refused;
 
 /// What the first mesh is colored by.
@@ -29,13 +29,15 @@ pub(crate) enum ColorBy {
     Displacement(PathBuf),
     /// Numbers in this file.
     File(PathBuf),
+    /// What is wrong with it on its body.
+    Problems,
 }
 
 impl ColorBy {
     /// The file that it is read from, if it is.
     pub(crate) fn file(&self) -> Option<&Path> {
         match self {
-            Self::Nothing => None,
+            Self::Nothing | Self::Problems => None,
             Self::Stretch(path)
             | Self::Distance(path)
             | Self::Displacement(path)
@@ -47,13 +49,14 @@ impl ColorBy {
 pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {
     match text.split_once('=') {
         None if text == "none" => Ok(ColorBy::Nothing),
+        None if text == "problems" => Ok(ColorBy::Problems),
         Some(("stretch", path)) => Ok(ColorBy::Stretch(path.into())),
         Some(("distance", path)) => Ok(ColorBy::Distance(path.into())),
         Some(("displacement", path)) => Ok(ColorBy::Displacement(path.into())),
         Some(("file", path)) => Ok(ColorBy::File(path.into())),
         _ => Err(
-            "expected `none`, `stretch=REST.obj`, `distance=BODY.obj`, `displacement=OTHER.obj` or \
-             `file=VALUES.txt`"
+            "expected `none`, `problems`, `stretch=REST.obj`, `distance=BODY.obj`, \
+             `displacement=OTHER.obj` or `file=VALUES.txt`"
                 .to_owned(),
         ),
     }
@@ -90,6 +93,43 @@ impl Scale {
             range: Some(DISTANCES),
         }
     }
+
+    /// Of what is wrong.
+    pub(crate) fn problems() -> Self {
+        Self {
+            label: "problems".to_owned(),
+            map: ColorMap::Problems,
+            range: None,
+        }
+    }
+}
+
+/// The body that a garment is on.
+#[derive(Debug)]
+pub(crate) struct Skin {
+    surface: Surface,
+    /// How many metres a unit of its file is.
+    metres: f32,
+}
+
+impl Skin {
+    /// Of a body whose vertices are at `positions`, in the unit of its file.
+    pub(crate) fn new(body: &ObjFile, positions: &[Point3]) -> anyhow::Result<Self> {
+        let mesh = body.mesh()?.with_positions(positions.to_vec())?;
+        Ok(Self {
+            surface: Surface::new(&mesh),
+            metres: metres_of(body),
+        })
+    }
+
+    /// What is wrong with a garment of the same unit.
+    fn problems(&self, positions: &[Point3], faces: &[[u32; 3]]) -> anyhow::Result<Vec<f32>> {
+        let scaled = |points: &[Point3]| -> Vec<Point3> {
+            points.iter().map(|point| point * self.metres).collect()
+        };
+        let skin = self.surface.moved(scaled(self.surface.positions()))?;
+        problems(&scaled(positions), faces, &skin)
+    }
 }
 
 /// What meshes are colored by, read once.
@@ -103,6 +143,10 @@ pub(crate) enum Measure {
     Displacement(ObjFile),
     /// The numbers of a file.
     Numbers(PathBuf),
+    /// Distance to the body that the mesh is on.
+    ToSkin,
+    /// What is wrong on that body.
+    Problems,
 }
 
 impl Measure {
@@ -118,6 +162,7 @@ impl Measure {
             }
             ColorBy::Displacement(path) => Self::Displacement(read_mesh(path)?),
             ColorBy::File(path) => Self::Numbers(path.clone()),
+            ColorBy::Problems => Self::Problems,
         }))
     }
 
@@ -129,7 +174,8 @@ impl Measure {
         };
         match self {
             Self::Stretch(_) => Scale::stretch(),
-            Self::Distance(..) => Scale::distance(),
+            Self::Distance(..) | Self::ToSkin => Scale::distance(),
+            Self::Problems => Scale::problems(),
             Self::Displacement(_) => viridis("displacement (mm)".to_owned()),
             Self::Numbers(path) => {
                 let stem = path.file_stem().unwrap_or_default();
@@ -138,9 +184,33 @@ impl Measure {
         }
     }
 
-    /// A value for each vertex of a mesh that is at `positions`, in the unit of its file.
-    pub(crate) fn values(&self, file: &ObjFile, positions: &[Point3]) -> anyhow::Result<Vec<f32>> {
+    /// Whether it depends on the body that the mesh is on.
+    pub(crate) fn needs_skin(&self) -> bool {
+        matches!(self, Self::ToSkin | Self::Problems)
+    }
+
+    /// A value for each vertex of a mesh that is at `positions`, in the unit of its file, on a body.
+    pub(crate) fn values(
+        &self,
+        file: &ObjFile,
+        positions: &[Point3],
+        skin: Option<&Skin>,
+    ) -> anyhow::Result<Vec<f32>> {
+        let on_body = || {
+            skin.ok_or_else(|| {
+                refused(
+                    format!("`{}` cannot be colored", file.path().display()),
+                    "problems are looked for on a body, and there is none",
+                    "name the body as the last mesh, or with `--body`",
+                )
+            })
+        };
         Ok(match self {
+            Self::ToSkin => {
+                let skin = on_body()?;
+                distances(positions, &skin.surface, 1e3 * skin.metres)
+            }
+            Self::Problems => on_body()?.problems(positions, &file.triangles())?,
             Self::Stretch(rest) => {
                 check_same_vertices(file, rest)?;
                 mean_stretches(&file.polygon_edges(), rest.positions(), positions)
@@ -165,12 +235,21 @@ pub(crate) struct Heatmap {
 }
 
 impl Heatmap {
-    pub(crate) fn new(color_by: &ColorBy, file: &ObjFile) -> anyhow::Result<Option<Self>> {
+    /// Of a mesh on a body.
+    pub(crate) fn new(
+        color_by: &ColorBy,
+        file: &ObjFile,
+        body: Option<&ObjFile>,
+    ) -> anyhow::Result<Option<Self>> {
         let Some(measure) = Measure::read(color_by)? else {
             return Ok(None);
         };
+        let body = body.filter(|_| measure.needs_skin());
+        let skin = body
+            .map(|body| Skin::new(body, body.positions()))
+            .transpose()?;
         Ok(Some(Self {
-            values: measure.values(file, file.positions())?,
+            values: measure.values(file, file.positions(), skin.as_ref())?,
             scale: measure.scale(),
         }))
     }

@@ -1,6 +1,7 @@
 //! `garnet render`: a shaded picture of meshes.
 
 pub(crate) mod colors;
+pub(crate) mod problems;
 mod words;
 
 use std::path::{Path, PathBuf};
@@ -51,8 +52,9 @@ pub(crate) struct RenderArgs {
     /// Size of the picture in pixels [default: 600 for each view, by 800].
     #[arg(long, value_name = "WxH", value_parser = words::size)]
     size: Option<[u32; 2]>,
-    /// Color the first mesh: none, stretch=REST.obj, distance=BODY.obj, displacement=OTHER.obj or
-    /// file=VALUES.txt (one number for each vertex).
+    /// Color the first mesh: none, problems (where it runs through body or cloth, or is trapped),
+    /// stretch=REST.obj, distance=BODY.obj, displacement=OTHER.obj or file=VALUES.txt (one number for
+    /// each vertex).
     #[arg(long, value_name = "WHAT", default_value = "none", value_parser = colors::color_by)]
     color_by: ColorBy,
     /// Values at the ends of the color bar.
@@ -86,7 +88,9 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
         .map(|path| Ok(read_mesh_of(path, &options)?))
         .collect();
     let files = files.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
-    let heat = Heatmap::new(&args.color_by, &files[0])?;
+    // The last of several meshes is the body.
+    let body = files[1..].last();
+    let heat = Heatmap::new(&args.color_by, &files[0], body)?;
     let upright = files.iter().map(|file| upright(file, up));
     let meshes = upright.collect::<anyhow::Result<Vec<_>>>()?;
     let [width, height] = args.size.unwrap_or_else(|| {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use garnet::{Point3, TriMesh, knn::Surface};
+use garnet::{Point3, TriMesh};
 use garnet_view::{Coloring, Page, PageMesh, PagePane, PagePart, palette};
 use rayon::prelude::*;
 
@@ -16,8 +16,7 @@ use crate::{
     output,
     render::{
         UpName,
-        colors::{ColorBy, Measure, Scale, color_by, distances},
-        metres_of,
+        colors::{ColorBy, Measure, Scale, Skin, color_by},
     },
     rig_args::RigArgs,
 };
@@ -43,9 +42,9 @@ pub(crate) struct ViewArgs {
     /// What the garments are called, with commas [default: their files].
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     names: Vec<String>,
-    /// A heat map to choose: stretch=REST.obj, distance=BODY.obj, displacement=OTHER.obj or
-    /// file=VALUES.txt (one number for each vertex); several by naming it again
-    /// [default: the distance from each garment to its body; none for none].
+    /// A coloring to choose: stretch=REST.obj, distance=BODY.obj, displacement=OTHER.obj or
+    /// file=VALUES.txt (one number for each vertex); several by naming it again. On a body there are
+    /// its distance and problems, too; none leaves them out.
     #[arg(long, value_name = "WHAT", value_parser = color_by)]
     color_by: Vec<ColorBy>,
     /// Frames a second of a motion [default: those of an npz, else 30].
@@ -93,21 +92,18 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
         [one] => Some(one),
         each => Some(&each[garment]),
     };
-    let measures = measures(&args.color_by)?;
-    let has_own_distance =
-        (args.color_by.iter()).any(|by| matches!(by, ColorBy::Nothing | ColorBy::Distance(_)));
+    let measures = measures(&args.color_by, !bodies.is_empty())?;
     let colorings = |(index, garment): (usize, &Moving)| -> anyhow::Result<Vec<Coloring>> {
-        let mut all = Vec::new();
-        if let Some(body) = body_of(index).filter(|_| !has_own_distance) {
-            all.push(to_the_skin(garment, body)?);
-        }
-        for (measure, scale) in &measures {
-            let values = each_frame(garment.num_frames(), |frame| {
-                measure.values(garment.file(), garment.positions(frame))
-            });
-            all.push(coloring(scale, values?));
-        }
-        Ok(all)
+        let all = measures.iter().map(|(measure, scale)| {
+            let values = values_of(measure, garment, body_of(index))?;
+            Ok(Coloring {
+                label: scale.label.clone(),
+                map: scale.map,
+                range: scale.range,
+                values,
+            })
+        });
+        all.collect()
     };
     let colorings: Vec<anyhow::Result<Vec<Coloring>>> =
         of_garments.iter().enumerate().map(colorings).collect();
@@ -194,16 +190,27 @@ fn frames_of(moving: &[Moving]) -> anyhow::Result<Vec<String>> {
     Ok(first.names().to_vec())
 }
 
-/// What is to be measured, each under a label of its own.
-fn measures(color_by: &[ColorBy]) -> anyhow::Result<Vec<(Measure, Scale)>> {
-    let mut measures: Vec<(Measure, Scale)> = Vec::new();
+/// What is to be measured, each under a label of its own: on a body distance and problems, unless
+/// they are asked for or left out, and what is asked for.
+fn measures(color_by: &[ColorBy], is_on_body: bool) -> anyhow::Result<Vec<(Measure, Scale)>> {
+    let is_asked = |is: fn(&ColorBy) -> bool| color_by.iter().any(is);
+    let mut all = Vec::new();
+    if is_on_body && !is_asked(|by| *by == ColorBy::Nothing) {
+        if !is_asked(|by| matches!(by, ColorBy::Distance(_))) {
+            all.push((Measure::ToSkin, None));
+        }
+        if !is_asked(|by| *by == ColorBy::Problems) {
+            all.push((Measure::Problems, None));
+        }
+    }
     for by in color_by {
-        let Some(measure) = Measure::read(by)? else {
-            continue;
-        };
+        all.extend(Measure::read(by)?.map(|measure| (measure, by.file())));
+    }
+    let mut measures: Vec<(Measure, Scale)> = Vec::with_capacity(all.len());
+    for (measure, file) in all {
         let mut scale = measure.scale();
         let is_taken = measures.iter().any(|(_, other)| other.label == scale.label);
-        if let Some(path) = by.file().filter(|_| is_taken) {
+        if let Some(path) = file.filter(|_| is_taken) {
             scale.label = format!("{}: {}", scale.label, path.display());
         }
         measures.push((measure, scale));
@@ -211,37 +218,20 @@ fn measures(color_by: &[ColorBy]) -> anyhow::Result<Vec<(Measure, Scale)>> {
     Ok(measures)
 }
 
-fn coloring(scale: &Scale, values: Vec<Vec<f32>>) -> Coloring {
-    Coloring {
-        label: scale.label.clone(),
-        map: scale.map,
-        range: scale.range,
-        values,
-    }
-}
-
-/// Distances from a garment to the skin of its body, in each frame in which one of them moves.
-fn to_the_skin(garment: &Moving, body: &Moving) -> anyhow::Result<Coloring> {
-    let millimetres = 1e3 * metres_of(body.file());
-    let skin = Surface::new(&body.file().mesh()?);
-    let frames = garment.num_frames().max(body.num_frames());
-    let values = each_frame(frames, |frame| {
-        let moved = match frame {
-            0 => None,
-            _ => Some(skin.moved(body.positions(frame).to_vec())?),
-        };
-        let skin = moved.as_ref().unwrap_or(&skin);
-        Ok(distances(garment.positions(frame), skin, millimetres))
-    });
-    Ok(coloring(&Scale::distance(), values?))
-}
-
-/// What is measured in each frame.
-fn each_frame(
-    count: usize,
-    of: impl Fn(usize) -> anyhow::Result<Vec<f32>> + Sync,
+/// Values `[frame][vertex]` of a garment, in each frame in which they may differ.
+fn values_of(
+    measure: &Measure,
+    garment: &Moving,
+    body: Option<&Moving>,
 ) -> anyhow::Result<Vec<Vec<f32>>> {
-    let values: Vec<anyhow::Result<Vec<f32>>> = (0..count).into_par_iter().map(of).collect();
+    let body = body.filter(|_| measure.needs_skin());
+    let count = garment.num_frames().max(body.map_or(1, Moving::num_frames));
+    let values = (0..count).into_par_iter().map(|frame| {
+        let skin = body.map(|body| Skin::new(body.file(), body.positions(frame)));
+        let skin = skin.transpose()?;
+        measure.values(garment.file(), garment.positions(frame), skin.as_ref())
+    });
+    let values: Vec<anyhow::Result<Vec<f32>>> = values.collect();
     values.into_iter().collect()
 }
 

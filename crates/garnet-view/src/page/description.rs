@@ -65,6 +65,8 @@ struct Scale<'a> {
     low: f32,
     high: f32,
     colors: Vec<String>,
+    /// What each color stands for, if they do not blend into each other.
+    kinds: Vec<&'static str>,
 }
 
 impl<'a> Description<'a> {
@@ -142,6 +144,7 @@ fn scales<'a>(page: &'a Page<'a>) -> (Vec<Scale<'a>>, Vec<&'a str>) {
             low,
             high,
             colors: map.points().iter().copied().map(hex).collect(),
+            kinds: map.kinds(),
         }
     };
     (labels.iter().map(scale).collect(), labels)
