@@ -457,7 +457,8 @@ function listen() {
     event.preventDefault();
     zoom(Math.exp(-0.0015 * event.deltaY * (event.deltaMode === 1 ? 30 : 1)));
   }, { passive: false });
-  stage.addEventListener("webglcontextlost", () => location.reload());
+  stage.addEventListener("webglcontextlost", (event) => event.preventDefault());
+  stage.addEventListener("webglcontextrestored", () => location.reload());
   new ResizeObserver(() => {
     tell();
     redraw();
