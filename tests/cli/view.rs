@@ -196,7 +196,7 @@ fn pages_of_other_kinds_and_over_other_files_are_refused() {
         ),
         (
             "view sleeve.obj body.obj -o no/page.html",
-            "the folder `no` does not exist",
+            "output folder `no` does not exist",
         ),
         (
             "drape sleeve.obj body.obj --pose bend.json -o out.obj --view page.obj",

@@ -1,44 +1,52 @@
 // Meshes on the screen, by WebGL 2: clay under the lamps of `garnet render`, heat maps, wireframes.
 
-const SURFACE_VERTEX = `#version 300 es
+// Software pays for each number that goes from corners to pixels: how open the surface is goes as
+// the length of its normal, and plain surfaces have no level.
+const SURFACE_VERTEX = `
 uniform mat4 view, projection;
 in vec3 position;
 in vec4 normal;
-in float value;
 out vec3 facing;
-out float openness, level;
+#ifdef HEAT
+in float value;
+out float level;
 flat out float kind;
+#endif
 void main() {
-  facing = mat3(view) * normal.xyz;
-  openness = normal.w;
+  facing = mat3(view) * normal.xyz * normal.w;
+#ifdef HEAT
   level = kind = value;
+#endif
   gl_Position = projection * (view * vec4(position, 1.0));
 }`;
 
 // Lines of sight count as parallel, squares and roots stand for the curve of sRGB: both are hardly
 // seen, and software draws twice as fast.
-const SURFACE_FRAGMENT = `#version 300 es
+const SURFACE_FRAGMENT = `
 precision highp float;
 uniform vec3 color, notFinite, up;
-uniform bool isHeat, hasKinds;
+uniform bool hasKinds;
 uniform sampler2D heat;
 in vec3 facing;
-in float openness, level;
+#ifdef HEAT
+in float level;
 flat in float kind;
+#endif
 out vec4 pixel;
 const vec3 KEY = vec3(-0.661, 0.601, 0.450);
 const vec3 HALFWAY = vec3(-0.388, 0.353, 0.851);
 const vec3 FILL = vec3(0.799, 0.050, 0.599);
 const vec3 RIM = vec3(0.350, 0.549, -0.759);
 void main() {
-  vec3 n = normalize(facing);
+  float openness = length(facing);
+  vec3 n = facing / openness;
   vec3 coat = color;
-  if (isHeat) {
-    // Kinds do not blend into each other: a face has that of one corner.
-    float along = hasKinds ? kind : level;
-    vec3 shown = texture(heat, vec2(along * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb;
-    coat = along < -0.01 ? notFinite : shown * shown;
-  }
+#ifdef HEAT
+  // Kinds do not blend into each other: a face has that of one corner.
+  float along = hasKinds ? kind : level;
+  vec3 shown = texture(heat, vec2(along * (255.0 / 256.0) + 0.5 / 256.0, 0.5)).rgb;
+  coat = along < -0.01 ? notFinite : shown * shown;
+#endif
   if (!gl_FrontFacing) {
     n = -n;
     coat *= 0.42;
@@ -50,24 +58,24 @@ void main() {
     + vec3(0.34, 0.35, 0.38) * grazing * grazing * grazing * clamp(dot(n, RIM) + 0.4, 0.0, 1.0);
   float crease = mix(0.45, 1.0, openness);
   vec3 light = sky * openness + lamps * crease;
+#ifdef HEAT
+  light = 1.0 + 0.55 * (light - 1.0);
   float sheen = 0.0;
-  if (isHeat) {
-    light = 1.0 + 0.55 * (light - 1.0);
-  } else {
-    float shine = max(dot(n, HALFWAY), 0.0);
-    float squared = shine * shine;
-    float fourth = squared * squared;
-    sheen = 0.085 * crease * fourth * fourth * fourth * squared;
-  }
+#else
+  float shine = max(dot(n, HALFWAY), 0.0);
+  float squared = shine * shine;
+  float fourth = squared * squared;
+  float sheen = 0.085 * crease * fourth * fourth * fourth * squared;
+#endif
   pixel = vec4(sqrt(coat * light + sheen), 1.0);
 }`;
 
-const LINE_VERTEX = `#version 300 es
+const LINE_VERTEX = `
 uniform mat4 view, projection;
 in vec3 position;
 void main() { gl_Position = projection * view * vec4(position, 1.0); }`;
 
-const LINE_FRAGMENT = `#version 300 es
+const LINE_FRAGMENT = `
 precision mediump float;
 uniform vec4 color;
 out vec4 pixel;
@@ -88,11 +96,11 @@ function linear(color) {
   return channels(color).map((channel) => channel ** 2);
 }
 
-function program(gl, vertex, fragment) {
+function program(gl, vertex, fragment, define = "") {
   const made = gl.createProgram();
   for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
     const shader = gl.createShader(kind);
-    gl.shaderSource(shader, text);
+    gl.shaderSource(shader, `#version 300 es\n${define}${text}`);
     gl.compileShader(shader);
     gl.attachShader(made, shader);
   }
@@ -277,7 +285,8 @@ class Painter {
     }
     this.gl = gl;
     this.scene = scene;
-    this.surface = program(gl, SURFACE_VERTEX, SURFACE_FRAGMENT);
+    this.plain = program(gl, SURFACE_VERTEX, SURFACE_FRAGMENT);
+    this.heat = program(gl, SURFACE_VERTEX, SURFACE_FRAGMENT, "#define HEAT\n");
     this.line = program(gl, LINE_VERTEX, LINE_FRAGMENT);
     this.shapes = scene.meshes.map((mesh) => new Shape(gl, mesh, scene.topologies[mesh.topology]));
     this.heats = scene.colorings.map((coloring) => this.table(coloring.colors));
@@ -369,12 +378,6 @@ class Painter {
     const { gl } = this;
     gl.viewport(...pane);
     gl.scissor(...pane);
-    gl.useProgram(this.surface.made);
-    const { places } = this.surface;
-    gl.uniformMatrix4fv(places.view, false, view);
-    gl.uniformMatrix4fv(places.projection, false, projection);
-    gl.uniform3f(places.up, view[4], view[5], view[6]);
-    gl.uniform3fv(places.notFinite, linear(this.scene.notFinite));
     gl.bindTexture(gl.TEXTURE_2D, this.heats[coloring] ?? null);
     if (isWireframe) {
       gl.enable(gl.POLYGON_OFFSET_FILL);
@@ -382,10 +385,15 @@ class Painter {
     for (const index of meshes) {
       const shape = this.shapes[index];
       shape.show(frame);
-      const isHeat = shape.color(coloring, this.scene.colorings[coloring]);
-      gl.uniform1i(places.isHeat, isHeat);
-      gl.uniform1i(places.hasKinds, isHeat && this.scene.colorings[coloring].kinds.length > 0);
+      const found = this.scene.colorings[coloring];
+      const { made, places } = shape.color(coloring, found) ? this.heat : this.plain;
+      gl.useProgram(made);
+      gl.uniformMatrix4fv(places.view, false, view);
+      gl.uniformMatrix4fv(places.projection, false, projection);
+      gl.uniform3f(places.up, view[4], view[5], view[6]);
       gl.uniform3fv(places.color, linear(shape.mesh.color));
+      gl.uniform3fv(places.notFinite, linear(this.scene.notFinite));
+      gl.uniform1i(places.hasKinds, found?.kinds.length > 0);
       gl[shape.isClosed ? "enable" : "disable"](gl.CULL_FACE);
       gl.bindVertexArray(shape.array);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, shape.triangles);

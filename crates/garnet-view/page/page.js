@@ -102,13 +102,14 @@ let isDue = false;
  *  pixels each way. Machines that are too slow for one take the next; at rest all draw smoothly. */
 let coarseness = 0;
 
-/** Milliseconds a picture takes, beyond which the next coarseness is taken. */
-const TOO_SLOW = [22, 100, Infinity];
+/** Milliseconds from what is asked for to the picture, beyond which the next coarseness is taken;
+ *  browsers keep up to three pictures on their way. */
+const TOO_SLOW = [22, 250, Infinity];
 
 /** Milliseconds after which a picture is at rest. */
 const REST = 120;
 
-/** How long the last pictures took, and what waits for rest. */
+/** Milliseconds that the last pictures took, and what waits for rest. */
 let [pace, resting] = [10, 0];
 
 function redraw() {
@@ -118,7 +119,8 @@ function redraw() {
       isDue = false;
       draw(coarseness);
       painter.time((passed) => {
-        pace += 0.2 * (passed - pace);
+        // One slow picture alone, such as the first, tells nothing.
+        pace += 0.2 * (Math.min(passed, 400) - pace);
         if (pace > TOO_SLOW[coarseness]) {
           [coarseness, pace] = [coarseness + 1, 10];
         }

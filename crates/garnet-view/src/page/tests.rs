@@ -112,7 +112,7 @@ fn decoded(html: &str) -> Decoded {
     let count = |value: &Value| value.as_u64().unwrap() as usize;
     let list = |value: &Value| value.as_array().unwrap().clone();
     let faces = list(&scene["topologies"])
-        .iter()
+        .into_iter()
         .map(|topology| reader.faces(count(&topology["faces"])));
     let faces = faces.collect();
     let (mut positions, mut values) = (Vec::new(), Vec::new());
