@@ -154,26 +154,7 @@ impl Moving {
             let moved = first.with_positions(positions).with_context(cannot)?;
             moving.later.push(moved.into_parts().0);
         }
-        moving.fps = match archive.array("fps")? {
-            Some(fps) => {
-                let values = fps
-                    .floats()
-                    .map_err(|problem| archive.wrong("fps", problem))?;
-                let fps = values
-                    .first()
-                    .copied()
-                    .filter(|fps| (1e-3..=1e3).contains(fps));
-                Some(
-                    fps.ok_or_else(|| FileProblem::Field {
-                        field: "fps".to_owned(),
-                        found: format!("{values:?}"),
-                        expected: "frames a second from 0.001 to 1000",
-                    })
-                    .with_context(cannot)?,
-                )
-            }
-            None => None,
-        };
+        moving.fps = fps_in(&mut archive).with_context(cannot)?;
         if num_frames > 1 {
             moving.names = (0..num_frames)
                 .map(|frame| format!("frame {frame}"))
@@ -227,5 +208,24 @@ impl Moving {
         frames
             .map(|positions| self.frame.to_metres(positions.clone()))
             .collect()
+    }
+}
+
+/// Frames a second, if an archive tells.
+fn fps_in(archive: &mut NpzFile) -> anyhow::Result<Option<f64>> {
+    let Some(array) = archive.array("fps")? else {
+        return Ok(None);
+    };
+    let values = array.floats();
+    let values = values.map_err(|problem| archive.wrong("fps", problem))?;
+    let fps = values.first().copied();
+    match fps.filter(|fps| (1e-3..=1e3).contains(fps)) {
+        Some(fps) => Ok(Some(fps)),
+        None => Err(FileProblem::Field {
+            field: "fps".to_owned(),
+            found: format!("{values:?}"),
+            expected: "frames a second from 0.001 to 1000",
+        }
+        .into()),
     }
 }

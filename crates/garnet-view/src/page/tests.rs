@@ -78,23 +78,26 @@ impl Reader {
     /// Codes `[frame][item][component]`.
     fn codes(&mut self, frames: usize, items: usize, components: usize) -> Vec<Vec<Vec<u16>>> {
         let mut all = vec![vec![vec![0_u16; components]; items]; frames];
-        for frame in 0..frames {
-            for component in 0..components {
-                let mut off = 0_u16;
-                for (item, code) in self.planes(2, items).into_iter().enumerate() {
-                    let before = |frames: usize| all[frame - frames][item][component];
-                    let guess = match frame {
-                        0 => 0,
-                        1 => before(1),
-                        _ => before(1).wrapping_mul(2).wrapping_sub(before(2)),
-                    };
-                    off = off.wrapping_add_signed(signed(code) as i16);
-                    all[frame][item][component] = guess.wrapping_add(off);
-                }
+        for (frame, component) in pairs(frames, components) {
+            let mut off = 0_u16;
+            for (item, code) in self.planes(2, items).into_iter().enumerate() {
+                let before = |frames: usize| all[frame - frames][item][component];
+                let guess = match frame {
+                    0 => 0,
+                    1 => before(1),
+                    _ => before(1).wrapping_mul(2).wrapping_sub(before(2)),
+                };
+                off = off.wrapping_add_signed(signed(code) as i16);
+                all[frame][item][component] = guess.wrapping_add(off);
             }
         }
         all
     }
+}
+
+/// Each of some numbers with each of others.
+fn pairs(first: usize, second: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..first).flat_map(move |a| (0..second).map(move |b| (a, b)))
 }
 
 fn signed(code: u32) -> i32 {
@@ -157,7 +160,7 @@ fn pane(name: &str, meshes: &[usize]) -> PagePane {
     }
 }
 
-fn garment<'a>(mesh: &'a TriMesh) -> PageMesh<'a> {
+fn garment(mesh: &TriMesh) -> PageMesh<'_> {
     PageMesh::new("cloth", PagePart::Garment, palette::GARMENT, mesh)
 }
 
