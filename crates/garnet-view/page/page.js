@@ -176,7 +176,7 @@ function counts(mesh, values, kinds) {
     found[Math.round(valueAt(values, state.frame, vertex, mesh.vertices))]++;
   }
   const told = kinds.map((kind, index) => `${found[index]} ${kind}`).filter((_, index) => index > 0 && found[index] > 0);
-  return told.length > 0 ? `vertices: ${told.join(", ")}` : "no vertex";
+  return told.length > 0 ? `vertices: ${told.join(", ")}` : "none found";
 }
 
 /** Mean and ends of the values of a mesh that are shown. */

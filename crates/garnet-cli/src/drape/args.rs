@@ -39,8 +39,8 @@ pub(crate) struct DrapeArgs {
     /// drawn: JSON, or a number a line if it ends with .txt.
     #[arg(long, value_name = "FILE")]
     hide: Option<PathBuf>,
-    /// Write a page that shows the drapes on their bodies in a browser, colored by stretch, distance to
-    /// the skin or problems, as HTML.
+    /// Write a page that shows the drapes on their bodies in a browser, colored by stretch,
+    /// distance to the skin or problems, as HTML.
     #[arg(long, value_name = "HTML")]
     view: Option<PathBuf>,
     /// A variant of the package: fast, balanced, accurate, or one of the paper's networks (naive,

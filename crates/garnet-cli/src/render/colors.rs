@@ -189,7 +189,8 @@ impl Measure {
         matches!(self, Self::ToSkin | Self::Problems)
     }
 
-    /// A value for each vertex of a mesh that is at `positions`, in the unit of its file, on a body.
+    /// A value for each vertex of a mesh that is at `positions`, in the unit of its file, on a
+    /// body.
     pub(crate) fn values(
         &self,
         file: &ObjFile,

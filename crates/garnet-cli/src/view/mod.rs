@@ -43,8 +43,8 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     names: Vec<String>,
     /// A coloring to choose: stretch=REST.obj, distance=BODY.obj, displacement=OTHER.obj or
-    /// file=VALUES.txt (one number for each vertex); several by naming it again. On a body there are
-    /// its distance and problems, too; none leaves them out.
+    /// file=VALUES.txt (one number for each vertex); several by naming it again. On a body there
+    /// are its distance and problems, too; none leaves them out.
     #[arg(long, value_name = "WHAT", value_parser = color_by)]
     color_by: Vec<ColorBy>,
     /// Frames a second of a motion [default: those of an npz, else 30].

@@ -1,8 +1,9 @@
 //! A page that shows meshes in a browser: one file, without a network.
 //!
-//! The page holds its program, which draws by WebGL 2, a description as JSON, and all numbers as one
-//! packed block: positions and values are rounded to 16 bits, told as differences from what comes
-//! before, their bytes sorted apart, deflated, and written in base64. `page/decode.js` undoes that.
+//! The page holds its program, which draws by WebGL 2, a description as JSON, and all numbers as
+//! one packed block: positions and values are rounded to 16 bits, told as differences from what
+//! comes before, their bytes sorted apart, deflated, and written in base64. `page/decode.js` undoes
+//! that.
 
 mod description;
 mod pack;
