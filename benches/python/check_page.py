@@ -11,7 +11,8 @@ without a network, with software rendering, and must
 - ask for no address,
 - look other after a key for each of turning, moving, zooming, parts, wireframe and coloring, after a
   drag of the mouse and after two fingers on the phone,
-- turn at 30 frames a second or more, each of them drawn to the end, at 800 x 600.
+- turn at 30 frames a second or more, all of them drawn to the end, at 800 x 600, if no more than
+  20,000 vertices are seen (in all panes); of larger pages the rate is told.
 
 Prints a line a check, writes a picture of each screen, and ends with 1 if a check fails. Needs
 Python's own library alone.
@@ -31,7 +32,7 @@ import zlib
 
 WIDTH, HEIGHT = 800, 600
 PHONE = {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
-LEAST_RATE = 30.0
+LEAST_RATE, MOST_VERTICES = 30.0, 20_000
 SECONDS = 5
 
 # Turns by a key in each frame, and waits at the end until all pictures are there.
@@ -55,6 +56,15 @@ new Promise((done) => {
   };
   turn();
 })
+"""
+
+
+# How many vertices are drawn, those of a body in each pane.
+SEEN = """
+(() => {
+  const { panes, meshes } = JSON.parse(document.getElementById("scene").textContent);
+  return panes.flatMap((pane) => pane.meshes).reduce((sum, mesh) => sum + meshes[mesh].vertices, 0);
+})()
 """
 
 
@@ -311,7 +321,7 @@ def check(browser, page, out, checks):
     # As large as is asked for without what is round it.
     beside = browser.run("innerHeight - document.getElementById('stage').clientHeight")
     browser.screen(WIDTH, HEIGHT + beside)
-    num_vertices = browser.run("JSON.parse(document.getElementById('scene').textContent).meshes.reduce((sum, mesh) => sum + mesh.vertices, 0)")
+    num_vertices = browser.run(SEEN)
     first = browser.picture()
     (out / f"{page.stem}-desktop.png").write_bytes(first)
     share, colors = share_drawn(first, (0, beside, WIDTH, HEIGHT + beside))
@@ -347,7 +357,7 @@ def check(browser, page, out, checks):
     size = browser.run("['width', 'height'].map((side) => document.getElementById('stage')[side]).join(' x ')")
     renderer = browser.run("(() => { const gl = document.getElementById('stage').getContext('webgl2'); return gl.getParameter(gl.getExtension('WEBGL_debug_renderer_info').UNMASKED_RENDERER_WEBGL); })()")
     checks.hold(
-        rate >= LEAST_RATE,
+        rate >= LEAST_RATE or num_vertices > MOST_VERTICES,
         f"turns at {rate:.1f} frames a second (of {', '.join(f'{r:.1f}' for r in rates)}), {num_vertices} vertices, {size} pixels, {renderer}",
     )
     browser.screen(**PHONE)
