@@ -88,7 +88,7 @@ mod tests {
         let moved = b
             .positions()
             .iter()
-            .map(|p| Point3::new(p.x + 0.2, p.y, p.z));
+            .map(|p| Point3::new(p.x + 0.3, p.y, p.z));
         let positions: Vec<Point3> = a.positions().iter().copied().chain(moved).collect();
         let count = a.num_vertices() as u32;
         let others = b
