@@ -273,6 +273,7 @@ fn a_t_shirt_on_its_body_is_a_small_page() {
     );
     let drawn = page(&fixture, "page.html");
     assert!(drawn.len() < LARGEST / 4, "{} bytes", drawn.len());
+    assert_eq!(described(&drawn)["title"], "tshirt");
     let vertices = |scene: &Value| scene["meshes"][0]["vertices"].as_u64();
     assert_eq!(vertices(&described(&drawn)), Some(4_975));
     // And that of the repository.

@@ -208,7 +208,9 @@ pub(super) fn drape_all(
     sink.finish()?;
     followed.map_or(Ok(()), Followed::remove)?;
     let hidden_faces = hiding.map(|hiding| hiding.finish(bound)).transpose()?;
-    viewing.map_or(Ok(()), |viewing| viewing.finish(bound, console))?;
+    viewing.map_or(Ok(()), |viewing| {
+        viewing.finish(bound, &job.source, console)
+    })?;
     let (drapes, warnings): (Vec<_>, Vec<_>) = drapes.into_iter().unzip();
     ready.bound.warnings.extend(warnings.into_iter().flatten());
     Ok(All {

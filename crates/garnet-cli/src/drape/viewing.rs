@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use garnet::{Drape, Point3, PosedBody, io::Target};
 use garnet_view::Coloring;
 
-use super::{Bound, sink::fps_of};
+use super::{Bound, args::Source, ready::package_of, sink::fps_of};
 use crate::{
     console::Console,
     render::{
@@ -67,7 +67,12 @@ impl Viewing {
     }
 
     /// Writes the page.
-    pub(super) fn finish(self, bound: &Bound, console: &Console) -> anyhow::Result<()> {
+    pub(super) fn finish(
+        self,
+        bound: &Bound,
+        source: &Source,
+        console: &Console,
+    ) -> anyhow::Result<()> {
         let coloring = |scale: Scale, values: Vec<Vec<f32>>| Coloring {
             label: scale.label,
             map: scale.map,
@@ -80,7 +85,10 @@ impl Viewing {
             // Without the faces that close holes of the skin.
             None => bound.garment.body().rest().faces(),
         };
-        let stem = bound.garment_file.path().file_stem().unwrap_or_default();
+        // A package is called by its folder, of which the template says nothing.
+        let named = package_of(source).and_then(Path::file_name);
+        let stem = bound.garment_file.path().file_stem();
+        let stem = named.or(stem).unwrap_or_default();
         let drapes = Drapes {
             name: stem.to_string_lossy().into_owned(),
             garment: bound.garment.mesh().faces(),
