@@ -320,6 +320,41 @@ fn a_posed_body_is_told_from_one_at_rest() {
 }
 
 #[test]
+fn the_size_of_a_wearer_is_found_and_the_next_one_told() {
+    let fixture = Fixture::new();
+    let text = done(&fixture, "garment tshirt --vertices 700 --size auto -o tee");
+    assert!(text.starts_with("note: size m is taken: "), "{text}");
+    assert!(text.contains("fits, too"), "{text}");
+    let manifest = String::from_utf8(fixture.read("tee/garment.toml")).unwrap();
+    assert!(manifest.contains("size = \"m\""), "{manifest}");
+    done(
+        &fixture,
+        "body --sex male --stature 190 --bmi 39 -o large.obj -q",
+    );
+    let text = done(
+        &fixture,
+        "garment jeans --vertices 700 --size auto --body large.obj -o wide",
+    );
+    assert!(text.starts_with("note: "), "{text}");
+    done(
+        &fixture,
+        "garment jeans --vertices 700 --size 34X30 -o sized",
+    );
+    let manifest = String::from_utf8(fixture.read("sized/garment.toml")).unwrap();
+    assert!(manifest.contains("size = \"34x30\""), "{manifest}");
+    for arguments in [
+        "tshirt --size 34x30",
+        "jeans --size 34x99",
+        "dress --size huge",
+    ] {
+        let output = fixture.garnet(&format!("garment {arguments} -o no"));
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        assert!(stderr(&output).contains("there is no size"), "{arguments}");
+        assert!(!fixture.path("no").exists());
+    }
+}
+
+#[test]
 fn a_size_that_does_not_fit_is_warned_of() {
     let fixture = Fixture::new();
     done(&fixture, "body --stature 140 --bmi 15 -o tiny.obj");

@@ -190,7 +190,7 @@ impl Tailor {
             pattern: Some(StoredPattern {
                 kind: self.parameters.garment().name().to_owned(),
                 vertices: self.num_vertices,
-                size: self.size.map(|size| size.name().to_owned()),
+                size: self.size.map(|size| size.to_string()),
                 made_to_measure: false,
                 parameters: values(&self.parameters),
             }),

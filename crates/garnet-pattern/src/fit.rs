@@ -106,19 +106,31 @@ impl Parameters {
         Fit { eases }
     }
 
+    /// Sizes, the one that fits a wearer best first: those that fit before the others, and of these
+    /// the ones whose eases, and of trousers legs, are nearer to those of a garment made to measure.
+    pub fn by_fit(&self, sizes: &[Size], wearer: &Measures) -> Vec<Size> {
+        let wanted = self.fit(wearer, wearer);
+        let rank = |size: &Size| {
+            let found = self.fit(&size.measures(), wearer);
+            let pairs = found.eases.iter().zip(&wanted.eases);
+            let miss: f64 = pairs.map(|(a, b)| (a.share - b.share).powi(2)).sum();
+            let legs = match size {
+                Size::Trousers { .. } => size.measures().inseam / wearer.inseam - 1.0,
+                _ => 0.0,
+            };
+            (!found.fits(), miss + legs * legs)
+        };
+        let ranked = sizes.iter().map(|size| (rank(size), *size));
+        let mut sizes: Vec<((bool, f64), Size)> = ranked.collect();
+        sizes.sort_by(|(a, _), (b, _)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        sizes.into_iter().map(|(_, size)| size).collect()
+    }
+
     /// The size that fits a wearer best: of those that fit, the one whose eases are nearest to
     /// those of a garment made to measure.
     pub fn best_size(&self, wearer: &Measures) -> Option<Size> {
-        let wanted = self.fit(wearer, wearer);
-        let miss = |size: &Size| -> f64 {
-            let found = self.fit(&size.measures(), wearer);
-            let pairs = found.eases.iter().zip(&wanted.eases);
-            pairs.map(|(a, b)| (a.share - b.share).powi(2)).sum()
-        };
-        Size::ALL
-            .into_iter()
-            .filter(|size| self.fit(&size.measures(), wearer).fits())
-            .min_by(|a, b| miss(a).total_cmp(&miss(b)))
+        let first = self.by_fit(&Size::ALL, wearer).first().copied();
+        first.filter(|size| self.fit(&size.measures(), wearer).fits())
     }
 }
 
@@ -161,11 +173,31 @@ mod tests {
     }
 
     #[test]
+    fn trousers_are_found_by_waist_and_inner_leg() {
+        let jeans = GarmentKind::Jeans.parameters();
+        for size in Size::trousers().into_iter().step_by(7) {
+            let sizes = jeans.by_fit(&Size::trousers(), &size.measures());
+            assert_eq!(sizes[0], size, "then {}", sizes[1]);
+        }
+    }
+
+    #[test]
     fn the_best_size_is_that_of_the_measures() {
         for kind in GarmentKind::ALL {
             for size in Size::ALL {
-                let best = kind.parameters().best_size(&size.measures());
+                let parameters = kind.parameters();
+                let best = parameters.best_size(&size.measures());
                 assert_eq!(best, Some(size), "{kind}");
+                let sizes = parameters.by_fit(&Size::ALL, &size.measures());
+                assert_eq!(sizes.len(), Size::ALL.len());
+                let place = |size: Size| Size::ALL.iter().position(|&other| other == size);
+                let [first, second] = [size, sizes[1]].map(|size| place(size).unwrap());
+                assert_eq!(
+                    first.abs_diff(second),
+                    1,
+                    "{kind} {size}: then {}",
+                    sizes[1]
+                );
             }
         }
     }

@@ -112,6 +112,23 @@ impl Measures {
         Ok(())
     }
 
+    /// The same on legs that are so many times as long: what is above them keeps its size.
+    pub(crate) fn lengthen_legs(&mut self, factor: f64) {
+        let longer = (factor - 1.0) * self.inseam;
+        self.knee_height *= factor;
+        for height in [
+            &mut self.inseam,
+            &mut self.hip_height,
+            &mut self.waist_height,
+            &mut self.chest_height,
+            &mut self.shoulder_height,
+            &mut self.neck_height,
+            &mut self.stature,
+        ] {
+            *height += longer;
+        }
+    }
+
     /// The height of the shoulder joint.
     pub(crate) fn shoulder_joint_height(&self) -> f64 {
         self.shoulder_height - 0.026 * self.stature

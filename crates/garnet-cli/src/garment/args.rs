@@ -51,9 +51,10 @@ pub(crate) struct PatternOptions {
         allow_negative_numbers = true
     )]
     pub(crate) vertices: usize,
-    /// Cut it in a size, XS to 3XL, instead of to the measures of the body.
+    /// Cut it in a size, XS to 3XL or, as trousers, waist and inner leg in inches (32x34), instead of
+    /// to the measures of the body; auto is the one that fits the body best.
     #[arg(long, value_name = "SIZE", value_parser = size)]
-    pub(crate) size: Option<Size>,
+    pub(crate) size: Option<SizeChoice>,
     /// Body to cut it for and to put it on: an OBJ of the built-in body at rest with its rig, or
     /// the rig [default: the mean of both sexes, 172 cm].
     #[arg(long, value_name = "BODY")]
@@ -64,6 +65,15 @@ pub(crate) struct PatternOptions {
     /// Name of the garment [default: that of the pattern].
     #[arg(long, value_name = "NAME", value_parser = name)]
     pub(crate) name: Option<String>,
+}
+
+/// The size that a garment is cut in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SizeChoice {
+    /// This one.
+    Named(Size),
+    /// The one that fits the body best.
+    Auto,
 }
 
 /// Arguments of `from-obj`.
@@ -119,8 +129,12 @@ pub(crate) fn name(text: &str) -> Result<String, String> {
     ))
 }
 
-fn size(text: &str) -> Result<Size, String> {
-    text.parse().map_err(|error: PatternError| told(&error))
+fn size(text: &str) -> Result<SizeChoice, String> {
+    if text.eq_ignore_ascii_case("auto") {
+        return Ok(SizeChoice::Auto);
+    }
+    let named = text.parse().map(SizeChoice::Named);
+    named.map_err(|error: PatternError| told(&error))
 }
 
 /// An error of a pattern in the line that a wrong argument gets, with what to do about it.
@@ -182,6 +196,12 @@ impl FromArgMatches for GarmentSource {
             }
         }
         let common = PatternOptions::from_arg_matches(matches)?;
+        if let Some(SizeChoice::Named(size @ Size::Trousers { .. })) = common.size
+            && kind != GarmentKind::Jeans
+        {
+            let name = size.to_string();
+            return Err(refused(&PatternError::UnknownSize { name }));
+        }
         Ok(Self::Pattern(Box::new(PatternArgs { parameters, common })))
     }
 

@@ -17,10 +17,11 @@ use garnet::{
     data::{Tailor, default_rest_body, usual_fabric, wearer_of},
     io::rig_beside,
     package::{GarmentPackage, MANIFEST_FILE, StoredParameters},
+    pattern::{GarmentKind, Measures, Parameters, Size},
 };
 
 pub(crate) use args::GarmentArgs;
-use args::{GarmentSource, OwnArgs, PatternArgs};
+use args::{GarmentSource, OwnArgs, PatternArgs, SizeChoice};
 use report::GarmentReport;
 
 use crate::{
@@ -142,7 +143,12 @@ fn cut(args: &PatternArgs) -> anyhow::Result<Made> {
         .transpose()?
         .ok_or_else(|| wearer::unknown(common.body.as_deref(), body.rest()))?;
     let tailor = Tailor::new(args.parameters.clone(), common.vertices, fabric)?;
-    let tailor = tailor.with_size(common.size);
+    let (size, notes) = match common.size {
+        Some(SizeChoice::Auto) => chosen_size(&args.parameters, &wearer.measures),
+        Some(SizeChoice::Named(size)) => (Some(size), Vec::new()),
+        None => (None, Vec::new()),
+    };
+    let tailor = tailor.with_size(size);
     let worn = tailor.dress(&body, &wearer, &AtomicBool::new(false))?;
     let name = common
         .name
@@ -153,6 +159,28 @@ fn cut(args: &PatternArgs) -> anyhow::Result<Made> {
     Ok(Made {
         package,
         warnings,
-        notes: Vec::new(),
+        notes,
     })
+}
+
+/// The size that fits best, and what is told of it.
+fn chosen_size(parameters: &Parameters, wearer: &Measures) -> (Option<Size>, Vec<String>) {
+    let sizes = match parameters.garment() {
+        GarmentKind::Jeans => Size::trousers(),
+        _ => Size::ALL.to_vec(),
+    };
+    let sizes = parameters.by_fit(&sizes, wearer);
+    let [first, second, ..] = sizes[..] else {
+        return (None, Vec::new());
+    };
+    let is_fitting = |size: Size| parameters.fit(&size.measures(), wearer).fits();
+    let nearest = "its ease is nearest to that of the pattern";
+    let text = match (is_fitting(first), is_fitting(second)) {
+        (true, true) => format!("size {first} is taken: {nearest}; {second} fits, too"),
+        (true, false) => {
+            format!("size {first} is taken, the only one that fits; {second} comes next")
+        }
+        (false, _) => format!("no size fits: {first} is taken, {nearest}; {second} comes next"),
+    };
+    (Some(first), vec![text])
 }

@@ -6,7 +6,11 @@ use garnet::pattern::{GarmentKind, PatternError, PatternLength, Size};
 pub(crate) fn for_pattern(error: &PatternError) -> Option<String> {
     Some(match error {
         PatternError::UnknownGarment { .. } => one_of(GarmentKind::ALL.map(GarmentKind::name)),
-        PatternError::UnknownSize { .. } => one_of(Size::ALL.map(Size::name)),
+        PatternError::UnknownSize { .. } => {
+            let names = Size::ALL.map(|size| size.to_string());
+            let names = one_of(names.iter().map(String::as_str));
+            format!("{names}, or of trousers waist and inner leg in inches, as 32x34")
+        }
         PatternError::UnknownParameter { garment, .. } => {
             one_of(garment.specs().iter().map(|spec| spec.name))
         }
@@ -52,7 +56,7 @@ fn for_folded(far: &[&str]) -> String {
     }
 }
 
-fn one_of(names: impl IntoIterator<Item = &'static str>) -> String {
+fn one_of<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.into_iter().collect();
     format!("it is one of {}", names.join(", "))
 }
