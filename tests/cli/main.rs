@@ -16,6 +16,7 @@ mod garbage;
 mod garment;
 mod glb;
 mod lists;
+mod outfit;
 mod outputs;
 #[cfg(unix)]
 mod pages;

@@ -39,6 +39,11 @@ fn the_guide_to_patterns_holds() {
 }
 
 #[test]
+fn the_guide_to_fit_and_outfits_holds() {
+    follow("docs/guide/outfits.md");
+}
+
+#[test]
 fn the_guide_to_data_sets_holds() {
     follow("docs/guide/datasets.md");
 }

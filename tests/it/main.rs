@@ -6,10 +6,12 @@
 mod architecture;
 mod assets;
 mod demo;
+mod fit;
 mod garbage;
 mod golden;
 mod held;
 mod imports;
+mod outfit;
 mod package;
 mod pattern;
 mod pipeline;

@@ -2,6 +2,7 @@
 
 use garnet_body::motion::RetargetError;
 use garnet_io::{FileError, Misplaced, ObjError};
+use garnet_knn::KnnError;
 use garnet_mesh::MeshError;
 #[cfg(feature = "package")]
 use garnet_net::{CheckpointError, NetError};
@@ -30,6 +31,9 @@ pub enum Error {
     /// A body is no human figure, so a garment cannot be carried over to it.
     #[error(transparent)]
     Figure(#[from] RetargetError),
+    /// A garment or a body cannot be searched.
+    #[error(transparent)]
+    Knn(#[from] KnnError),
     /// Untangling cannot start.
     #[error(transparent)]
     Untangle(#[from] UntangleError),

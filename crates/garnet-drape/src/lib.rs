@@ -11,6 +11,7 @@ mod coverage;
 mod draper;
 mod error;
 mod garment;
+mod outfit;
 mod penetration;
 mod refit;
 mod take;
@@ -21,6 +22,8 @@ mod body_path;
 mod choice;
 #[cfg(feature = "package")]
 mod familiar;
+#[cfg(feature = "package")]
+mod fit;
 #[cfg(feature = "package")]
 mod following;
 #[cfg(feature = "package")]
@@ -57,6 +60,8 @@ pub use draper::{
     Provenance, Worsened,
 };
 pub use error::Error;
+#[cfg(feature = "package")]
+pub use fit::{FitLines, FitWord, NoFit, Region, RegionFit, fit_map, wearer_tape};
 pub use garment::{BoundGarment, Garment};
 #[cfg(feature = "package")]
 pub use garnet_sim::{Moment, MovingCloth};
@@ -64,6 +69,7 @@ pub use garnet_sim::{Moment, MovingCloth};
 pub use lock::{Attempt, FileLock};
 #[cfg(feature = "package")]
 pub use network::{Network, Predicted};
+pub use outfit::{LayerCount, LayerOptions, WornGarment, count_layers, dressed, part_layers};
 #[cfg(feature = "package")]
 pub use package::{
     GarmentPackage, MANIFEST_FILE, Manifest, PACKAGE_SCHEMA, PackageError, PackageParts,

@@ -83,7 +83,7 @@ fn bar_color(legend: &Legend<'_>, row: u32, bar_height: u32) -> Rgb {
     let last = bar_height.saturating_sub(1).max(1);
     let share = 1.0 - row as f32 / last as f32;
     let num_kinds = legend.map.kinds().len();
-    if num_kinds == 0 {
+    if num_kinds == 0 || legend.map.blends() {
         return legend.map.color(share);
     }
     // As much of the bar for each kind.

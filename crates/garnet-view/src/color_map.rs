@@ -10,6 +10,8 @@ pub enum ColorMap {
     Viridis,
     /// Blue over light grey to red: for signed values, grey at zero (Moreland 2009).
     CoolWarm,
+    /// Red over light grey to blue: how a garment fits, from 0 for tight to 4 for loose.
+    Fit,
     /// A color for each [`Problem`], which do not blend into each other.
     Problems,
 }
@@ -79,6 +81,16 @@ const COOL_WARM: [Rgb; NUM_POINTS] = [
     Rgb::new(180, 4, 38),
 ];
 
+/// [`COOL_WARM`] from its other end: what is tight is to be noticed.
+const FIT: [Rgb; COOL_WARM.len()] = {
+    let mut colors = COOL_WARM;
+    colors.reverse();
+    colors
+};
+
+/// The words of a fit, each a quarter of the scale.
+const FITS: [&str; 4] = ["tight", "close", "regular", "loose"];
+
 const PROBLEMS: [Rgb; Problem::ALL.len()] = [
     Rgb::new(201, 204, 209),
     Rgb::new(230, 159, 0),
@@ -87,12 +99,19 @@ const PROBLEMS: [Rgb; Problem::ALL.len()] = [
 ];
 
 impl ColorMap {
-    /// Names of the kinds that it shows, from the lower end; none if its colors blend.
+    /// Names of the kinds that it shows, from the lower end, each as much of the scale; none if it
+    /// shows numbers.
     pub fn kinds(self) -> Vec<&'static str> {
         match self {
             Self::Viridis | Self::CoolWarm => Vec::new(),
+            Self::Fit => FITS.to_vec(),
             Self::Problems => Problem::ALL.map(Problem::name).to_vec(),
         }
+    }
+
+    /// Whether colors go over into each other.
+    pub const fn blends(self) -> bool {
+        !matches!(self, Self::Problems)
     }
 
     /// The color at `position`, 0 at the lower end and 1 at the upper.
@@ -114,7 +133,7 @@ impl ColorMap {
         let points = self.points();
         let along = position.clamp(0.0, 1.0) * (points.len() - 1) as f32;
         let along = match self {
-            Self::Viridis | Self::CoolWarm => along,
+            Self::Viridis | Self::CoolWarm | Self::Fit => along,
             Self::Problems => along.round(),
         };
         let first = points
@@ -136,6 +155,7 @@ impl ColorMap {
         match self {
             Self::Viridis => &VIRIDIS,
             Self::CoolWarm => &COOL_WARM,
+            Self::Fit => &FIT,
             Self::Problems => &PROBLEMS,
         }
     }
@@ -167,6 +187,8 @@ mod tests {
         assert_eq!(ColorMap::Viridis.color(-3.0), VIRIDIS[0]);
         assert_eq!(ColorMap::Viridis.color(f32::INFINITY), VIRIDIS[8]);
         assert_eq!(ColorMap::CoolWarm.color(0.5), COOL_WARM[4]);
+        assert_eq!(ColorMap::Fit.color(0.0), ColorMap::CoolWarm.color(1.0));
+        assert_eq!(ColorMap::Fit.color(2.0), COOL_WARM[0]);
     }
 
     #[test]

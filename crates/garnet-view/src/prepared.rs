@@ -131,6 +131,7 @@ pub(crate) fn range_of(values: &[f32], map: ColorMap) -> [f32; 2] {
             let most = finite().map(f32::abs).reduce(f32::max).unwrap_or(0.0);
             [-most, most]
         }
+        ColorMap::Fit => [0.0, map.kinds().len() as f32],
         ColorMap::Problems => [0.0, (map.points().len() - 1) as f32],
     };
     if low < high {
@@ -138,7 +139,7 @@ pub(crate) fn range_of(values: &[f32], map: ColorMap) -> [f32; 2] {
     }
     match map {
         ColorMap::Viridis => [low, (low + low.abs().max(1.0)).min(f32::MAX)],
-        ColorMap::CoolWarm | ColorMap::Problems => [-1.0, 1.0],
+        ColorMap::CoolWarm | ColorMap::Fit | ColorMap::Problems => [-1.0, 1.0],
     }
 }
 

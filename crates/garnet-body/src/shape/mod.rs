@@ -36,6 +36,7 @@ mod recognize;
 mod skeleton;
 mod surface;
 mod tape;
+mod tape_on;
 mod template;
 mod torso;
 
@@ -47,4 +48,5 @@ pub use population::{Population, SAMPLED_BMI, SAMPLED_STATURES};
 pub use recognize::{Recognized, recognized, unposed};
 pub use skeleton::{JOINT_NAMES, JOINT_PARENTS, NUM_JOINTS};
 pub use surface::BodySurface;
-pub use tape::BODY_DENSITY;
+pub use tape::{BODY_DENSITY, TapePlane};
+pub use tape_on::{Tape, Tube};

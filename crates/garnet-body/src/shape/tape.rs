@@ -18,8 +18,8 @@ use super::{Measure, Measures};
 pub const BODY_DENSITY: f64 = 985.0;
 
 /// The plane of a girth: a point of the axis of the limb or trunk in it, and its normal.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct TapePlane {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TapePlane {
     pub(crate) measure: Measure,
     pub(crate) center: Vec3,
     pub(crate) normal: Vec3,
@@ -181,51 +181,84 @@ pub(crate) fn volume(positions: &[Vec3], faces: &[[u32; 3]]) -> f64 {
     faces.iter().map(tetrahedron).sum::<f64>() / 6.0
 }
 
+/// The plane across the trunk at a height, with the middle of the trunk in it.
+pub(crate) fn trunk_plane(joints: &[Vec3], measure: Measure, height: f64) -> TapePlane {
+    let above = SPINE
+        .windows(2)
+        .position(|pair| joints[pair[1]].y > height)
+        .unwrap_or(3);
+    let (low, high) = (joints[SPINE[above]], joints[SPINE[above + 1]]);
+    let share = ((height - low.y) / (high.y - low.y)).clamp(0.0, 1.0);
+    let z = low.z + share * (high.z - low.z);
+    TapePlane {
+        measure,
+        center: Vec3::new(0.0, height, z),
+        normal: Vec3::y(),
+    }
+}
+
+/// The plane across a bone of the left side, a share of the way along it.
+pub(crate) fn bone_plane(joints: &[Vec3], measure: Measure, share: f64) -> TapePlane {
+    let [start, end] = bone_of(measure).map(|name| joints[index(name)]);
+    let bone = end - start;
+    TapePlane {
+        measure,
+        center: start + share * bone,
+        normal: bone.normalize(),
+    }
+}
+
+/// The joints between which the girth of a limb or the neck is taken.
+fn bone_of(measure: Measure) -> [&'static str; 2] {
+    match measure {
+        Measure::Thigh | Measure::Knee => ["left_hip", "left_knee"],
+        Measure::Calf | Measure::Ankle => ["left_knee", "left_ankle"],
+        Measure::UpperArm => ["left_shoulder", "left_elbow"],
+        Measure::Forearm | Measure::Wrist => ["left_elbow", "left_wrist"],
+        _ => ["neck", "head"],
+    }
+}
+
+/// Where along its bone the girth of a limb or the neck is taken.
+pub(crate) fn share_of(measure: Measure) -> f64 {
+    match measure {
+        Measure::Thigh => THIGH_PLACE,
+        Measure::Knee => 1.0,
+        Measure::Calf => CALF_PLACE,
+        Measure::Ankle => ANKLE_PLACE,
+        Measure::UpperArm => UPPER_ARM_PLACE,
+        Measure::Forearm => FOREARM_PLACE,
+        Measure::Wrist => WRIST_PLACE,
+        _ => NECK_PLACE,
+    }
+}
+
+/// The height at which a girth of the trunk is taken; none of other girths.
+pub(crate) fn height_of(joints: &[Vec3], stature: f64, measure: Measure) -> Option<f64> {
+    let heights = heights(joints, stature);
+    let armpit = joints[index("left_shoulder")].y - ARMPIT_DROP * stature;
+    match measure {
+        Measure::Chest => Some(heights.chest.min(armpit)),
+        Measure::UnderBust => Some(heights.chest - UNDER_BUST_DROP * stature),
+        Measure::Waist => Some(heights.waist),
+        Measure::Hip => Some(heights.hip),
+        _ => None,
+    }
+}
+
+/// The plane of a girth of a body at rest with the built-in joints.
+pub(crate) fn plane(joints: &[Vec3], stature: f64, measure: Measure) -> TapePlane {
+    match height_of(joints, stature, measure) {
+        Some(height) => trunk_plane(joints, measure, height),
+        None => bone_plane(joints, measure, share_of(measure)),
+    }
+}
+
 /// The planes of all girths of a body at rest with the built-in joints.
 pub(crate) fn planes(joints: &[Vec3], stature: f64) -> Vec<TapePlane> {
-    let heights = heights(joints, stature);
-    let level = |height: f64| {
-        let above = SPINE
-            .windows(2)
-            .position(|pair| joints[pair[1]].y > height)
-            .unwrap_or(3);
-        let (low, high) = (joints[SPINE[above]], joints[SPINE[above + 1]]);
-        let share = ((height - low.y) / (high.y - low.y)).clamp(0.0, 1.0);
-        let z = low.z + share * (high.z - low.z);
-        (Vec3::new(0.0, height, z), Vec3::y())
-    };
-    let along = |start: usize, end: usize, share: f64| {
-        let bone = joints[end] - joints[start];
-        (joints[start] + share * bone, bone.normalize())
-    };
-    let [hip, knee, ankle] = ["left_hip", "left_knee", "left_ankle"].map(index);
-    let [shoulder, elbow, wrist] = ["left_shoulder", "left_elbow", "left_wrist"].map(index);
-    let plane = |measure: Measure| {
-        let (center, normal) = match measure {
-            Measure::Chest => level(
-                heights
-                    .chest
-                    .min(joints[shoulder].y - ARMPIT_DROP * stature),
-            ),
-            Measure::UnderBust => level(heights.chest - UNDER_BUST_DROP * stature),
-            Measure::Waist => level(heights.waist),
-            Measure::Hip => level(heights.hip),
-            Measure::Thigh => along(hip, knee, THIGH_PLACE),
-            Measure::Knee => along(hip, knee, 1.0),
-            Measure::Calf => along(knee, ankle, CALF_PLACE),
-            Measure::Ankle => along(knee, ankle, ANKLE_PLACE),
-            Measure::UpperArm => along(shoulder, elbow, UPPER_ARM_PLACE),
-            Measure::Forearm => along(elbow, wrist, FOREARM_PLACE),
-            Measure::Wrist => along(elbow, wrist, WRIST_PLACE),
-            _ => along(index("neck"), index("head"), NECK_PLACE),
-        };
-        TapePlane {
-            measure,
-            center,
-            normal,
-        }
-    };
-    Measure::GIRTHS.map(plane).to_vec()
+    Measure::GIRTHS
+        .map(|measure| plane(joints, stature, measure))
+        .to_vec()
 }
 
 /// Heights of the landmarks that the joints mark, in metres.
@@ -307,7 +340,7 @@ const SPINE: [usize; 5] = [0, 3, 6, 9, 12];
 /// Where along the neck its girth is taken.
 pub(crate) const NECK_PLACE: f64 = 0.38;
 
-fn index(name: &str) -> usize {
+pub(crate) fn index(name: &str) -> usize {
     JOINT_NAMES
         .iter()
         .position(|&other| other == name)

@@ -251,7 +251,7 @@ fn followed(
 
 /// What all drapes of a job share.
 #[derive(Clone, Copy)]
-struct Frame<'a> {
+pub(super) struct Frame<'a> {
     ready: &'a Ready,
     job: &'a Job,
     part: &'a Part,
@@ -273,20 +273,39 @@ enum Made {
 }
 
 /// A garment on a body, and how long it took.
-struct Draped {
-    posed: PosedBody,
-    drape: Drape,
+pub(super) struct Draped {
+    pub(super) posed: PosedBody,
+    pub(super) drape: Drape,
     simulated: Option<SceneReport>,
-    time: DrapeSeconds,
+    pub(super) time: DrapeSeconds,
     repeated: Option<RepeatedSeconds>,
 }
 
 /// A drape with all that is told of it.
-struct Finished {
+pub(super) struct Finished {
     posed: PosedBody,
     drape: Drape,
-    output: DrapeOutput,
-    problems: Vec<Problem>,
+    pub(super) output: DrapeOutput,
+    pub(super) problems: Vec<Problem>,
+}
+
+impl<'a> Frame<'a> {
+    /// Of a job with one target.
+    pub(super) fn alone(
+        ready: &'a Ready,
+        (job, part): (&'a Job, &'a Part),
+        (console, stop): (&'a Console, &'a AtomicBool),
+    ) -> Self {
+        Self {
+            ready,
+            job,
+            part,
+            goes_on: false,
+            stop,
+            followed: None,
+            console: Some(console),
+        }
+    }
 }
 
 impl Frame<'_> {
@@ -313,18 +332,14 @@ impl Frame<'_> {
         let target = &bound.targets[number];
         let (posed, fit) = timed(|| target.posed(bound.garment.body()));
         let posed = posed?;
-        let cannot = || {
-            let garment = bound.garment_file.path().display();
-            format!("cannot drape `{garment}` on `{}`", target.path.display())
-        };
         if let Some(followed) = self.followed {
             let positions = followed.positions(number)?;
             let by = PlacedBy::Simulation;
             let placed = Placed::at(&bound.garment, &posed, &positions, by)?;
-            let drape = draper.untangle(placed).with_context(cannot)?;
+            let drape = draper.untangle(placed);
             return Ok(Draped {
                 posed,
-                drape,
+                drape: drape.with_context(|| self.cannot(number))?,
                 simulated: None,
                 time: DrapeSeconds {
                     fit,
@@ -333,6 +348,26 @@ impl Frame<'_> {
                 repeated: None,
             });
         }
+        self.draped_on(number, posed, fit)
+    }
+
+    fn cannot(&self, number: usize) -> String {
+        let bound = &self.ready.bound;
+        let garment = bound.garment_file.path().display();
+        let target = bound.targets[number].path.display();
+        format!("cannot drape `{garment}` on `{target}`")
+    }
+
+    /// A drape on a body, to pose which it took `fit` seconds.
+    pub(super) fn draped_on(
+        &self,
+        number: usize,
+        posed: PosedBody,
+        fit: f64,
+    ) -> anyhow::Result<Draped> {
+        let Ready { bound, draper, .. } = self.ready;
+        let target = &bound.targets[number];
+        let cannot = || self.cannot(number);
         let placed = match &self.ready.method {
             Method::Simulation(simulated) => {
                 let speaks = (self.console, self.stop);
@@ -385,7 +420,7 @@ impl Frame<'_> {
         clippy::too_many_lines,
         reason = "a part of the report after the other"
     )]
-    fn finished(
+    pub(super) fn finished(
         &self,
         number: usize,
         draped: Draped,
@@ -447,7 +482,9 @@ impl Frame<'_> {
         let told = limbs_outside.iter();
         let told = told.map(|limb| Problem::LimbOutside(limb.joint.clone(), limb.share));
         problems.extend(told);
+        let fitting = self.ready.fitting.as_ref().ok();
         let (target, output) = (&bound.targets[number], &self.part.outputs[number]);
+        let fit = fitting.and_then(|it| it.of((bound, target), &drape.positions, &posed));
         if number >= self.part.warm_up {
             let place = (target, output.as_path());
             let write = || write_files(bound, self.job, place, &drape.positions, &posed);
@@ -477,6 +514,7 @@ impl Frame<'_> {
                 edges: stretch.count,
                 max_at_trapped: (!trapped.is_empty()).then_some(stretch_at_trapped.max),
             },
+            fit,
             seconds: time,
             repeated,
         };

@@ -23,13 +23,14 @@ use crate::{
 };
 
 /// Arguments of `drape`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(after_long_help = LONG_HELP)]
 pub(crate) struct DrapeArgs {
     #[command(flatten)]
     input: InputArgs,
     /// Where the drape goes: an OBJ, or a GLB with the body; for several bodies a folder of OBJ, or
-    /// one file of all frames: .pc2, .mdd, .npz or .glb. A name that ends with `/` is a folder.
+    /// one file of all frames: .pc2, .mdd, .npz or .glb; for an outfit a folder. A name that ends
+    /// with `/` is a folder.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// With `--pose`: write the posed body, as the drape is written; a folder for several OBJ.
@@ -97,7 +98,7 @@ pub(crate) struct DrapeArgs {
 }
 
 /// Garment and bodies, as `drape` and `simulate` take them.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct InputArgs {
     /// Garment, as OBJ, lying on the rest body, or a garment package.
     #[arg(
@@ -108,7 +109,7 @@ pub(crate) struct InputArgs {
     )]
     pub(crate) garment: Option<PathBuf>,
     /// Bodies to drape it on, as OBJ, GLB or npz; with `--pose`, the rest body.
-    #[arg(value_name = "BODY", conflicts_with = "scene")]
+    #[arg(value_name = "BODY", value_parser = models::package_or_file, conflicts_with = "scene")]
     pub(crate) bodies: Vec<PathBuf>,
     /// Take garment, bodies, weights and pose from a `drape-scene/1` file.
     #[arg(long, value_name = "SCENE.json", conflicts_with_all = ["rig", "rest_body", "units", "up"])]
@@ -154,6 +155,9 @@ pub(crate) struct InputArgs {
 }
 
 const LONG_HELP: &str = "\
+Several garment packages before BODY are an outfit, the inner first: `garnet drape jeans tshirt body.obj -o outfit/` \
+drapes the jeans on the body and the T-shirt on body and jeans.
+
 The rig of a body is found in this order: --rig; that of the garment package, unless --rest-body is given \
 or the rig beside BODY is of another topology; `<rest body>.rig.npz` beside the OBJ of --rest-body; `<body>.rig.npz` beside BODY. \
 The garment of a package is brought to a human body of any other topology. Without --pose, the pose and shape of BODY are \
@@ -163,6 +167,95 @@ Motions are carried over by the names of the joints, with the turn of each; they
 scaled by the length of the legs, unless --ground or --in-place say otherwise. A pose file is JSON: {\"schema\": \"garnet.pose/1\", \"joints\": {\"left_knee\": [0.5, 0, 0, \
 0.866025]}, \"root_translation\": [0, 0, 0]}, rotations as [x, y, z, w] about the axes of the \
 world at rest; with \"frames\", a list of such poses.";
+
+/// An outfit: the arguments of each of its garments, the inner first.
+#[derive(Debug)]
+pub(super) struct OutfitArgs {
+    pub(super) garments: Vec<DrapeArgs>,
+    pub(super) folder: PathBuf,
+    pub(super) report: Option<PathBuf>,
+}
+
+impl DrapeArgs {
+    /// The outfit, if there are several packages before the body.
+    pub(super) fn outfit(&self) -> anyhow::Result<Option<OutfitArgs>> {
+        let first = (self.input.garment.as_ref()).filter(|garment| GarmentPackage::is_at(garment));
+        let is_package = |path: &&PathBuf| GarmentPackage::is_at(path);
+        let others = self.input.bodies.iter().take_while(is_package).count();
+        let (Some(first), 1..) = (first, others) else {
+            return Ok(None);
+        };
+        let (over, bodies) = self.input.bodies.split_at(others);
+        let packages: Vec<&PathBuf> = std::iter::once(first).chain(over).collect();
+        let one = "an outfit is draped on one body in one pose";
+        let what = "leave it out, or drape the garments one by one";
+        let refused_options = [
+            (bodies.len() > 1, "several bodies"),
+            (self.input.is_motion(), "`--pose` with several frames"),
+            (self.shard.is_some(), "`--shard`"),
+            (self.repeat > 1, "`--repeat`"),
+            (self.hide.is_some(), "`--hide`"),
+        ];
+        if let Some((_, option)) = refused_options.iter().find(|(is_given, _)| *is_given) {
+            return Err(refused(
+                format!("{option} is given for an outfit"),
+                one,
+                what,
+            ));
+        }
+        if CacheFile::of(&self.output).is_some() {
+            return Err(refused(
+                format!(
+                    "an outfit cannot be written into `{}`",
+                    self.output.display()
+                ),
+                "each garment has an OBJ of its own",
+                "name a folder with `-o`",
+            ));
+        }
+        output::check_output_folder(&self.output)?;
+        let mut names: Vec<PathBuf> = Vec::new();
+        let garments = packages.iter().enumerate().map(|(number, &package)| {
+            let mut args = self.clone();
+            args.input.garment = Some(package.clone());
+            args.input.bodies = bodies.to_vec();
+            args.report = None;
+            if number > 0 {
+                args.body_out = None;
+            }
+            args.output = output::name_in(&self.output, &stem_of(package));
+            if names.contains(&args.output) {
+                return Err(refused(
+                    format!(
+                        "two garments lead to the output `{}`",
+                        args.output.display()
+                    ),
+                    format!("`{}` has the name of another one", package.display()),
+                    "outputs are named after the folders of the packages: rename one",
+                ));
+            }
+            names.push(args.output.clone());
+            Ok(args)
+        });
+        Ok(Some(OutfitArgs {
+            garments: garments.collect::<anyhow::Result<_>>()?,
+            folder: self.output.clone(),
+            report: self.report.clone(),
+        }))
+    }
+}
+
+/// What the output of a package is named after, with an extension for that to be taken away.
+fn stem_of(package: &Path) -> PathBuf {
+    let whole = std::fs::canonicalize(package).unwrap_or_default();
+    let name = package
+        .file_name()
+        .or(whole.file_name())
+        .unwrap_or_default();
+    let mut name = name.to_os_string();
+    name.push(".obj");
+    PathBuf::from(name)
+}
 
 /// How the garment is brought to the body before penetrations are removed.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -520,7 +613,10 @@ impl InputArgs {
             return Err(refused(
                 format!("`{package}` is given as a body"),
                 "it is a garment package",
-                format!("the garment comes first, then the body: `{package} {garment}`"),
+                format!(
+                    "the garment comes first, then the body: `{package} {garment}`; `garnet drape` takes \
+                     several packages before the body for an outfit, the inner one first"
+                ),
             ));
         }
         let package = GarmentPackage::is_at(&garment).then(|| garment.clone());

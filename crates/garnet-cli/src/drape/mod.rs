@@ -3,8 +3,10 @@
 mod all;
 mod args;
 mod choice;
+mod fit;
 mod followed;
 mod hide;
+mod outfit;
 mod outputs;
 mod prepared;
 mod ready;
@@ -48,7 +50,10 @@ use crate::{
 
 /// Reads, binds, drapes on each body, writes and reports.
 pub(crate) fn run(args: DrapeArgs, console: &Console) -> anyhow::Result<ExitStatus> {
-    do_job(|| Job::new(args), console)
+    match args.outfit()? {
+        Some(outfit) => outfit::run(outfit, console),
+        None => do_job(|| Job::new(args), console),
+    }
 }
 
 /// Does the job that `make` checks.
@@ -227,6 +232,7 @@ fn report_of(
 ) -> DrapeReport {
     let (method, settle_frames) = (ready.method_name(), ready.relax_frames());
     let (network, simulation) = (ready.network_report(), ready.simulation_report());
+    let no_fit = ready.fitting.as_ref().err().cloned();
     let Ready { bound, choice, .. } = ready;
     let untangle = ready.draper.options().untangle;
     let shown = |path: &Path| path.display().to_string();
@@ -278,6 +284,7 @@ fn report_of(
         drapes_per_second: drapes.len() as f64 / seconds.drape.max(1e-9),
         hidden_faces,
         cuts: (bound.cut.iter()).map(|cut| cut.report.clone()).collect(),
+        no_fit,
         drapes,
         peak_bytes: machine::peak_bytes(),
         seconds,

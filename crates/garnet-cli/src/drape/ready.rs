@@ -13,6 +13,7 @@ use super::{
     Bound,
     args::{Job, MethodName, NetworkChoice, Source},
     choice::ChoiceReport,
+    fit::Fitting,
     method_name,
     report::{NetworkReport, SimulationReport},
     simulated::{Simulated, simulator_of},
@@ -31,6 +32,8 @@ pub(super) struct Ready {
     pub(super) method: Method,
     /// How the method was chosen, if it was.
     pub(super) choice: Option<ChoiceReport>,
+    /// What tells whether the garment fits, or why that cannot be told.
+    pub(super) fitting: Result<Fitting, String>,
 }
 
 /// The way in which a garment comes to a body.
@@ -234,6 +237,7 @@ impl Ready {
             }
         }
         Ok(Self {
+            fitting: Fitting::new(&bound, &job.source),
             bound,
             draper,
             method,

@@ -14,7 +14,7 @@ use garnet::{
 };
 use serde::Serialize;
 
-use super::{choice::ChoiceReport, timing::Repeated};
+use super::{choice::ChoiceReport, fit::RegionReport, timing::Repeated};
 
 /// What was draped, how, and what came out.
 #[derive(Debug, Serialize)]
@@ -63,6 +63,9 @@ pub(crate) struct DrapeReport {
     /// For whom the garment was cut; empty unless that is done for each wearer.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) cuts: Vec<CutReport>,
+    /// Why it is not told whether the garment fits; none if it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) no_fit: Option<String>,
     /// What came out, in the order of the bodies.
     pub(crate) drapes: Vec<DrapeOutput>,
     /// Times of what is done once.
@@ -188,6 +191,8 @@ pub(crate) struct DrapeOutput {
     pub(crate) limbs_outside: Vec<LimbReport>,
     /// Length over rest length of the edges of the garment's polygons.
     pub(crate) stretch: Stretch,
+    /// How the garment fits by region of the body; none where that is not known.
+    pub(crate) fit: Option<Vec<RegionReport>>,
     /// Times of this drape; of the last one, if it was repeated.
     pub(crate) seconds: DrapeSeconds,
     /// Times of all repetitions; none if there is but one.

@@ -3,6 +3,7 @@
 use std::{collections::BTreeMap, path::Path};
 
 use super::{
+    fit,
     report::{CutReport, DrapeOutput, DrapeReport, RepeatedSeconds, WarningReport},
     timing::{Repeated, readable},
 };
@@ -16,6 +17,9 @@ pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Consol
     }
     console.summary(&format_args!("  {}", result(&report.drapes)));
     console.summary(&format_args!("  {}", stretch(&report.drapes)));
+    if let Some(line) = fit_line(report) {
+        console.summary(&format_args!("  {line}"));
+    }
     if let Some(line) = cloth_crossings(report) {
         console.summary(&format_args!("  {line}"));
     }
@@ -209,6 +213,13 @@ fn stretch(drapes: &[DrapeOutput]) -> String {
         worst(|drape| drape.stretch.p99),
         worst(|drape| drape.stretch.max)
     )
+}
+
+/// How the garment fits, if there is one wearer.
+fn fit_line(report: &DrapeReport) -> Option<String> {
+    let is_one = report.drapes.len() == 1 || report.pose.is_some();
+    let first = report.drapes.first().filter(|_| is_one)?;
+    Some(fit::line(first.fit.as_ref()?))
 }
 
 /// Of garments of one layer more pairs than this for each of their faces are told: a few are in

@@ -7,13 +7,13 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    Point3,
-    io::{ObjFile, read_mesh},
+    Point3, TriMesh,
+    io::{Frame, ObjFile, read_mesh},
     knn::Surface,
 };
 use garnet_view::{ColorMap, Heat};
 
-use super::{metres_of, problems::problems};
+use super::{fit, metres_of, problems::problems};
 use crate::failure::refused;
 
 /// What the first mesh is colored by.
@@ -27,6 +27,8 @@ pub(crate) enum ColorBy {
     Distance(PathBuf),
     /// Distance to the same vertex of this mesh.
     Displacement(PathBuf),
+    /// How the garment of this package fits the body of the picture.
+    Fit(PathBuf),
     /// Numbers in this file.
     File(PathBuf),
     /// What is wrong with it on its body.
@@ -41,6 +43,7 @@ impl ColorBy {
             Self::Stretch(path)
             | Self::Distance(path)
             | Self::Displacement(path)
+            | Self::Fit(path)
             | Self::File(path) => Some(path),
         }
     }
@@ -53,10 +56,11 @@ pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {
         Some(("stretch", path)) => Ok(ColorBy::Stretch(path.into())),
         Some(("distance", path)) => Ok(ColorBy::Distance(path.into())),
         Some(("displacement", path)) => Ok(ColorBy::Displacement(path.into())),
+        Some(("fit", path)) => Ok(ColorBy::Fit(path.into())),
         Some(("file", path)) => Ok(ColorBy::File(path.into())),
         _ => Err(
             "expected `none`, `problems`, `stretch=REST.obj`, `distance=BODY.obj`, \
-             `displacement=OTHER.obj` or `file=VALUES.txt`"
+             `displacement=OTHER.obj`, `fit=PACKAGE` or `file=VALUES.txt`"
                 .to_owned(),
         ),
     }
@@ -122,6 +126,14 @@ impl Skin {
         })
     }
 
+    /// Where its vertices are, in metres with y up.
+    fn in_metres(&self) -> Vec<Point3> {
+        let (positions, faces) = (self.surface.positions(), self.surface.faces());
+        let mesh = TriMesh::new(positions.to_vec(), faces.to_vec());
+        let frame = mesh.as_ref().map_or(Frame::OURS, Frame::detected);
+        frame.to_metres(positions.to_vec())
+    }
+
     /// What is wrong with a garment of the same unit.
     fn problems(&self, positions: &[Point3], faces: &[[u32; 3]]) -> anyhow::Result<Vec<f32>> {
         let scaled = |points: &[Point3]| -> Vec<Point3> {
@@ -141,6 +153,8 @@ pub(crate) enum Measure {
     Distance(Box<Surface>, f32),
     /// Distance to the same vertex of a mesh.
     Displacement(ObjFile),
+    /// How the garment of a package fits.
+    Fit(PathBuf),
     /// The numbers of a file.
     Numbers(PathBuf),
     /// Distance to the body that the mesh is on.
@@ -161,6 +175,7 @@ impl Measure {
                 Self::Distance(Box::new(skin), 1e3 * metres_of(&body))
             }
             ColorBy::Displacement(path) => Self::Displacement(read_mesh(path)?),
+            ColorBy::Fit(path) => Self::Fit(path.clone()),
             ColorBy::File(path) => Self::Numbers(path.clone()),
             ColorBy::Problems => Self::Problems,
         }))
@@ -176,6 +191,11 @@ impl Measure {
             Self::Stretch(_) => Scale::stretch(),
             Self::Distance(..) | Self::ToSkin => Scale::distance(),
             Self::Problems => Scale::problems(),
+            Self::Fit(_) => Scale {
+                label: "fit".to_owned(),
+                map: ColorMap::Fit,
+                range: None,
+            },
             Self::Displacement(_) => viridis("displacement (mm)".to_owned()),
             Self::Numbers(path) => {
                 let stem = path.file_stem().unwrap_or_default();
@@ -186,7 +206,7 @@ impl Measure {
 
     /// Whether it depends on the body that the mesh is on.
     pub(crate) fn needs_skin(&self) -> bool {
-        matches!(self, Self::ToSkin | Self::Problems)
+        matches!(self, Self::ToSkin | Self::Problems | Self::Fit(_))
     }
 
     /// A value for each vertex of a mesh that is at `positions`, in the unit of its file, on a
@@ -223,6 +243,7 @@ impl Measure {
                 let pairs = positions.iter().zip(other.positions());
                 pairs.map(|(a, b)| millimetres * (a - b).norm()).collect()
             }
+            Self::Fit(package) => fit::levels(package, file, skin.map(Skin::in_metres))?,
             Self::Numbers(path) => numbers(path, file.num_vertices())?,
         })
     }

@@ -144,7 +144,11 @@ fn scales<'a>(page: &'a Page<'a>) -> (Vec<Scale<'a>>, Vec<&'a str>) {
             low,
             high,
             colors: map.points().iter().copied().map(hex).collect(),
-            kinds: map.kinds(),
+            kinds: if map.blends() {
+                Vec::new()
+            } else {
+                map.kinds()
+            },
         }
     };
     (labels.iter().map(scale).collect(), labels)

@@ -1,0 +1,298 @@
+//! The tape around a built-in body at rest, laid wherever one likes.
+
+use garnet_mesh::{Point3, Vector3};
+use garnet_skin::{Body, PosedBody};
+use nalgebra::Point3 as Point;
+
+use super::body::shared;
+use super::primitives::Vec3;
+use super::recognize::joints_of;
+use super::tape::{self, TapePlane};
+use super::template::Template;
+use super::{JOINT_PARENTS, Measure, NUM_JOINTS};
+
+/// A built-in body at rest, ready to be measured.
+///
+/// ```
+/// use garnet_body::shape::{BodyParameters, Measure, ParametricBody, Tape};
+///
+/// let built = ParametricBody::build(&BodyParameters::new(1.0))?;
+/// let tape = Tape::around(built.body()).expect("it is the built-in body");
+/// let waist = tape.girth(&tape.plane(Measure::Waist));
+/// assert!((waist - built.measures()[Measure::Waist]).abs() < 1e-6);
+/// # Ok::<(), garnet_body::shape::ShapeError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Tape {
+    positions: Vec<Vec3>,
+    joints: Vec<Vec3>,
+    stature: f64,
+}
+
+/// A part of the body that cloth goes round.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Tube {
+    /// From the crotch, or below it, to the neck.
+    Trunk,
+    /// From the shoulder to the wrist.
+    LeftArm,
+    /// From the shoulder to the wrist.
+    RightArm,
+    /// From the hip to the ankle.
+    LeftLeg,
+    /// From the hip to the ankle.
+    RightLeg,
+}
+
+impl Tube {
+    /// All of them.
+    pub const ALL: [Self; 5] = [
+        Self::Trunk,
+        Self::LeftArm,
+        Self::RightArm,
+        Self::LeftLeg,
+        Self::RightLeg,
+    ];
+
+    /// The joints along its middle.
+    const fn joints(self) -> &'static [&'static str] {
+        match self {
+            Self::Trunk => &["pelvis", "spine1", "spine2", "spine3", "neck"],
+            Self::LeftArm => &["left_shoulder", "left_elbow", "left_wrist"],
+            Self::RightArm => &["right_shoulder", "right_elbow", "right_wrist"],
+            Self::LeftLeg => &["left_hip", "left_knee", "left_ankle"],
+            Self::RightLeg => &["right_hip", "right_knee", "right_ankle"],
+        }
+    }
+}
+
+/// How far the middle of the trunk goes on below the pelvis, between the legs, in metres.
+const BELOW_PELVIS: f64 = 1.0;
+
+fn lowest(positions: &[Vec3]) -> f64 {
+    positions
+        .iter()
+        .map(|point| point.y)
+        .fold(f64::MAX, f64::min)
+}
+
+impl TapePlane {
+    /// The point of the axis of the limb or trunk that lies in it, in metres.
+    pub fn center(&self) -> Point<f64> {
+        self.center.into()
+    }
+
+    /// The unit normal: along the bone, or up.
+    pub fn normal(&self) -> nalgebra::Vector3<f64> {
+        self.normal
+    }
+
+    /// The same on the other side of the body.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let across = |v: Vec3| Vec3::new(-v.x, v.y, v.z);
+        Self {
+            center: across(self.center),
+            normal: across(self.normal),
+            ..*self
+        }
+    }
+}
+
+impl Tape {
+    /// Of a body with the built-in topology and joints; none of another one.
+    pub fn around(body: &Body) -> Option<Self> {
+        let faces = &Template::stored().faces;
+        if body.rest().faces() != *faces || body.skeleton().num_joints() != NUM_JOINTS {
+            return None;
+        }
+        let joints = body.skeleton().joints().iter();
+        let joints = joints.map(|joint| joint.rest_position.coords.cast());
+        Some(Self::new(body.rest().positions(), joints.collect(), None))
+    }
+
+    /// Of who stands in `posed`: `body` is the built-in body in any shape at rest, `posed` the same
+    /// in a pose, and perhaps in another shape, which is brought back to rest. None for bodies of
+    /// another topology.
+    ///
+    /// The skin at rest follows joint by joint from the posed one, and the joints from the skin; then
+    /// bones are put end to end, as long as they are in the pose.
+    pub fn around_posed(body: &Body, posed: &PosedBody) -> Option<Self> {
+        let own = Self::around(body)?;
+        let Some(offsets) = posed.shape_offsets() else {
+            return Some(own);
+        };
+        let places = body.rest().positions().iter().zip(offsets);
+        let places: Vec<Point3> = places.map(|(place, offset)| place + offset).collect();
+        let transforms = posed.posed_from_rest();
+        if places.len() != shared().weights.num_vertices() || transforms.len() != NUM_JOINTS {
+            return None;
+        }
+        let found = joints_of(&places);
+        let in_pose: Vec<Point3> = (found.iter().zip(transforms))
+            .map(|(joint, transform)| transform * joint)
+            .collect();
+        let mut joints = found.clone();
+        for (joint, parent) in JOINT_PARENTS.into_iter().enumerate() {
+            let Some(parent) = parent else {
+                continue;
+            };
+            let bone = in_pose[joint] - in_pose[parent];
+            joints[joint] = joints[parent] + transforms[parent].rotation.inverse() * bone;
+        }
+        let moved = places.iter().enumerate().map(|(vertex, place)| {
+            let shares = shared().weights.vertex(vertex);
+            let shift: Vector3 = shares
+                .map(|(joint, share)| share * (joints[joint] - found[joint]))
+                .sum();
+            place + shift
+        });
+        let joints = joints.iter().map(|joint| joint.coords.cast());
+        Some(Self::new(
+            &moved.collect::<Vec<Point3>>(),
+            joints.collect(),
+            Some(lowest(&own.positions)),
+        ))
+    }
+
+    /// With its soles at `floor`, if they are not where they are.
+    fn new(positions: &[Point3], joints: Vec<Vec3>, floor: Option<f64>) -> Self {
+        let positions = tape::doubled(positions);
+        let highest = positions
+            .iter()
+            .map(|point| point.y)
+            .fold(f64::MIN, f64::max);
+        let stature = floor.map_or(highest, |floor| highest - lowest(&positions) + floor);
+        Self {
+            positions,
+            joints,
+            stature,
+        }
+    }
+
+    /// Where a girth is taken; `measure` is one of [`Measure::GIRTHS`].
+    pub fn plane(&self, measure: Measure) -> TapePlane {
+        tape::plane(&self.joints, self.stature, measure)
+    }
+
+    /// The height at which a girth of the trunk is taken, in metres; none of other girths.
+    pub fn height(&self, measure: Measure) -> Option<f64> {
+        tape::height_of(&self.joints, self.stature, measure)
+    }
+
+    /// Which share of its bone lies above the girth of a limb.
+    pub fn share(measure: Measure) -> f64 {
+        tape::share_of(measure)
+    }
+
+    /// The plane across the trunk at a height, in metres, for a girth of the trunk.
+    pub fn trunk_plane(&self, measure: Measure, height: f64) -> TapePlane {
+        tape::trunk_plane(&self.joints, measure, height)
+    }
+
+    /// The plane across the bone on which the girth of a limb of the left side is taken, a share of
+    /// the way along it.
+    pub fn bone_plane(&self, measure: Measure, share: f64) -> TapePlane {
+        tape::bone_plane(&self.joints, measure, share)
+    }
+
+    /// The girth in a plane, in metres: the perimeter of the convex hull of the trunk without arms,
+    /// or of the limb of the left side. 0 if there is none.
+    pub fn girth(&self, plane: &TapePlane) -> f64 {
+        let faces = &Template::stored().faces;
+        tape::girth(&self.positions, faces, &shared().arm_share, plane)
+    }
+
+    /// Where the middle of a tube goes through a plane, in metres; none if it does not.
+    pub fn middle_in(&self, tube: Tube, plane: &TapePlane) -> Option<Point<f64>> {
+        let names = tube.joints().iter();
+        let mut line: Vec<Vec3> = names.map(|name| self.joints[tape::index(name)]).collect();
+        if tube == Tube::Trunk {
+            line.insert(0, line[0] - BELOW_PELVIS * Vec3::y());
+        }
+        let height = |point: &Vec3| plane.normal.dot(&(point - plane.center));
+        let through = line.windows(2).find_map(|bone| {
+            let [start, end] = [height(&bone[0]), height(&bone[1])];
+            let is_cut = (start >= 0.0) != (end >= 0.0);
+            is_cut.then(|| bone[0] + start / (start - end) * (bone[1] - bone[0]))
+        });
+        through.map(Point::from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::{BodyParameters, ParametricBody, Population};
+    use garnet_skin::Pose;
+
+    /// Girths of a person in a pose are found this well, relative: that of the chest depends on how
+    /// high the armpits are, which the skin tells to a centimetre.
+    const MAX_DIFFERENCE: f64 = 0.015;
+    const MAX_CHEST_DIFFERENCE: f64 = 0.03;
+
+    const FITTED: [Measure; 5] = [
+        Measure::Chest,
+        Measure::Waist,
+        Measure::Hip,
+        Measure::UpperArm,
+        Measure::Thigh,
+    ];
+
+    #[test]
+    fn the_tape_of_a_body_reads_its_measures() {
+        let built = ParametricBody::build(&Population::new(5).sample(2)).unwrap();
+        let tape = Tape::around(built.body()).unwrap();
+        for measure in Measure::GIRTHS {
+            let found = tape.girth(&tape.plane(measure));
+            // Positions of a mesh are rounded.
+            assert!(
+                (found - built.measures()[measure]).abs() < 1e-6,
+                "{measure}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_skin_of_a_person_fitted_on_another_body_tells_the_girths() {
+        let rest = ParametricBody::build(&BodyParameters::new(0.5)).unwrap();
+        let population = Population::new(5);
+        for number in 0..4 {
+            let person = ParametricBody::build(&population.sample(number)).unwrap();
+            let mut pose = Pose::rest(NUM_JOINTS);
+            pose.rotations[tape::index("left_hip")] =
+                nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::x_axis(), -0.5);
+            let posed = person.body().posed(&pose).unwrap();
+            let fitted = rest.body().fitted(posed.skin().positions()).unwrap();
+            assert!(fitted.shape_offsets().is_some());
+            let tape = Tape::around_posed(rest.body(), &fitted).unwrap();
+            for measure in FITTED {
+                let [found, truth] = [tape.girth(&tape.plane(measure)), person.measures()[measure]];
+                let difference = (found / truth - 1.0).abs();
+                let limit = match measure {
+                    Measure::Chest => MAX_CHEST_DIFFERENCE,
+                    _ => MAX_DIFFERENCE,
+                };
+                assert!(
+                    difference < limit,
+                    "{measure} of {number}: {found}, {truth}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_middle_of_an_arm_goes_through_its_plane_and_that_of_the_trunk_where_it_should() {
+        let built = ParametricBody::build(&BodyParameters::new(0.5)).unwrap();
+        let tape = Tape::around(built.body()).unwrap();
+        let arm = tape.plane(Measure::UpperArm);
+        let middle = tape.middle_in(Tube::LeftArm, &arm).unwrap();
+        assert!((middle - arm.center()).norm() < 1e-9);
+        let other = tape.middle_in(Tube::RightArm, &arm.mirrored()).unwrap();
+        assert!((other.x + middle.x).abs() < 1e-4);
+        let waist = tape.plane(Measure::Waist);
+        let middle = tape.middle_in(Tube::Trunk, &waist).unwrap();
+        assert!((middle - waist.center()).norm() < 1e-9);
+        assert!(tape.middle_in(Tube::LeftLeg, &waist).is_none());
+    }
+}

@@ -1,0 +1,175 @@
+//! Whether the garment fits, in reports and as a line for people.
+
+use std::path::Path;
+
+use garnet::{
+    Point3, PosedBody,
+    body::shape::{Measure, Tape},
+    drape::{FitLines, NoFit, RegionFit, wearer_tape},
+    io::{Target, read_rig, rig_beside},
+    package::GarmentPackage,
+    sim::RestShape,
+};
+use serde::Serialize;
+
+use super::{Bound, args::Source, ready::package_of};
+
+/// The lines at which a garment is measured, and the girths of the rest body.
+pub(super) struct Fitting {
+    lines: FitLines,
+    at_rest: Tape,
+}
+
+/// How a garment fits in one region. SI units.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct RegionReport {
+    /// `chest`, `waist`, `hip`, `upper arm` or `thigh`.
+    pub(crate) region: &'static str,
+    /// `tight`, `close`, `regular` or `loose`.
+    pub(crate) fit: &'static str,
+    /// The girth of the body at rest.
+    pub(crate) body_m: f64,
+    /// The girth of the garment as it was cut.
+    pub(crate) garment_m: f64,
+    /// Garment less body.
+    pub(crate) ease_m: f64,
+    /// That over the girth of the body.
+    pub(crate) ease: f64,
+    /// How much longer the line round the garment is than as it was cut, as a share.
+    pub(crate) strain: f64,
+}
+
+impl From<RegionFit> for RegionReport {
+    fn from(fit: RegionFit) -> Self {
+        Self {
+            region: fit.region.name(),
+            fit: fit.word().name(),
+            body_m: fit.body,
+            garment_m: fit.garment,
+            ease_m: fit.ease(),
+            ease: fit.ease_share(),
+            strain: fit.strain,
+        }
+    }
+}
+
+impl Fitting {
+    /// Of the garment as its package has it cut, or as it lies on its body.
+    ///
+    /// # Errors
+    ///
+    /// Why it cannot be told, in words.
+    pub(super) fn new(bound: &Bound, source: &Source) -> Result<Self, String> {
+        let garment = (bound.refit.as_ref()).map_or(&*bound.garment, |refit| refit.garment());
+        if Tape::around(garment.body()).is_none() {
+            return Err(NoFit::Stranger.to_string());
+        }
+        let told = |error: &dyn std::fmt::Display| error.to_string();
+        let rest: Option<RestShape> = match (&bound.cut, package_of(source)) {
+            (Some(cut), _) => Some(cut.package.rest.clone()),
+            (None, Some(folder)) => {
+                let cloth = GarmentPackage::read_cloth(folder, garment.mesh());
+                Some(cloth.map_err(|error| told(&error))?.1)
+            }
+            (None, None) => None,
+        };
+        let lines = FitLines::new(garment, rest.as_ref()).map_err(|error| told(&error))?;
+        let at_rest = match &bound.refit {
+            Some(refit) => {
+                let skin = bound.garment.body().rest().positions();
+                let stand_in = refit.stand_in(skin).map_err(|error| told(&error))?;
+                wearer_tape(refit.own(), &stand_in)
+            }
+            None => Tape::around(garment.body()),
+        };
+        let at_rest = at_rest.ok_or_else(|| NoFit::Stranger.to_string())?;
+        Ok(Self { lines, at_rest })
+    }
+
+    /// How the garment fits on a body, with its vertices at `positions` `[vertex]`, in metres; none
+    /// where the girths of that body cannot be found.
+    pub(super) fn of(
+        &self,
+        (bound, target): (&Bound, &Target),
+        positions: &[Point3],
+        body: &PosedBody,
+    ) -> Option<Vec<RegionReport>> {
+        let own = match (body.shape_offsets(), &bound.refit) {
+            (None, _) => None,
+            (Some(_), None) => Some(wearer_tape(bound.garment.body(), body)?),
+            (Some(_), Some(refit)) => {
+                let stand_in = refit.stand_in(body.skin().positions()).ok()?;
+                Some(wearer_tape(refit.own(), &stand_in)?)
+            }
+        };
+        let own = own.map(|found| of_rig(&target.path, &found).unwrap_or(found));
+        let wearer = own.as_ref().unwrap_or(&self.at_rest);
+        let garment = (bound.refit.as_ref()).map_or(&*bound.garment, |refit| refit.garment());
+        let nodes = garment.cloth().weld().gather(positions);
+        let fits = self.lines.fit(wearer, &nodes);
+        Some(fits.into_iter().map(RegionReport::from).collect())
+    }
+}
+
+/// The girths of the rig beside a body, if it has those of the same person: they are exact, where
+/// those that were found from a pose are not.
+fn of_rig(path: &Path, found: &Tape) -> Option<Tape> {
+    let beside = rig_beside(path);
+    if !beside.is_file() {
+        return None;
+    }
+    let body = read_rig(beside).ok()?.into_body().ok()?;
+    let tape = Tape::around(&body)?;
+    let girth = |tape: &Tape, measure| tape.girth(&tape.plane(measure));
+    let is_near = |measure| {
+        let [own, other] = [&tape, found].map(|tape| girth(tape, measure));
+        (own / other - 1.0).abs() < SAME_PERSON
+    };
+    let is_same = [
+        Measure::Waist,
+        Measure::Hip,
+        Measure::UpperArm,
+        Measure::Thigh,
+    ];
+    is_same.into_iter().all(is_near).then_some(tape)
+}
+
+/// Girths found from a pose that differ by less than this from those of a rig are of the same
+/// person, relative. Larger ones take the rig of another body that lies beside it.
+const SAME_PERSON: f64 = 0.03;
+
+/// One line for all regions.
+pub(super) fn line(regions: &[RegionReport]) -> String {
+    let shown = regions.iter().map(|found| {
+        let centimetres = (100.0 * found.ease_m).round() as i64;
+        format!("{} {} ({centimetres:+} cm)", found.region, found.fit)
+    });
+    format!("fit: {}", shown.collect::<Vec<_>>().join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_tells_each_region_with_its_ease() {
+        let found = |region, fit, ease_m| RegionReport {
+            region,
+            fit,
+            body_m: 1.0,
+            garment_m: 1.0 + ease_m,
+            ease_m,
+            ease: ease_m,
+            strain: 0.0,
+        };
+        let regions = [
+            found("chest", "regular", 0.094),
+            found("waist", "tight", -0.021),
+            found("hip", "tight", -0.004),
+        ];
+        assert_eq!(
+            line(&regions),
+            "fit: chest regular (+9 cm), waist tight (-2 cm), hip tight (+0 cm)"
+        );
+    }
+}

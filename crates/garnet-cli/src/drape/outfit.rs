@@ -1,0 +1,363 @@
+//! Several garments on one body, the inner first.
+
+use std::sync::{Arc, atomic::AtomicBool};
+
+use anyhow::Context;
+use garnet::{
+    Drape, PosedBody,
+    drape::{
+        LayerCount, LayerOptions, Placed, PlacedBy, WornGarment, count_layers, dressed, part_layers,
+    },
+    io::largest_distance,
+};
+use serde::Serialize;
+
+use super::{
+    Bound,
+    all::{All, Draped, Frame, Part},
+    args::{Job, OutfitArgs},
+    judge,
+    outputs::{check_outputs, outputs_on},
+    prepared::Prepared,
+    ready::{Found, Ready},
+    report::{DrapeReport, OnceSeconds},
+    report_of, summary,
+    tailored::by_wearer,
+    timing::{readable, timed},
+    warning::Warning,
+};
+use crate::{
+    console::{Console, print_document},
+    failure::{ExitStatus, refused},
+    output,
+};
+
+/// The bodies of two packages are one if no vertex is farther apart than this, in metres.
+const SAME_BODY: f32 = 1e-4;
+
+/// What was draped over each other, and what runs through each other. SI units.
+#[derive(Debug, Serialize)]
+struct OutfitReport {
+    schema: &'static str,
+    version: &'static str,
+    /// The reports of the garments, the inner first.
+    garments: Vec<DrapeReport>,
+    layers: Vec<LayerReport>,
+    seconds: f64,
+}
+
+/// How two garments run through each other.
+#[derive(Debug, Serialize)]
+struct LayerReport {
+    inner: String,
+    outer: String,
+    /// Faces of the outer garment that cross the inner one.
+    outer_crossing: usize,
+    outer_faces: usize,
+    /// Faces of the inner garment that cross the outer one.
+    inner_crossing: usize,
+    inner_faces: usize,
+    /// Vertices of the inner garment that lie outside of the outer one. Vertices at one place count
+    /// once.
+    inner_outside: usize,
+    inner_vertices: usize,
+    /// The larger share of the faces of one that cross the other.
+    crossing_share: f64,
+}
+
+/// One garment of the outfit, ready to be draped.
+struct Garment {
+    name: String,
+    job: Job,
+    part: Part,
+    ready: Ready,
+    read: f64,
+    bind: f64,
+}
+
+/// Drapes one garment after the other, parts them, writes and reports.
+pub(super) fn run(args: OutfitArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    let (folder, report_path) = (args.folder.clone(), args.report.clone());
+    let (done, seconds) = timed(|| drape_all(args, console));
+    let (garments, layers) = done?;
+    let mut statuses = Vec::with_capacity(garments.len());
+    for (report, job) in &garments {
+        summary::tell(report, None, console);
+        statuses.push(judge(report, job, console));
+    }
+    let mut prints = console.is_json();
+    let report = OutfitReport {
+        schema: "garnet.outfit/1",
+        version: env!("CARGO_PKG_VERSION"),
+        garments: garments.into_iter().map(|(report, _)| report).collect(),
+        layers,
+        seconds,
+    };
+    for layer in &report.layers {
+        console.summary(&format_args!(
+            "`{}` over `{}`: {:.2} % of the faces of one cross the other, {} vertices of the inner one are outside",
+            layer.outer,
+            layer.inner,
+            100.0 * layer.crossing_share,
+            layer.inner_outside
+        ));
+    }
+    console.summary(&format_args!(
+        "dressed in {} garments in `{}` in {}",
+        report.garments.len(),
+        folder.display(),
+        readable(seconds)
+    ));
+    if let Some(path) = report_path {
+        if path.as_os_str() == "-" {
+            prints = true;
+        } else {
+            let mut text = serde_json::to_string_pretty(&report)?;
+            text.push('\n');
+            output::write(&path, text.as_bytes())?;
+        }
+    }
+    if prints {
+        print_document(&report)?;
+    }
+    let worst = statuses
+        .into_iter()
+        .find(|status| *status != ExitStatus::Done);
+    Ok(worst.unwrap_or(ExitStatus::Done))
+}
+
+type Reports = Vec<(DrapeReport, Job)>;
+
+fn drape_all(args: OutfitArgs, console: &Console) -> anyhow::Result<(Reports, Vec<LayerReport>)> {
+    if let Some(path) = args.report.as_ref().filter(|path| path.as_os_str() != "-") {
+        output::check_file(path)?;
+    }
+    let is_new = !args.folder.is_dir();
+    // Each garment has a file in it, which is checked before any is read.
+    output::open_folder(&args.folder)?;
+    let ready = args
+        .garments
+        .into_iter()
+        .map(|args| ready_garment(args, console));
+    let ready = ready.collect::<anyhow::Result<Vec<_>>>();
+    let done = ready.and_then(|garments| drape(garments, console));
+    if is_new && done.is_err() {
+        // It stays if there is something in it.
+        let _ = std::fs::remove_dir(&args.folder);
+    }
+    done
+}
+
+/// Reads and binds a garment.
+fn ready_garment(args: super::DrapeArgs, console: &Console) -> anyhow::Result<Garment> {
+    let job = Job::new(args)?;
+    let (prepared, read) = timed(|| Prepared::read(&job.source));
+    let prepared = prepared?;
+    let outputs = outputs_on(&prepared.targets, &job);
+    check_outputs(&prepared, &outputs, &job)?;
+    if prepared.targets.len() != 1 {
+        return Err(refused(
+            format!("there are {} bodies for an outfit", prepared.targets.len()),
+            "an outfit is draped on one body in one pose",
+            "drape it on them one by one",
+        ));
+    }
+    for note in &prepared.notes {
+        console.summary(&format_args!("note: {note}"));
+    }
+    let name = outputs.first().and_then(|path| path.file_stem());
+    let name = name.unwrap_or_default().to_string_lossy().into_owned();
+    let part = Part {
+        warm_up: 0,
+        outputs,
+    };
+    // There is one target, and so one wearer.
+    let of_wearer = by_wearer(prepared, part, &job)?.into_iter().next();
+    let (prepared, part) = of_wearer.context("there is nothing to drape on")?;
+    let (bound, bind) = timed(|| Bound::new(prepared));
+    let ready = Ready::new(bound?, Found::read(&job)?, &job, console)?;
+    Ok(Garment {
+        name,
+        job,
+        part,
+        ready,
+        read,
+        bind,
+    })
+}
+
+impl Garment {
+    fn frame<'a>(&'a self, console: &'a Console, stop: &'a AtomicBool) -> Frame<'a> {
+        Frame::alone(&self.ready, (&self.job, &self.part), (console, stop))
+    }
+
+    /// The wearer, who is that of the inner garment.
+    fn wearer(&self, inner: Option<&PosedBody>) -> anyhow::Result<PosedBody> {
+        let bound = &self.ready.bound;
+        let posed = bound.targets[0].posed(bound.garment.body())?;
+        let Some(inner) = inner else {
+            return Ok(posed);
+        };
+        let [places, of_inner] = [&posed, inner].map(|body| body.skin().positions());
+        if places.len() == of_inner.len() && largest_distance(places, of_inner) < SAME_BODY {
+            return Ok(posed);
+        }
+        let fitted = bound.garment.body().fitted(of_inner);
+        fitted.with_context(|| {
+            format!(
+                "`{}` and what is worn under it are not of one body",
+                self.name
+            )
+        })
+    }
+
+    fn worn(&self, drape: &Drape) -> WornGarment<'_> {
+        WornGarment {
+            garment: &self.ready.bound.garment,
+            positions: drape.positions.clone(),
+        }
+    }
+
+    /// Frees a garment that was moved of the skin, and tells what is left of penetrations.
+    fn freed(&self, draped: &mut Draped) -> anyhow::Result<()> {
+        let Some(first) = draped.drape.report.clone() else {
+            return Ok(());
+        };
+        let by = PlacedBy::Simulation;
+        let garment = &self.ready.bound.garment;
+        let placed = Placed::at(garment, &draped.posed, &draped.drape.positions, by)?;
+        let freed = self.ready.draper.untangle(placed)?;
+        draped.drape.positions = freed.positions;
+        draped.drape.is_trapped = freed.is_trapped;
+        draped.drape.report = freed.report.map(|mut report| {
+            report.inside_before = first.inside_before;
+            report.deepest_before = first.deepest_before;
+            report.moved = report.moved.max(first.moved);
+            report.max_displacement = report.max_displacement.max(first.max_displacement);
+            report
+        });
+        Ok(())
+    }
+}
+
+fn drape(
+    mut garments: Vec<Garment>,
+    console: &Console,
+) -> anyhow::Result<(Reports, Vec<LayerReport>)> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let mut drapes: Vec<Draped> = Vec::with_capacity(garments.len());
+    for number in 0..garments.len() {
+        let (inner, garment) = (&garments[..number], &garments[number]);
+        let wearer = drapes.first().map(|draped| &draped.posed);
+        let (posed, fit) = timed(|| garment.wearer(wearer));
+        let posed = posed?;
+        let worn = inner.iter().zip(&drapes);
+        let worn: Vec<_> = worn
+            .map(|(garment, draped)| garment.worn(&draped.drape))
+            .collect();
+        let body = if worn.is_empty() {
+            posed.clone()
+        } else {
+            dressed(&posed, &worn, &garment.ready.bound.garment)?
+        };
+        let frame = garment.frame(console, &stop);
+        let mut draped = frame.draped_on(0, body, fit)?;
+        draped.posed = posed;
+        drapes.push(draped);
+        let (parted, seconds) = timed(|| part_all(&garments[..=number], &mut drapes));
+        parted?;
+        drapes[number].time.untangle += seconds;
+    }
+    for (garment, draped) in garments.iter().zip(&mut drapes) {
+        garment.freed(draped)?;
+    }
+    let layers = layers_of(&garments, &drapes)?;
+    let mut reports = Vec::with_capacity(garments.len());
+    for (garment, draped) in garments.iter_mut().zip(drapes) {
+        let seconds = draped.time.fit + draped.time.of_drape();
+        let finished = garment.frame(console, &stop).finished(0, draped, None)?;
+        let path = &garment.part.outputs[0];
+        let warnings = finished.problems.into_iter().map(|problem| Warning {
+            path: path.clone(),
+            problem,
+        });
+        garment.ready.bound.warnings.extend(warnings);
+        reports.push((finished.output, seconds));
+    }
+    let reports = garments
+        .into_iter()
+        .zip(reports)
+        .map(|(garment, (output, drape))| {
+            let all = All {
+                drapes: vec![output],
+                hidden_faces: None,
+                threads: rayon::current_num_threads(),
+            };
+            let seconds = OnceSeconds {
+                read: garment.read,
+                bind: garment.bind,
+                drape,
+                total: garment.read + garment.bind + drape,
+            };
+            let report = report_of(garment.ready, &garment.job, all, seconds);
+            (report, garment.job)
+        });
+    Ok((reports.collect(), layers))
+}
+
+/// Parts the outermost garment from all under it, and these from each other.
+fn part_all(garments: &[Garment], drapes: &mut [Draped]) -> anyhow::Result<()> {
+    for outer in (1..drapes.len()).rev() {
+        for inner in (0..outer).rev() {
+            let Some(options) = layer_options(&garments[outer]) else {
+                continue;
+            };
+            let mut of_inner = garments[inner].worn(&drapes[inner].drape);
+            let mut of_outer = garments[outer].worn(&drapes[outer].drape);
+            part_layers(&mut of_inner, &mut of_outer, &drapes[outer].posed, options)?;
+            let (inner_places, outer_places) = (of_inner.positions, of_outer.positions);
+            drapes[inner].drape.positions = inner_places;
+            drapes[outer].drape.positions = outer_places;
+        }
+    }
+    Ok(())
+}
+
+/// How layers are parted; none if penetrations are left as they are.
+fn layer_options(garment: &Garment) -> Option<LayerOptions> {
+    let untangle = garment.ready.draper.options().untangle?;
+    Some(LayerOptions {
+        clearance: untangle.clearance,
+        ..LayerOptions::default()
+    })
+}
+
+fn layers_of(garments: &[Garment], drapes: &[Draped]) -> anyhow::Result<Vec<LayerReport>> {
+    let count = garments.len();
+    let pairs = (1..count).flat_map(|outer| (0..outer).map(move |inner| [inner, outer]));
+    let counted = pairs.map(|[inner, outer]| {
+        let worn = |number: usize| garments[number].worn(&drapes[number].drape);
+        let found = count_layers(&worn(inner), &worn(outer))?;
+        Ok(LayerReport::new(
+            [&garments[inner], &garments[outer]],
+            found,
+        ))
+    });
+    counted.collect()
+}
+
+impl LayerReport {
+    fn new([inner, outer]: [&Garment; 2], found: LayerCount) -> Self {
+        Self {
+            inner: inner.name.clone(),
+            outer: outer.name.clone(),
+            outer_crossing: found.outer_crossing,
+            outer_faces: found.outer_faces,
+            inner_crossing: found.inner_crossing,
+            inner_faces: found.inner_faces,
+            inner_outside: found.inner_outside,
+            inner_vertices: found.inner_nodes,
+            crossing_share: found.crossing_share(),
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The line round a garment in a plane: closed, round one part of the body and no other.
+
+use garnet_body::shape::{Tape, TapePlane, Tube};
+use garnet_mesh::{MeshLoop, Point3, plane_loops};
+use garnet_sim::RestShape;
+use nalgebra::{Point3 as Point, Vector3 as Vector};
+
+use crate::BoundGarment;
+
+/// A garment as it lies on its body, and as it was cut.
+#[derive(Debug)]
+pub(super) struct Cut<'a> {
+    garment: &'a BoundGarment,
+    /// Faces of the mesh between nodes `[face]`; some may be lines.
+    faces: Vec<[u32; 3]>,
+    /// `None`: as it lies on its body.
+    flat: Option<&'a [[[f32; 2]; 3]]>,
+    /// Positions `[vertex]` at which it has its lengths, if they are not those on its body.
+    worn: Option<Vec<Point3>>,
+}
+
+/// A line round a garment and its length in the pattern, in metres.
+#[derive(Debug, Clone)]
+pub(super) struct Line {
+    pub(super) curve: MeshLoop,
+    pub(super) girth: f64,
+}
+
+impl<'a> Cut<'a> {
+    pub(super) fn new(garment: &'a BoundGarment, rest: Option<&'a RestShape>) -> Self {
+        let weld = garment.cloth().weld();
+        let node = |vertex: u32| weld.node_of_vertex()[vertex as usize];
+        let faces = garment.mesh().faces().iter();
+        let faces: Vec<[u32; 3]> = faces.map(|face| face.map(node)).collect();
+        let flat = match rest {
+            Some(RestShape::Flat { corners, .. }) if corners.len() == faces.len() => {
+                Some(corners.as_slice())
+            }
+            _ => None,
+        };
+        let worn = match rest {
+            Some(RestShape::Worn(positions))
+                if positions.len() == garment.mesh().num_vertices() =>
+            {
+                Some(weld.gather(positions))
+            }
+            _ => None,
+        };
+        Self {
+            garment,
+            faces,
+            flat,
+            worn,
+        }
+    }
+
+    pub(super) fn garment(&self) -> &'a BoundGarment {
+        self.garment
+    }
+
+    pub(super) fn into_faces(self) -> Vec<[u32; 3]> {
+        self.faces
+    }
+
+    /// The corners of a face as it was cut, in metres.
+    fn corners(&self, face: u32) -> [Vector<f64>; 3] {
+        if let Some(flat) = self.flat {
+            return flat[face as usize].map(|[x, y]| Vector::new(f64::from(x), f64::from(y), 0.0));
+        }
+        let positions = self.worn.as_deref();
+        let positions = positions.unwrap_or(self.garment.cloth().rest_nodes());
+        self.faces[face as usize].map(|node| positions[node as usize].coords.cast())
+    }
+
+    /// The shortest line in a plane that goes round the middle of `tube` and not round those of
+    /// `others`.
+    pub(super) fn line_round(
+        &self,
+        tape: &Tape,
+        plane: &TapePlane,
+        tube: Tube,
+        others: &[Tube],
+    ) -> Option<Line> {
+        let middle = tape.middle_in(tube, plane)?;
+        let others = others
+            .iter()
+            .filter_map(|&tube| tape.middle_in(tube, plane));
+        let others: Vec<Point<f64>> = others.collect();
+        let nodes = self.garment.cloth().rest_nodes();
+        let loops = plane_loops(&self.faces, nodes, &plane.center(), &plane.normal());
+        let lines = loops.into_iter().filter_map(|curve| {
+            let points = curve.points(&self.faces, nodes);
+            let goes_round = |middle: &Point<f64>| winding(&points, middle, &plane.normal()) != 0;
+            if !goes_round(&middle) || others.iter().any(goes_round) {
+                return None;
+            }
+            let girth = curve.length(|face| self.corners(face));
+            Some(Line { curve, girth })
+        });
+        lines.min_by(|a, b| a.girth.total_cmp(&b.girth))
+    }
+}
+
+/// How often a closed line in a plane goes round a point of that plane.
+fn winding(points: &[Point<f64>], middle: &Point<f64>, normal: &Vector<f64>) -> i32 {
+    let mut turn = 0.0;
+    for (number, point) in points.iter().enumerate() {
+        let [a, b] = [point, &points[(number + 1) % points.len()]].map(|point| point - middle);
+        turn += normal.dot(&a.cross(&b)).atan2(a.dot(&b));
+    }
+    (turn / std::f64::consts::TAU).round() as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_square_goes_round_its_middle_once_and_round_nothing_beside_it() {
+        let corners = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
+        let mut points: Vec<Point<f64>> = corners.map(|[x, z]| Point::new(x, 0.0, z)).to_vec();
+        let up = Vector::y();
+        let found = winding(&points, &Point::new(0.2, 0.0, 0.3), &up);
+        assert_eq!(found.abs(), 1);
+        assert_eq!(winding(&points, &Point::new(1.5, 0.0, 0.0), &up), 0);
+        points.reverse();
+        assert_eq!(winding(&points, &Point::origin(), &up), -found);
+    }
+}
