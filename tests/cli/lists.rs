@@ -68,6 +68,7 @@ fn shells_and_manuals_know_every_subcommand() {
 #[test]
 fn packages_are_found_by_their_name() {
     let fixture = Fixture::new();
+    std::fs::create_dir(fixture.path("shop")).unwrap();
     done(&fixture, "garment tshirt --vertices 600 -o shop/tee -q");
     let unknown = fixture.garnet("info tee");
     assert_eq!(unknown.status.code(), Some(2));

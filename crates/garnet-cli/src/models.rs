@@ -1,7 +1,8 @@
 //! Where packages are found that are named and not told the folder of.
 //!
 //! `tshirt` means the folder `tshirt` here, else a package of that name in `GARNET_MODELS`, in
-//! `share/garnet/models` beside the folder of the program, or in `garnet/models` of the user's data.
+//! `share/garnet/models` beside the folder of the program, or in `garnet/models` of the user's
+//! data.
 
 use std::{
     convert::Infallible,

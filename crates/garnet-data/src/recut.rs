@@ -8,15 +8,16 @@ use garnet_skin::Body;
 
 use crate::{DataError, Tailor, wearer_of};
 
-/// The package with its garment cut to the measures of `body`, which is a built-in body at rest, and
-/// put on it: template, rest shape and body are new, pattern, fabric and variants are as they were.
+/// The package with its garment cut to the measures of `body`, which is a built-in body at rest,
+/// and put on it: template, rest shape and body are new, pattern, fabric and variants are as they
+/// were.
 ///
 /// None for packages without a pattern, and for bodies whose measures cannot be taken.
 ///
 /// # Errors
 ///
-/// [`DataError::Pattern`] if the pattern cannot be cut for these measures, [`DataError::Sim`] if the
-/// cloth cannot be put on, [`DataError::Package`] once `stop` is set.
+/// [`DataError::Pattern`] if the pattern cannot be cut for these measures, [`DataError::Sim`] if
+/// the cloth cannot be put on, [`DataError::Package`] once `stop` is set.
 pub fn recut(
     package: &GarmentPackage,
     body: Body,

@@ -155,8 +155,8 @@ fn with_joints(mesh: &TriMesh, joints: Vec<Point3>) -> Body {
 /// How often [`unposed`] looks for the shape anew, each time from the joints that it has found.
 const UNPOSINGS: usize = 3;
 
-/// The built-in body at rest whose skin in some pose is at `target` `[vertex]`, in metres; `body` is
-/// the built-in body in any shape, at rest.
+/// The built-in body at rest whose skin in some pose is at `target` `[vertex]`, in metres; `body`
+/// is the built-in body in any shape, at rest.
 ///
 /// None if the target is `body` itself in a pose, or `body` is none of ours: the shape of others
 /// is not known at the joints.

@@ -154,7 +154,7 @@ fn kind(path: &Path) -> anyhow::Result<Kind> {
     if path.is_dir() {
         return Err(refused(
             format!("cannot read `{}`", path.display()),
-            "it is a folder, and neither a garment package nor a data set: it has no \
+            "it is a folder, and no garment package or data set: it has no \
              `garment.toml` and no `dataset.json`",
             "name a file in it, or the folder of a garment package or data set",
         ));

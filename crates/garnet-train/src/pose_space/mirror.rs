@@ -20,8 +20,8 @@ const ON: f32 = 0.01;
 pub(crate) struct GarmentMirror {
     /// For each vertex the triangle on which its mirror image lies, and the weights of its corners.
     images: Vec<Image>,
-    /// From where each vertex is at rest to where the mirror image of the garment has it, in metres:
-    /// folds at rest need not be alike on both sides.
+    /// From where each vertex is at rest to where the mirror image of the garment has it, in
+    /// metres: folds at rest need not be alike on both sides.
     apart: Vec<Vector3>,
     numbers: Exchange,
 }
