@@ -86,7 +86,9 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut names = vec!["skinning (DQS)".to_owned(), "warp".to_owned()];
     for name in &arguments.variants {
         let weights = package.manifest.weights_of(path, name)?;
-        for candidate in Candidate::of_weights(name, &weights, None)? {
+        let variant = package.manifest.variant(name);
+        let frames = variant.and_then(|variant| variant.settle_frames);
+        for candidate in Candidate::of_weights(name, &weights, frames)? {
             if let Candidate::Model { settle, .. } = candidate {
                 names.push(Candidate::settled_name(name, settle));
             }

@@ -125,7 +125,10 @@ pub(crate) fn candidates(
                 .weights_of(folder, &name)
                 .hint(|| "`garnet train` adds variants to a package".to_owned())?
         };
-        candidates.extend(Candidate::of_weights(&name, &weights, settle)?);
+        // As a drape relaxes it.
+        let variant = package.manifest.variant(&name);
+        let frames = settle.or_else(|| variant?.settle_frames);
+        candidates.extend(Candidate::of_weights(&name, &weights, frames)?);
     }
     Ok(candidates)
 }
