@@ -107,7 +107,8 @@ impl Parameters {
     }
 
     /// Sizes, the one that fits a wearer best first: those that fit before the others, and of these
-    /// the ones whose eases, and of trousers legs, are nearer to those of a garment made to measure.
+    /// the ones whose eases, and of trousers legs, are nearer to those of a garment made to
+    /// measure.
     pub fn by_fit(&self, sizes: &[Size], wearer: &Measures) -> Vec<Size> {
         let wanted = self.fit(wearer, wearer);
         let rank = |size: &Size| {

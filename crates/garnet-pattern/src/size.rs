@@ -85,8 +85,8 @@ impl Size {
     /// The measures that a garment of this size is cut for.
     ///
     /// Girths grow with the chest as they do from the thin to the heavy in the built-in
-    /// population; lengths grow a little. Trousers have the girths of the size with their waist, and
-    /// the legs that their inner leg is for.
+    /// population; lengths grow a little. Trousers have the girths of the size with their waist,
+    /// and the legs that their inner leg is for.
     pub fn measures(self) -> Measures {
         let steps = self.steps();
         let mut size = REFERENCE.measures;

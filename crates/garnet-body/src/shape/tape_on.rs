@@ -115,8 +115,8 @@ impl Tape {
     /// in a pose, and perhaps in another shape, which is brought back to rest. None for bodies of
     /// another topology.
     ///
-    /// The skin at rest follows joint by joint from the posed one, and the joints from the skin; then
-    /// bones are put end to end, as long as they are in the pose.
+    /// The skin at rest follows joint by joint from the posed one, and the joints from the skin;
+    /// then bones are put end to end, as long as they are in the pose.
     pub fn around_posed(body: &Body, posed: &PosedBody) -> Option<Self> {
         let own = Self::around(body)?;
         let Some(offsets) = posed.shape_offsets() else {

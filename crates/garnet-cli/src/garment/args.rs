@@ -51,8 +51,8 @@ pub(crate) struct PatternOptions {
         allow_negative_numbers = true
     )]
     pub(crate) vertices: usize,
-    /// Cut it in a size, XS to 3XL or, as trousers, waist and inner leg in inches (32x34), instead of
-    /// to the measures of the body; auto is the one that fits the body best.
+    /// Cut it in a size, XS to 3XL or, as trousers, waist and inner leg in inches (32x34), instead
+    /// of to the measures of the body; auto is the one that fits the body best.
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) size: Option<SizeChoice>,
     /// Body to cut it for and to put it on: an OBJ of the built-in body at rest with its rig, or

@@ -19,8 +19,8 @@ const SHARE_STEP: f64 = 0.05;
 /// share of the girth of the body. A larger one shows how tight the tightest is.
 const TIGHTEST: f64 = 0.1;
 
-/// How often the level of a node is blended with those of its neighbours: where a sleeve begins, one
-/// tape ends and another begins. More blends farther.
+/// How often the level of a node is blended with those of its neighbours: where a sleeve begins,
+/// one tape ends and another begins. More blends farther.
 const BLENDING: usize = 12;
 
 /// How a garment fits a wearer at each vertex `[vertex]`, on the scale of

@@ -3,7 +3,8 @@
 //! A tape is laid round the wearer and round the garment, as a tailor does who holds the finished
 //! garment against the measures of a person. The girth of the wearer is that of the body at rest,
 //! whatever its pose; that of the garment is measured in its pattern, flat and unstretched. What is
-//! left between them is the ease. The same line of cloth, followed into the drape, tells the strain.
+//! left between them is the ease. The same line of cloth, followed into the drape, tells the
+//! strain.
 
 mod lines;
 mod map;
@@ -56,9 +57,9 @@ const CLOSE_FROM: f64 = 0.0;
 /// Pattern makers give ease in centimetres for a middle size, by how a garment is to sit. Round a
 /// bust of 92 cm a close-fitting blouse or dress has up to 7.5 cm, a loose-fitting one 13 cm and
 /// more; round a hip of 98 cm it is 5 cm and 10 cm. A waistband has 1 to 3 cm, the waist of a
-/// hanging bodice 4 cm if it is close and 12 cm and more if it hangs; a sleeve has 4 cm round an arm
-/// of 29 cm where it is close and 9 cm where it is wide; the thigh of slim trousers 5 cm of 57 cm,
-/// that of wide ones 14 cm and more. These are those amounts over those girths.
+/// hanging bodice 4 cm if it is close and 12 cm and more if it hangs; a sleeve has 4 cm round an
+/// arm of 29 cm where it is close and 9 cm where it is wide; the thigh of slim trousers 5 cm of 57
+/// cm, that of wide ones 14 cm and more. These are those amounts over those girths.
 const REGULAR_AND_LOOSE_FROM: [[f64; 2]; 5] = [
     [0.08, 0.14],
     [0.05, 0.15],

@@ -10,16 +10,16 @@ use super::sheet::{Sheet, anchors};
 use crate::Error;
 
 /// Outer cloth farther under the inner cloth of the same part of the body than this is not brought
-/// out, in metres: more takes the far side of a limb for the near one, less leaves a skirt outside of
-/// the hem that is worn over it. Tried: 30 and 80 mm.
+/// out, in metres: more takes the far side of a limb for the near one, less leaves a skirt outside
+/// of the hem that is worn over it. Tried: 30 and 80 mm.
 const REACH: f32 = 0.08;
 
 /// The same of inner cloth over the outer one. More takes cloth on the lap for what is under a hem
 /// there. Tried: 20 to 80 mm.
 const REACH_OUT: f32 = 0.02;
 
-/// The same of cloth of two parts of the body, as a sleeve and a skirt beside it. More pulls sleeves
-/// through cloth that the body traps. Tried: 10 and 30 mm.
+/// The same of cloth of two parts of the body, as a sleeve and a skirt beside it. More pulls
+/// sleeves through cloth that the body traps. Tried: 10 and 30 mm.
 const FOREIGN_REACH: f32 = 0.03;
 
 /// Cloth belongs to the same part of the body if the skin under it at rest is no farther apart than

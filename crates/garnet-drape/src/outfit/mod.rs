@@ -1,10 +1,10 @@
 //! Garments worn over each other on one body: the inner first, the outer over body and inner.
 //!
 //! The outer garment is draped on the body with the inner one on: where that covers the skin, the
-//! skin is moved out to it ([`dressed`]). The result is a body of the same topology in another shape, which
-//! all ways to drape know how to deal with. Cloth has finer folds than a body has vertices; so the
-//! layers are brought in order at last ([`part_layers`]), and what is left is counted
-//! ([`LayerCount`]).
+//! skin is moved out to it ([`dressed`]). The result is a body of the same topology in another
+//! shape, which all ways to drape know how to deal with. Cloth has finer folds than a body has
+//! vertices; so the layers are brought in order at last ([`part_layers`]), and what is left is
+//! counted ([`LayerCount`]).
 
 mod layers;
 mod sheet;
@@ -86,8 +86,8 @@ pub fn dressed(
     Ok(body.fitted_by(&places.collect::<Vec<_>>(), transforms)?)
 }
 
-/// How thick the cloth on the skin makes the body: as far as cloth lies out that faces the same way,
-/// up to [`THICKEST`]; 0 if there is none.
+/// How thick the cloth on the skin makes the body: as far as cloth lies out that faces the same
+/// way, up to [`THICKEST`]; 0 if there is none.
 fn farthest(sheet: &Sheet<'_>, place: Point3, normal: Vector3) -> f32 {
     let passages = sheet.surface.passages(place, normal, LYING).into_iter();
     let lying = passages.filter(|found| {
