@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 
 use garnet_mesh::{Point3, TriMesh, Vector3};
 use garnet_skin::{Body, Joint, Skeleton, SkinError};
+use nalgebra::Isometry3;
 
 use super::body::shared;
 use super::skeleton::{JOINT_NAMES, JOINT_PARENTS, NUM_JOINTS, mirrored};
@@ -179,8 +180,14 @@ pub fn unposed(body: &Body, target: &[Point3]) -> Result<Option<Body>, SkinError
         if offsets.len() != rest.num_vertices() {
             return Ok(None);
         }
-        let moved = rest.positions().iter().zip(offsets);
-        let moved = moved.map(|(place, offset)| place + offset);
+        // Free joints take up other lengths of bones, so that offsets tell the girths alone.
+        let bones = bone_offsets(known, posed.posed_from_rest());
+        let moved = rest.positions().iter().zip(offsets).enumerate();
+        let moved = moved.map(|(vertex, (place, offset))| {
+            let weights = known.weights().vertex(vertex);
+            let along: Vector3 = weights.map(|(joint, weight)| bones[joint] * weight).sum();
+            place + offset + along
+        });
         let moved = symmetric(moved.collect());
         let Ok(moved) = rest.with_positions(on_floor(moved, floor(rest.positions()))) else {
             return Ok(None);
@@ -189,6 +196,24 @@ pub fn unposed(body: &Body, target: &[Point3]) -> Result<Option<Body>, SkinError
         found = Some(with_joints(&moved, joints));
     }
     Ok(found)
+}
+
+/// From where the joints of a body are at rest to where they would be with the bones that a pose of
+/// another one has `[joint]`, in metres.
+fn bone_offsets(body: &Body, posed_from_rest: &[Isometry3<f32>]) -> Vec<Vector3> {
+    let skeleton = body.skeleton();
+    let joints = skeleton.joints();
+    let mut offsets = vec![Vector3::zeros(); joints.len()];
+    for &joint in skeleton.parents_first() {
+        let Some(parent) = joints[joint].parent else {
+            continue;
+        };
+        let at = |joint: usize| posed_from_rest[joint] * joints[joint].rest_position;
+        let bone = posed_from_rest[parent].rotation.inverse() * (at(joint) - at(parent));
+        let own = joints[joint].rest_position - joints[parent].rest_position;
+        offsets[joint] = offsets[parent] + bone - own;
+    }
+    offsets
 }
 
 /// Where a body that stands has its soles.
