@@ -159,7 +159,7 @@ const UNPOSINGS: usize = 3;
 /// The built-in body at rest whose skin in some pose is at `target` `[vertex]`, in metres; `body`
 /// is the built-in body in any shape, at rest.
 ///
-/// Girths are found to a centimetre, lengths to two or three.
+/// Girths and lengths are found to one to three centimetres.
 ///
 /// None if the target is `body` itself in a pose, or `body` is none of ours: the shape of others
 /// is not known at the joints.
