@@ -8,8 +8,7 @@
 use std::sync::OnceLock;
 
 use garnet_mesh::{Point3, TriMesh, Vector3};
-use garnet_skin::{Body, Joint, Skeleton, SkinError};
-use nalgebra::Isometry3;
+use garnet_skin::{Body, Joint, PosedBody, Skeleton, SkinError};
 
 use super::body::shared;
 use super::skeleton::{JOINT_NAMES, JOINT_PARENTS, NUM_JOINTS, mirrored};
@@ -153,13 +152,8 @@ fn with_joints(mesh: &TriMesh, joints: Vec<Point3>) -> Body {
     body.expect("the template has a weight for every vertex")
 }
 
-/// How often [`unposed`] looks for the shape anew, each time from the joints that it has found.
-const UNPOSINGS: usize = 3;
-
 /// The built-in body at rest whose skin in some pose is at `target` `[vertex]`, in metres; `body`
 /// is the built-in body in any shape, at rest.
-///
-/// Girths and lengths are found to one to three centimetres.
 ///
 /// None if the target is `body` itself in a pose, or `body` is none of ours: the shape of others
 /// is not known at the joints.
@@ -168,54 +162,54 @@ const UNPOSINGS: usize = 3;
 ///
 /// Those of [`Body::fitted`].
 pub fn unposed(body: &Body, target: &[Point3]) -> Result<Option<Body>, SkinError> {
-    if !is_ours(body.rest()) || body.skeleton().num_joints() != NUM_JOINTS {
+    if !is_ours(body.rest()) {
         return Ok(None);
     }
-    let mut found: Option<Body> = None;
-    for _ in 0..UNPOSINGS {
-        let known = found.as_ref().unwrap_or(body);
-        let posed = known.fitted(target)?;
-        let Some(offsets) = posed.shape_offsets() else {
-            break;
-        };
-        let rest = known.rest();
-        if offsets.len() != rest.num_vertices() {
-            return Ok(None);
-        }
-        // Free joints take up other lengths of bones, so that offsets tell the girths alone.
-        let bones = bone_offsets(known, posed.posed_from_rest());
-        let moved = rest.positions().iter().zip(offsets).enumerate();
-        let moved = moved.map(|(vertex, (place, offset))| {
-            let weights = known.weights().vertex(vertex);
-            let along: Vector3 = weights.map(|(joint, weight)| bones[joint] * weight).sum();
-            place + offset + along
-        });
-        let moved = symmetric(moved.collect());
-        let Ok(moved) = rest.with_positions(on_floor(moved, floor(rest.positions()))) else {
-            return Ok(None);
-        };
-        let joints = joints_of(moved.positions());
-        found = Some(with_joints(&moved, joints));
-    }
-    Ok(found)
+    let Some((places, _)) = at_rest(body, &body.fitted(target)?) else {
+        return Ok(None);
+    };
+    let rest = body.rest();
+    let places = on_floor(symmetric(places), floor(rest.positions()));
+    let Ok(mesh) = rest.with_positions(places) else {
+        return Ok(None);
+    };
+    let joints = joints_of(mesh.positions());
+    Ok(Some(with_joints(&mesh, joints)))
 }
 
-/// From where the joints of a body are at rest to where they would be with the bones that a pose of
-/// another one has `[joint]`, in metres.
-fn bone_offsets(body: &Body, posed_from_rest: &[Isometry3<f32>]) -> Vec<Vector3> {
-    let skeleton = body.skeleton();
-    let joints = skeleton.joints();
-    let mut offsets = vec![Vector3::zeros(); joints.len()];
-    for &joint in skeleton.parents_first() {
-        let Some(parent) = joints[joint].parent else {
+/// Vertices and joints at rest of who stands in `posed`, which is `body` in a pose and another
+/// shape; none of the same shape, or of bodies of another topology.
+///
+/// The skin at rest follows joint by joint from the posed one, and the joints from the skin; then
+/// bones are put end to end, as long as they are in the pose.
+pub(crate) fn at_rest(body: &Body, posed: &PosedBody) -> Option<(Vec<Point3>, Vec<Point3>)> {
+    let offsets = posed.shape_offsets()?;
+    let places = body.rest().positions().iter().zip(offsets);
+    let places: Vec<Point3> = places.map(|(place, offset)| place + offset).collect();
+    let transforms = posed.posed_from_rest();
+    if places.len() != shared().weights.num_vertices() || transforms.len() != NUM_JOINTS {
+        return None;
+    }
+    let found = joints_of(&places);
+    let in_pose: Vec<Point3> = (found.iter().zip(transforms))
+        .map(|(joint, transform)| transform * joint)
+        .collect();
+    let mut joints = found.clone();
+    for (joint, parent) in JOINT_PARENTS.into_iter().enumerate() {
+        let Some(parent) = parent else {
             continue;
         };
-        let at = |joint: usize| posed_from_rest[joint] * joints[joint].rest_position;
-        let bone = posed_from_rest[parent].rotation.inverse() * (at(joint) - at(parent));
-        let own = joints[joint].rest_position - joints[parent].rest_position;
-        offsets[joint] = offsets[parent] + bone - own;
+        let bone = in_pose[joint] - in_pose[parent];
+        joints[joint] = joints[parent] + transforms[parent].rotation.inverse() * bone;
     }
-    offsets
+    let moved = places.iter().enumerate().map(|(vertex, place)| {
+        let shares = shared().weights.vertex(vertex);
+        let shift: Vector3 = shares
+            .map(|(joint, share)| share * (joints[joint] - found[joint]))
+            .sum();
+        place + shift
+    });
+    Some((moved.collect(), joints))
 }
 
 /// Where a body that stands has its soles.
@@ -294,7 +288,7 @@ fn is_at_rest(positions: &[Point3], joints: &[Point3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::{ParametricBody, Population};
+    use crate::shape::{Measure, ParametricBody, Population, tape_measures};
 
     /// Joints found in the mesh alone are this close, in metres.
     const MAX_JOINT_ERROR: f32 = 0.02;
@@ -360,6 +354,9 @@ mod tests {
     /// distance, in metres. Where a leg ends and a foot begins is not told by a pose.
     const UNPOSED: [f32; 2] = [3e-2, 7e-2];
 
+    /// And what the tape measures, in metres.
+    const MAX_MEASURE: f64 = 0.03;
+
     #[test]
     fn the_shape_of_a_posed_body_is_found() {
         let population = Population::new(78);
@@ -382,7 +379,14 @@ mod tests {
         let distances: Vec<f32> = apart.iter().map(|apart| (apart - stands).norm()).collect();
         let mean = distances.iter().sum::<f32>() / distances.len() as f32;
         let most = distances.iter().copied().fold(0.0, f32::max);
+        println!("{mean} {most}");
         assert!(mean < UNPOSED[0] && most < UNPOSED[1], "{mean} {most}");
+        let [found, other] = [&found, other.body()].map(|body| tape_measures(body).unwrap());
+        for measure in [Measure::Waist, Measure::Hip, Measure::Inseam] {
+            let off = (found[measure] - other[measure]).abs();
+            println!("{measure:?} {off}");
+            assert!(off < MAX_MEASURE, "{measure:?}: {off} m");
+        }
     }
 
     #[test]

@@ -1,15 +1,15 @@
 //! The tape around a built-in body at rest, laid wherever one likes.
 
-use garnet_mesh::{Point3, Vector3};
+use garnet_mesh::Point3;
 use garnet_skin::{Body, PosedBody};
 use nalgebra::Point3 as Point;
 
 use super::body::shared;
 use super::primitives::Vec3;
-use super::recognize::joints_of;
+use super::recognize::at_rest;
 use super::tape::{self, TapePlane};
 use super::template::Template;
-use super::{JOINT_PARENTS, Measure, NUM_JOINTS};
+use super::{Measure, NUM_JOINTS};
 
 /// A built-in body at rest, ready to be measured.
 ///
@@ -114,42 +114,15 @@ impl Tape {
     /// Of who stands in `posed`: `body` is the built-in body in any shape at rest, `posed` the same
     /// in a pose, and perhaps in another shape, which is brought back to rest. None for bodies of
     /// another topology.
-    ///
-    /// The skin at rest follows joint by joint from the posed one, and the joints from the skin;
-    /// then bones are put end to end, as long as they are in the pose.
     pub fn around_posed(body: &Body, posed: &PosedBody) -> Option<Self> {
         let own = Self::around(body)?;
-        let Some(offsets) = posed.shape_offsets() else {
+        if posed.shape_offsets().is_none() {
             return Some(own);
-        };
-        let places = body.rest().positions().iter().zip(offsets);
-        let places: Vec<Point3> = places.map(|(place, offset)| place + offset).collect();
-        let transforms = posed.posed_from_rest();
-        if places.len() != shared().weights.num_vertices() || transforms.len() != NUM_JOINTS {
-            return None;
         }
-        let found = joints_of(&places);
-        let in_pose: Vec<Point3> = (found.iter().zip(transforms))
-            .map(|(joint, transform)| transform * joint)
-            .collect();
-        let mut joints = found.clone();
-        for (joint, parent) in JOINT_PARENTS.into_iter().enumerate() {
-            let Some(parent) = parent else {
-                continue;
-            };
-            let bone = in_pose[joint] - in_pose[parent];
-            joints[joint] = joints[parent] + transforms[parent].rotation.inverse() * bone;
-        }
-        let moved = places.iter().enumerate().map(|(vertex, place)| {
-            let shares = shared().weights.vertex(vertex);
-            let shift: Vector3 = shares
-                .map(|(joint, share)| share * (joints[joint] - found[joint]))
-                .sum();
-            place + shift
-        });
+        let (places, joints) = at_rest(body, posed)?;
         let joints = joints.iter().map(|joint| joint.coords.cast());
         Some(Self::new(
-            &moved.collect::<Vec<Point3>>(),
+            &places,
             joints.collect(),
             Some(lowest(&own.positions)),
         ))
