@@ -69,6 +69,11 @@ fn the_guide_to_looking_holds() {
 }
 
 #[test]
+fn the_guide_to_python_holds() {
+    follow("docs/guide/python.md");
+}
+
+#[test]
 fn the_options_are_those_of_the_help() {
     follow("docs/reference/options.md");
 }
