@@ -30,6 +30,7 @@ import time
 
 import torch
 import torch.nn.functional as F
+from package_torch import GarNet, leaky
 from safetensors import safe_open
 
 try:
@@ -43,104 +44,7 @@ TOLERANCE = 1e-4
 MAX_RUNS_OF_GEOMETRIC = 3
 
 
-def leaky(x):
-    return F.leaky_relu(x, 0.1)
-
-
-class Net(torch.nn.Module):
-    """The figure of the paper, with the weights under the names of the file."""
-
-    def __init__(self, weights, config, case):
-        super().__init__()
-        self.names = {name: name.replace(".", "__") for name in weights}
-        for name, value in weights.items():
-            self.register_parameter(self.names[name], torch.nn.Parameter(value.clone()))
-        self.config = config
-        self.scale = 0.1 / config["mean_edge_length"]
-        offsets, ring = case["ring_offsets"][0], case["ring_vertices"][0]
-        degree = offsets[1:] - offsets[:-1]
-        count = len(degree)
-        row = torch.repeat_interleave(torch.arange(count), degree)
-        column = torch.arange(len(ring)) - offsets[:-1][row]
-        # Neighbors padded to the longest ring, with shares of zero: the fastest eager form measured.
-        self.ring = torch.arange(count)[:, None].repeat(1, int(degree.max()))
-        self.ring[row, column] = ring
-        dtype = case["vertices"].dtype
-        self.share = torch.zeros(count, int(degree.max()), 1, dtype=dtype)
-        self.share[row, column] = 1 / degree[row][:, None].to(dtype)
-
-    def weight(self, name):
-        return getattr(self, self.names[name])
-
-    def has(self, name):
-        return name in self.names
-
-    def linear(self, at, parts):
-        rows = max(part.shape[0] for part in parts)
-        x = torch.cat([part.expand(rows, -1) for part in parts], 1)
-        return x @ self.weight(f"{at}.weight") + self.weight(f"{at}.bias")
-
-    def mlp(self, at, parts):
-        number = 0
-        while self.has(f"{at}.layers.{number}.weight"):
-            parts = [leaky(self.linear(f"{at}.layers.{number}", parts))]
-            number += 1
-        return parts[0]
-
-    def stn(self, at, points):
-        pooled = self.mlp(f"{at}.points", [points]).max(0, keepdim=True)[0]
-        row = self.linear(f"{at}.matrix", [self.mlp(f"{at}.head", [pooled])])
-        return points @ (row.view(3, 3) + torch.eye(3, dtype=row.dtype))
-
-    def convolution(self, at, places, features, residual):
-        x = torch.cat([features, places], 1)
-        u = self.weight(f"{at}.u")
-        u = torch.cat([u[:-3], u[-3:] * self.scale])
-        xu = x @ u
-        q = torch.softmax(xu[self.ring] - xu[:, None] + self.weight(f"{at}.c"), 2) * self.share
-        z = torch.bmm(q.transpose(1, 2), x[self.ring]).reshape(len(x), -1)
-        y = z @ self.weight(f"{at}.w") + self.weight(f"{at}.b")
-        return leaky(y if residual is None else y + residual)
-
-    def block(self, at, places, features):
-        shortcut = features
-        if self.has(f"{at}.shortcut.weight"):
-            shortcut = self.linear(f"{at}.shortcut", [features])
-        last = self.config["garment"]["convolutions"] - 1
-        for number in range(last + 1):
-            residual = shortcut if number == last else None
-            features = self.convolution(f"{at}.convolutions.{number}", places, features, residual)
-        return features
-
-    def forward(self, case):
-        near = []
-        if self.has("body.global.weight"):
-            turned = self.stn("body.stn", case["body_points"])
-            inputs = [turned] + [case[name] for name in ["body_normals"] if name in case]
-            points = self.mlp("body.second", [self.mlp("body.first", inputs)] + inputs)
-            body = leaky(self.linear("body.global", [points])).max(0, keepdim=True)[0]
-            if "nearest" in case:
-                kept = points[case["averaged"]].mean(1)
-                near = [kept[case["nearest"]].max(1)[0]]
-        else:
-            body = self.mlp("parameters", [case["parameters"]])
-        places = case["vertices"]
-        parts = [self.stn("garment.stn", places)]
-        parts += [case[name] for name in ["features"] if name in case]
-        points = self.mlp("garment.points", parts)
-        features = leaky(self.linear("garment.input", [points, body]))
-        stages = [points, features]
-        number = 0
-        while self.has(f"garment.blocks.{number}.convolutions.0.w"):
-            features = self.block(f"garment.blocks.{number}", places, features)
-            stages.append(features)
-            number += 1
-        whole = leaky(self.linear("garment.global", [features])).max(0, keepdim=True)[0]
-        fused = self.mlp("fusion.hidden", stages + near + [body, whole])
-        return self.linear("fusion.translation", [fused])
-
-
-class GeometricNet(Net):
+class GeometricNet(GarNet):
     """The same with the convolutions of torch_geometric."""
 
     def __init__(self, weights, config, case):
@@ -212,7 +116,7 @@ def main():
 
     if arguments.save:
         double = {name: x.double() if x.is_floating_point() else x for name, x in case.items()}
-        net = Net({name: x.double() for name, x in weights.items()}, config, double)
+        net = GarNet({name: x.double() for name, x in weights.items()}, config, double)
         with torch.no_grad():
             rows = [[float(f"{x:.9g}") for x in row] for row in net(double).tolist()]
         with open(arguments.save, "w") as file:
@@ -221,7 +125,7 @@ def main():
         return
 
     expected = case["translations"]
-    net = Net(weights, config, case)
+    net = GarNet(weights, config, case)
     forms = {"eager": net}
     if not arguments.no_compile:
         forms["torch.compile"] = torch.compile(net)

@@ -11,6 +11,7 @@ mod caches;
 mod chart;
 mod dataset;
 mod drape;
+mod exported;
 mod fixtures;
 mod garbage;
 mod garment;

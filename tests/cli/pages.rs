@@ -74,6 +74,11 @@ fn the_guide_to_python_holds() {
 }
 
 #[test]
+fn the_guide_to_pytorch_holds() {
+    follow("docs/guide/pytorch.md");
+}
+
+#[test]
 fn the_options_are_those_of_the_help() {
     follow("docs/reference/options.md");
 }

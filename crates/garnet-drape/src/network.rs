@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use garnet_mesh::Point3;
-use garnet_net::{GarmentGraph, Model, ModelFile, SceneInput};
+use garnet_net::{GarmentGraph, Model, ModelFile, ReferenceCase, SceneInput};
 use garnet_sim::Moment;
 use garnet_skin::{Body, PosedBody, Warp, WarpedGarment};
 
@@ -177,25 +177,54 @@ impl Network {
         })
     }
 
+    /// What the network is told of a body and what it says, for other implementations. A body that
+    /// is unlike those of its training is the nearest one that it knows.
+    ///
+    /// # Errors
+    ///
+    /// As [`Network::predict`].
+    pub fn case(&self, garment: &BoundGarment, body: &PosedBody) -> Result<ReferenceCase, Error> {
+        let near = match self.model.range() {
+            Some(range) => Familiar::near(range, &self.body, body, &self.moves)?,
+            None => None,
+        };
+        let body = near.as_ref().map_or(body, |familiar| &familiar.body);
+        let warped = self.warped(garment, body)?;
+        self.told(body, &warped, |input| {
+            Ok(self.model.case(self.graph.as_deref(), input)?)
+        })
+    }
+
     /// What the network says of a body.
     fn asked(&self, body: &PosedBody, warped: &WarpedGarment) -> Result<Vec<Point3>, Error> {
+        self.told(body, warped, |input| {
+            Ok(match &self.graph {
+                Some(graph) => self.model.predict_on(graph, input)?,
+                None => self.model.predict(input)?,
+            })
+        })
+    }
+
+    /// What `ask` makes of that which the network is told of a body.
+    fn told<T>(
+        &self,
+        body: &PosedBody,
+        warped: &WarpedGarment,
+        ask: impl FnOnce(&SceneInput<'_>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
         let parameters = self.body.pose_and_shape(body);
         let body_normals = if self.model.needs_body_normals() {
             body.vertex_normals()
         } else {
             Vec::new()
         };
-        let input = SceneInput {
+        ask(&SceneInput {
             warped: &warped.positions,
             body: body.skin().positions(),
             body_normals: &body_normals,
             world_from_root: warped.world_from_root,
             rotations: &warped.rotations,
             parameters: &parameters,
-        };
-        Ok(match &self.graph {
-            Some(graph) => self.model.predict_on(graph, &input)?,
-            None => self.model.predict(&input)?,
         })
     }
 }

@@ -1,18 +1,20 @@
 //! The middle of a drape: a network predicts where the cloth is, and the simulation relaxes it.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use garnet_mesh::Point3;
+use garnet_net::ReferenceCase;
 use garnet_sim::{DrapeReport, Event, Moment, Quality};
 use garnet_skin::{BodyAtHome, PosedBody, Warp};
 
 use crate::draper::Brought;
 use crate::network::Predicted;
 use crate::{
-    BodyPath, DrapeSeconds, Draper, Error, Fallback, Network, PackageError, Placed, PlacedBy,
-    Provenance, Refit, Settling, Simulator,
+    BodyPath, BoundGarment, DrapeSeconds, Draper, Error, Fallback, Network, PackageError, Placed,
+    PlacedBy, Provenance, Refit, Settling, Simulator,
 };
 
 /// What stands between warp and untangling.
@@ -204,24 +206,51 @@ impl Draper {
         Ok(brought)
     }
 
+    /// What the network is told of a body and what it says, for other implementations: see
+    /// [`Network::case`]; `None` without a network.
+    ///
+    /// # Errors
+    ///
+    /// As [`Draper::drape`].
+    pub fn network_case(&self, body: &PosedBody) -> Result<Option<ReferenceCase>, Error> {
+        let Some(network) = self.network() else {
+            return Ok(None);
+        };
+        let home = body.at_home(self.garment.body())?;
+        let seen = self.seen_by(network, home.body())?;
+        network.case(self.known_garment(), &seen).map(Some)
+    }
+
+    /// The body that a network is asked about: at its moment, and of the kind that it knows.
+    fn seen_by<'a>(
+        &self,
+        network: &Network,
+        body: &'a PosedBody,
+    ) -> Result<Cow<'a, PosedBody>, Error> {
+        let own = self.garment.body();
+        let moment = network.moment();
+        let mut seen = Cow::Borrowed(body);
+        if moment.is_on_way() {
+            let path = BodyPath::to_posed(own, body);
+            seen = Cow::Owned(path.posed(own, moment.motion_share())?);
+        }
+        if let Some(refit) = self.refit() {
+            seen = Cow::Owned(refit.stand_in(seen.skin().positions())?);
+        }
+        Ok(seen)
+    }
+
+    /// The garment as the network knows it.
+    fn known_garment(&self) -> &BoundGarment {
+        self.refit().map_or(&*self.garment, Refit::garment)
+    }
+
     /// The garment where the network predicts it, or, if that is not to be trusted, warped.
     fn predicted(&self, network: &Network, body: &PosedBody) -> Result<Brought, Error> {
         let start = Instant::now();
-        let own = self.garment.body();
         let moment = network.moment();
-        let on_way = if moment.is_on_way() {
-            Some(BodyPath::to_posed(own, body).posed(own, moment.motion_share())?)
-        } else {
-            None
-        };
-        let seen = on_way.as_ref().unwrap_or(body);
-        let refit = self.refit();
-        let stand_in = match refit {
-            Some(refit) => Some(refit.stand_in(seen.skin().positions())?),
-            None => None,
-        };
-        let garment = refit.map_or(&*self.garment, Refit::garment);
-        let seen = stand_in.as_ref().unwrap_or(seen);
+        let seen = &*self.seen_by(network, body)?;
+        let garment = self.known_garment();
         let warped = network.warped(garment, seen)?;
         let predicting = Instant::now();
         let predicted = network.predict(garment, seen, &warped)?;

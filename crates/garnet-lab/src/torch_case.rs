@@ -9,9 +9,7 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use garnet_net::{
-    Checkpoint, GarNetConfig, Precision, Predictor, ReferenceStage, Scene, write_reference_case,
-};
+use garnet_net::{Checkpoint, GarNetConfig, Precision, Predictor, ReferenceStage, Scene};
 
 use crate::Outcome;
 
@@ -65,9 +63,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let network = median(|| {
         predictor.translations();
     });
-    let translations = predictor.translations();
     let path = format!("{case}.case.safetensors");
-    write_reference_case(path, &garment, &sampling, &scene, &translations)?;
+    predictor.case(&stage.input())?.write(path, "{}")?;
     println!(
         "{preset}, {} vertices, {} points, {} threads: network {network:.1} ms, step {step:.1} ms",
         scene.num_vertices(),

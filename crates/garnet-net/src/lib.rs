@@ -59,7 +59,6 @@ pub mod pose_space;
 #[cfg(feature = "burn")]
 mod predictor;
 mod presets;
-#[cfg(feature = "burn")]
 mod reference_case;
 #[cfg(feature = "burn")]
 mod reference_stage;
@@ -91,8 +90,7 @@ pub use pose_space::PoseSpace;
 #[cfg(feature = "burn")]
 pub use predictor::Predictor;
 pub use presets::PRESET_NAMES;
-#[cfg(feature = "burn")]
-pub use reference_case::write_reference_case;
+pub use reference_case::ReferenceCase;
 #[cfg(feature = "burn")]
 pub use reference_stage::ReferenceStage;
 #[cfg(feature = "burn")]

@@ -12,7 +12,7 @@ use garnet_skin::Warp;
 use crate::pose_space::{PoseSpaceHeader, deformation_name, is_pose_space};
 use crate::{
     CheckpointError, CheckpointHeader, Cost, GarNetConfig, GarmentGraph, NetError, PoseSpace,
-    SceneInput, TrainedRange, weight_file,
+    ReferenceCase, SceneInput, TrainedRange, weight_file,
 };
 use network::Network;
 
@@ -253,18 +253,44 @@ impl Model {
         self.run(Some(garment), input)
     }
 
+    /// All that goes into [`Model::predict`], or with a garment into [`Model::predict_on`], and
+    /// what comes out, for other implementations.
+    ///
+    /// # Errors
+    ///
+    /// As [`Model::predict`].
+    pub fn case(
+        &self,
+        garment: Option<&GarmentGraph>,
+        input: &SceneInput<'_>,
+    ) -> Result<ReferenceCase, NetError> {
+        let mut case = ReferenceCase::of_input(input);
+        if let Some(network) = &self.network {
+            let started = self.started(input)?;
+            let warped = started.as_deref().unwrap_or(input.warped);
+            network.add_to(&mut case, garment, &SceneInput { warped, ..*input })?;
+        }
+        case.points("output.positions", &self.run(garment, input)?);
+        Ok(case)
+    }
+
+    /// Where the pose-space deformation moves the warped garment, if there is one.
+    fn started(&self, input: &SceneInput<'_>) -> Result<Option<Vec<Point3>>, NetError> {
+        let Some(space) = &self.pose_space else {
+            return Ok(None);
+        };
+        let shares = space.coefficients(input.parameters)?;
+        space
+            .moved(input.warped, input.rotations, &shares)
+            .map(Some)
+    }
+
     fn run(
         &self,
         garment: Option<&GarmentGraph>,
         input: &SceneInput<'_>,
     ) -> Result<Vec<Point3>, NetError> {
-        let started = match &self.pose_space {
-            None => None,
-            Some(space) => {
-                let shares = space.coefficients(input.parameters)?;
-                Some(space.moved(input.warped, input.rotations, &shares)?)
-            }
-        };
+        let started = self.started(input)?;
         let warped = started.as_deref().unwrap_or(input.warped);
         let input = SceneInput { warped, ..*input };
         match (&self.network, garment) {

@@ -10,7 +10,7 @@ use crate::network::Inputs;
 use crate::ops::{Buffer, SliceEngine};
 use crate::{
     BodySampling, Checkpoint, CheckpointError, Cost, GarNet, GarNetConfig, GarmentGraph, NetError,
-    Scene, SceneInput, TrainedRange,
+    ReferenceCase, Scene, SceneInput, TrainedRange,
 };
 
 /// A network bound to a garment and a body, without derivatives and without tensors.
@@ -199,6 +199,40 @@ impl Predictor {
         let mut scenes = self.scenes.lock().unwrap_or_else(PoisonError::into_inner);
         scenes.push(scene);
         moved
+    }
+
+    /// All that goes into [`Predictor::predict`], and what comes out, for other implementations.
+    ///
+    /// # Errors
+    ///
+    /// As [`Predictor::predict`].
+    pub fn case(&self, input: &SceneInput<'_>) -> Result<ReferenceCase, NetError> {
+        let mut case = ReferenceCase::of_input(input);
+        self.add_to(&mut case, None, input)?;
+        Ok(case)
+    }
+
+    /// Adds what the network is told, and what it says.
+    pub(crate) fn add_to(
+        &self,
+        case: &mut ReferenceCase,
+        garment: Option<&GarmentGraph>,
+        input: &SceneInput<'_>,
+    ) -> Result<(), NetError> {
+        let garment = garment.unwrap_or(&self.garment);
+        let scene = Scene::new(self.model.config(), garment, &self.sampling, input)?;
+        scene.add_to(case);
+        let (mut offsets, mut vertices) = (vec![0_u32], Vec::new());
+        for vertex in 0..scene.num_vertices() {
+            vertices.extend_from_slice(garment.rings().neighbors(vertex));
+            offsets.push(vertices.len() as u32);
+        }
+        case.indices("ring_offsets", &offsets, offsets.len());
+        case.indices("ring_vertices", &vertices, vertices.len());
+        let averaged = self.sampling.averaged();
+        case.indices("averaged", averaged.all(), averaged.neighbors_per_row());
+        case.numbers("translations", self.run(garment, &scene).values(), 3);
+        Ok(())
     }
 
     /// The first half of [`Predictor::predict`]: neighbors, frames, features.

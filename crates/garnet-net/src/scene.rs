@@ -8,8 +8,8 @@ use garnet_mesh::{MAX_COORDINATE, Point3, Vector3};
 use nalgebra::{Matrix3, UnitQuaternion};
 
 use crate::{
-    BodySampling, Frame, GarNetConfig, GarmentGraph, InputScaling, NetError, SceneInput, UNIT,
-    VertexInput,
+    BodySampling, Frame, GarNetConfig, GarmentGraph, InputScaling, NetError, ReferenceCase,
+    SceneInput, UNIT, VertexInput,
 };
 
 /// The arrays of a scene, in the root frame and in units of 0.1 m.
@@ -319,6 +319,27 @@ impl Scene {
             moved.push(place);
         }
         Ok(moved)
+    }
+
+    /// Adds what the network is told to a case.
+    pub(crate) fn add_to(&self, case: &mut ReferenceCase) {
+        let columns = |values: &[f32], rows: usize| values.len() / rows.max(1);
+        case.numbers("vertices", &self.vertices, 3);
+        let num_features = columns(&self.features, self.num_vertices());
+        case.numbers("features", &self.features, num_features);
+        case.numbers("body_points", &self.body_points, 3);
+        case.numbers("body_normals", &self.body_normals, 3);
+        case.row("parameters", &self.parameters);
+        if let Some(nearest) = &self.nearest {
+            case.indices("nearest", nearest.all(), nearest.neighbors_per_row());
+        }
+        // Row after row, as the others are.
+        let frames = self
+            .frames
+            .iter()
+            .flat_map(|frame| frame.transpose().data.0);
+        case.numbers("frames", &frames.flatten().collect::<Vec<f32>>(), 9);
+        case.points("start", &self.warped);
     }
 
     /// Turns gradients by places `[vertex]` into gradients by translations `[vertex][3]`, both

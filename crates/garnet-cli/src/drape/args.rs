@@ -44,6 +44,10 @@ pub(crate) struct DrapeArgs {
     /// distance to the skin or problems, as HTML.
     #[arg(long, value_name = "HTML")]
     view: Option<PathBuf>,
+    /// Write what the network is told of the body and what it says, for other implementations:
+    /// arrays as safetensors (docs/guide/pytorch.md).
+    #[arg(long, hide_short_help = true, value_name = "FILE")]
+    export_inputs: Option<PathBuf>,
     /// A variant of the package: fast, balanced, accurate, or one of the paper's networks (naive,
     /// global, local …); or auto (its default, else warp), warp, dqs, lbs, sim.
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = MethodName::parse)]
@@ -359,6 +363,8 @@ pub(crate) struct Job {
     pub(crate) hide: Option<PathBuf>,
     /// Where a page shows the drapes.
     pub(crate) view: Option<PathBuf>,
+    /// Where it is told what the network is told.
+    pub(crate) export_inputs: Option<PathBuf>,
     /// Whether the cloth is simulated along the motion, instead of on each pose.
     pub(crate) follows: bool,
     /// Whether that goes on where it was stopped.
@@ -449,6 +455,22 @@ impl Job {
         job.hide = args.hide;
         args.view.as_deref().map_or(Ok(()), output::check_page)?;
         job.view = args.view;
+        if let Some(path) = &args.export_inputs {
+            output::check_kinds(
+                path,
+                "inputs of a network are written as safetensors",
+                &["safetensors"],
+            )?;
+            output::check_file(path)?;
+            if job.is_several {
+                return Err(refused(
+                    "`--export-inputs` is for one drape",
+                    "there are several",
+                    "give one body, or one frame with `--pose FILE:FRAME`",
+                ));
+            }
+        }
+        job.export_inputs = args.export_inputs;
         job.shard = args.shard;
         if job.shard.is_some() && !job.is_several {
             return Err(refused(
@@ -522,6 +544,7 @@ impl Job {
             body_cache: None,
             hide: None,
             view: None,
+            export_inputs: None,
             follows: false,
             resumes: false,
             shard: None,

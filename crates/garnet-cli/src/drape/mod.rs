@@ -3,6 +3,7 @@
 mod all;
 mod args;
 mod choice;
+mod exported;
 mod fit;
 mod followed;
 mod hide;
@@ -80,6 +81,9 @@ pub(crate) fn do_job(
             let ((bound, bind), found) =
                 rayon::join(|| timed(|| Bound::new(prepared)), || Found::read(&job));
             let mut ready = Ready::new(bound?, found?, &job, console)?;
+            if let Some(path) = &job.export_inputs {
+                exported::write(&ready, path)?;
+            }
             let (done, drape) = timed(|| drape_all(&mut ready, &job, &part, console));
             let done = done?;
             seconds.bind += bind;

@@ -71,6 +71,7 @@ pub(super) fn check_outputs(
         .iter()
         .chain(&job.hide)
         .chain(&job.view)
+        .chain(&job.export_inputs)
         .chain(&bodies);
     let beside = own.map(PathBuf::as_path);
     let all: Vec<&Path> = match &job.cache {

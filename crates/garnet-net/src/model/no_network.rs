@@ -5,7 +5,9 @@ use std::path::Path;
 use garnet_mesh::Point3;
 
 use super::Model;
-use crate::{CheckpointError, Cost, GarNetConfig, GarmentGraph, NetError, SceneInput};
+use crate::{
+    CheckpointError, Cost, GarNetConfig, GarmentGraph, NetError, ReferenceCase, SceneInput,
+};
 
 /// A network: there is none.
 #[derive(Debug)]
@@ -57,6 +59,15 @@ impl Network {
         _garment: &GarmentGraph,
         _input: &SceneInput<'_>,
     ) -> Result<Vec<Point3>, NetError> {
+        match *self {}
+    }
+
+    pub(super) fn add_to(
+        &self,
+        _case: &mut ReferenceCase,
+        _garment: Option<&GarmentGraph>,
+        _input: &SceneInput<'_>,
+    ) -> Result<(), NetError> {
         match *self {}
     }
 
