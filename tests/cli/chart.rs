@@ -68,6 +68,43 @@ fn a_chart_leaves_pictures_and_numbers_and_goes_on_from_there() {
 }
 
 #[test]
+fn other_programs_are_drawn_beside() {
+    let fixture = prepared();
+    let peer = r#"{"schema": "garnet.peer/1", "name": "Elsewhere", "settings": "as it comes",
+        "garment": "sleeve", "pose": "wave", "machine": "-", "seconds": 12.5, "is_at_rest": true,
+        "distance_m": 0.0123, "inside": 3, "deepest": 0.001, "crossing_faces": 7,
+        "stretch_p99": 1.125}"#;
+    let peer = peer.replace('\n', "");
+    fixture.text("peers.jsonl", &format!("{peer}\n"));
+    let chart = format!("chart net scenes -o out {ASKED} --peers");
+    let table = done(&fixture, &format!("{chart} peers.jsonl"));
+    let told = "Elsewhere (as it comes): 12.5 s, 12.3 mm, 3 vertices inside, 7 faces cross the skin, \
+                strain p99 12.5 %";
+    assert!(table.contains(told), "{table}");
+    let svg = String::from_utf8(fixture.read("out/chart.svg")).unwrap();
+    assert!(svg.contains("Elsewhere") && svg.contains("other programs"));
+    let report: Value = serde_json::from_slice(&fixture.read("out/chart.json")).unwrap();
+    assert_eq!(report["peers"][0]["name"], "Elsewhere");
+    for (line, expected) in [
+        (
+            peer.replace("\"sleeve\"", "\"other\""),
+            "it drapes `other`, not `sleeve`",
+        ),
+        (peer.replace("12.5", "0"), "must be above zero"),
+        (
+            peer.replace("peer/1", "peer/2"),
+            "its schema is `garnet.peer/2`",
+        ),
+        ("{}".to_owned(), "peers.jsonl`, line 2: no peer"),
+    ] {
+        fixture.text("peers.jsonl", &format!("{peer}\n{line}\n"));
+        let output = fixture.garnet(&format!("{chart} peers.jsonl"));
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(expected), "{}", stderr(&output));
+    }
+}
+
+#[test]
 fn what_cannot_be_charted_is_refused_and_nothing_is_written() {
     let fixture = prepared();
     fixture.text(

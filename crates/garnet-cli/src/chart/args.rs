@@ -66,6 +66,9 @@ pub(crate) struct ChartArgs {
     /// The noise floor of the teacher, in millimetres [default: measured on up to 4 scenes].
     #[arg(long, hide_short_help = true, value_name = "MM", value_parser = tolerance, allow_negative_numbers = true)]
     pub(crate) noise_floor: Option<f64>,
+    /// Draw what other programs need too: lines of the scripts in benches/peers.
+    #[arg(long, hide_short_help = true, value_name = "FILE")]
+    pub(crate) peers: Option<PathBuf>,
     /// Smallest distance between cloth and skin after untangling, in millimetres.
     #[arg(long, hide_short_help = true, value_name = "MM", default_value = "2", value_parser = millimetres, allow_negative_numbers = true)]
     clearance: f32,

@@ -5,6 +5,7 @@ mod csv;
 mod measure;
 mod memory;
 mod methods;
+mod peers;
 mod picture;
 mod record;
 mod report;
@@ -39,6 +40,9 @@ pub(crate) fn run(args: &ChartArgs, console: &Console) -> anyhow::Result<ExitSta
     let start = Instant::now();
     args.check()?;
     let package = read_package(&args.package)?;
+    let peers = args.peers.as_ref();
+    let peers = peers.map(|path| peers::read(path, &package.manifest.name));
+    let peers = peers.transpose()?.unwrap_or_default();
     let candidates = args.candidates(&package)?;
     let stage = Stage::new(package, Dataset::open(&args.dataset)?).map_err(advised)?;
     let scenes = Chosen::new(args, &stage)?;
@@ -57,7 +61,8 @@ pub(crate) fn run(args: &ChartArgs, console: &Console) -> anyhow::Result<ExitSta
     measure::simulations(&job, &mut keeper)?;
     memory::measure(&job, &mut keeper)?;
 
-    let report = ChartReport::new(args, &stage, &methods, &scenes, &keeper.record, start);
+    let measured = (&scenes, &keeper.record, peers);
+    let report = ChartReport::new(args, &stage, &methods, measured, start);
     write(&args.output, &report)?;
     if console.is_json() {
         print_document(&report)?;

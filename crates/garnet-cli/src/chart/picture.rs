@@ -4,6 +4,7 @@ use garnet_view::{Axis, Chart, Entry, Key, Level, Line, Mark, Rgb, Shape, Stroke
 
 use super::{
     methods::Kind,
+    peers::Peer,
     report::{ChartReport, MethodReport},
 };
 
@@ -42,7 +43,9 @@ pub(super) fn chart(report: &ChartReport) -> Chart {
         subtitle: subtitle(report),
         x: Axis::logarithmic("time of one drape, median, ms"),
         y: Axis::logarithmic("E_dist, mean distance from the teacher, mm"),
-        marks: shown.iter().map(|&(method, at)| mark(method, at)).collect(),
+        marks: (shown.iter().map(|&(method, at)| mark(method, at)))
+            .chain(report.peers.iter().map(mark_of_peer))
+            .collect(),
         lines: vec![Line {
             points: front,
             stroke: FRONT,
@@ -91,6 +94,22 @@ fn mark(method: &MethodReport, at: [f64; 2]) -> Mark {
     }
 }
 
+const PEER: Symbol = Symbol {
+    shape: Shape::Diamond,
+    color: safe::PURPLE,
+    is_filled: false,
+};
+
+fn mark_of_peer(peer: &Peer) -> Mark {
+    Mark {
+        at: in_milli([peer.seconds, peer.distance_m]),
+        reach: None,
+        name: peer.name.clone(),
+        is_strong: false,
+        symbol: PEER,
+    }
+}
+
 fn symbol(kind: Kind, is_filled: bool) -> Symbol {
     let (shape, color) = match kind {
         Kind::Geometry => (Shape::Square, safe::BLUE),
@@ -119,6 +138,10 @@ fn legend(report: &ChartReport) -> Vec<Entry> {
         if has(kind) {
             entries.push(entry(Key::Mark(symbol(kind, true)), text));
         }
+    }
+    if let Some(peer) = report.peers.first() {
+        let text = format!("other programs until the cloth rests, pose `{}`", peer.pose);
+        entries.push(entry(Key::Mark(PEER), &text));
     }
     entries.push(entry(
         Key::Line(FRONT),

@@ -14,6 +14,7 @@ use super::{
     args::ChartArgs,
     measure::teacher_of,
     methods::{Kind, Method, Way},
+    peers::Peer,
     record::{NoiseRecord, Record},
 };
 
@@ -40,6 +41,9 @@ pub(super) struct ChartReport {
     /// Over how many scenes; none if the noise floor was given.
     pub(super) noise_scenes: Option<usize>,
     pub(super) methods: Vec<MethodReport>,
+    /// Other programs, each on a scene of its own.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) peers: Vec<Peer>,
     /// Time of this run, in which only what was missing was measured.
     seconds: f64,
 }
@@ -77,8 +81,7 @@ impl ChartReport {
         args: &ChartArgs,
         stage: &Stage,
         methods: &[Method],
-        scenes: &Chosen,
-        record: &Record,
+        (scenes, record, peers): (&Chosen, &Record, Vec<Peer>),
         start: Instant,
     ) -> Self {
         let distances: Vec<f64> = noise(scenes, record).collect();
@@ -112,6 +115,7 @@ impl ChartReport {
             noise_floor_m: noise_floor,
             noise_scenes: args.noise_floor.is_none().then_some(distances.len()),
             methods: reports,
+            peers,
             seconds: start.elapsed().as_secs_f64(),
         }
     }

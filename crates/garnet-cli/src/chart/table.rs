@@ -63,6 +63,9 @@ pub(super) fn text(report: &ChartReport) -> String {
             let _ = write!(text, ", the mean of {scenes} scenes");
         }
     }
+    for peer in &report.peers {
+        let _ = write!(text, "\n{}", peer.told());
+    }
     let failed = report.methods.iter().filter(|method| method.failed > 0);
     for method in failed {
         let _ = write!(
