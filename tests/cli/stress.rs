@@ -110,3 +110,11 @@ fn one_of_ours_that_breaks_is_an_exit_status() {
     assert!(table.contains("**0: 3 inside**"), "{table}");
     assert!(table.contains("--seed 1 --axis clearance`"), "{table}");
 }
+
+#[test]
+fn a_package_that_is_none_leaves_no_folder() {
+    let fixture = Fixture::new();
+    let output = fixture.garnet("stress nowhere -o out --quick");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!fixture.path("out").exists());
+}

@@ -19,6 +19,7 @@ mod body_sheet;
 mod branching;
 mod check_poses;
 mod check_shapes;
+mod compare;
 mod costs;
 mod drape_sheet;
 mod gallery;
@@ -35,6 +36,7 @@ mod pose_sheet;
 mod repack;
 mod report;
 mod sampled;
+mod sewing;
 mod sheet;
 mod sim_scene;
 mod spread;
@@ -75,10 +77,14 @@ enum Instrument {
     NoiseFloor(noise_floor::Arguments),
     /// Measure how much bodies and poses of a data set differ.
     Spread(spread::Arguments),
+    /// Measure drapes of the same scenes by several methods against the simulator's.
+    Compare(compare::Arguments),
     /// Measure what drapes of the variants of a package cost here, and store it in the package.
     Costs(costs::Arguments),
     /// Time a network, and write a case of it for other implementations.
     TorchCase(torch_case::Arguments),
+    /// Measure networks that are told sewing parameters against a regression onto principal shapes.
+    Sewing(sewing::Arguments),
     /// Draw bodies at rest or in poses.
     BodySheet(body_sheet::Arguments),
     /// Draw the poses of the library, the gait, drawn poses or a motion on a body.
@@ -117,8 +123,10 @@ fn main() -> ExitCode {
         Instrument::Branching(arguments) => branching::run(arguments),
         Instrument::NoiseFloor(arguments) => noise_floor::run(&arguments),
         Instrument::Spread(arguments) => spread::run(&arguments),
+        Instrument::Compare(arguments) => compare::run(&arguments),
         Instrument::Costs(arguments) => costs::run(&arguments),
         Instrument::TorchCase(arguments) => torch_case::run(&arguments),
+        Instrument::Sewing(arguments) => sewing::run(&arguments),
         Instrument::BodySheet(arguments) => body_sheet::run(&arguments),
         Instrument::PoseSheet(arguments) => pose_sheet::run(&arguments),
         Instrument::PatternSheet(arguments) => pattern_sheet::run(&arguments),

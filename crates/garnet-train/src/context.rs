@@ -28,7 +28,7 @@ pub(crate) struct TrainingContext {
 #[derive(Debug)]
 pub(crate) struct Example {
     pub(crate) scene: SceneName,
-    /// The sequence that the pose is from; empty if it is from none.
+    /// The sequence that the pose is from; empty if it is from none, or if the test has it, too.
     pub(crate) sequence: String,
     /// The garment at rest `[vertex]`, in metres.
     pub(crate) rest: Arc<[Point3]>,

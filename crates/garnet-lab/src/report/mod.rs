@@ -3,6 +3,7 @@
 
 mod benches;
 mod markdown;
+mod paper;
 mod scores;
 
 use std::{
@@ -25,6 +26,19 @@ pub(crate) enum Table {
     Eval(FileArguments),
     /// Of the `chart.json` of `garnet chart`.
     Chart(FileArguments),
+    /// The tables of the paper, ours beside them, put into a text.
+    Paper(PaperArguments),
+}
+
+/// Which reports, and which text.
+#[derive(Debug, Args)]
+pub(crate) struct PaperArguments {
+    /// A folder of reports of `garnet eval --report`, `garnet chart` and `garnet-lab compare
+    /// --report`, as JSON.
+    folder: PathBuf,
+    /// The text: lines `{{NAME}}` stand for tables.
+    #[arg(long, value_name = "FILE.md")]
+    text: PathBuf,
 }
 
 /// Which benches.
@@ -64,6 +78,7 @@ pub(crate) fn run(table: &Table) -> Outcome {
         Table::Benches(arguments) => benches::text(arguments)?,
         Table::Eval(arguments) => scores::of_eval(&read(&arguments.file)?, &arguments.head),
         Table::Chart(arguments) => scores::of_chart(&read(&arguments.file)?, &arguments.head),
+        Table::Paper(arguments) => paper::filled(&arguments.folder, &arguments.text)?,
     };
     print!("{text}");
     Ok(())
