@@ -157,6 +157,29 @@ fn a_shard_is_the_one_that_was_written_or_refused() {
 }
 
 #[test]
+fn a_body_that_nothing_could_be_cut_for_has_no_garment() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("train_0000.safetensors");
+    let dataset = Fingerprint::of_bytes(b"data");
+    let mut written = shard();
+    let dressed = written.bodies[0].clone();
+    let bare = BodyRecord {
+        number: 1,
+        parameters: None,
+        garment: BTreeMap::new(),
+        worn: None,
+    };
+    let last = BodyRecord {
+        number: 2,
+        worn: Some(vec![Point3::new(1.0, 2.0, 3.0); 5]),
+        ..dressed
+    };
+    written.bodies.extend([bare, last]);
+    written.write(&path, dataset).unwrap();
+    assert_eq!(Shard::read(&path, dataset).unwrap(), written);
+}
+
+#[test]
 fn a_package_is_the_one_that_was_written_or_refused() {
     let folder = tempfile::tempdir().unwrap();
     let package = common::tshirt();

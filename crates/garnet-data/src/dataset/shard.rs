@@ -274,7 +274,15 @@ impl Reading<'_> {
         let rotations = self.array("rotations", num_scenes, 4)?;
         let shifts = self.array("root_translation", num_scenes, 3)?;
         let meshes = self.array("body", num_scenes, 3)?;
-        let worn = self.array("worn", text.bodies.len(), 3)?;
+        // A body that nothing could be cut for has no garment, and all of its scenes are rejected.
+        let is_dressed = |body: &&BodyText| !body.garment.is_empty();
+        let num_dressed = match text.bodies.iter().filter(is_dressed).count() {
+            // Imported garments have no parameters.
+            0 => text.bodies.len(),
+            count => count,
+        };
+        let is_any_named = num_dressed < text.bodies.len();
+        let worn = self.array("worn", num_dressed, 3)?;
         let missing = |name| DataError::foreign(self.path, format!("it has no tensor `{name}`"));
         let mut scenes = Vec::with_capacity(num_scenes);
         for (row, scene) in text.scenes.into_iter().enumerate() {
@@ -298,17 +306,20 @@ impl Reading<'_> {
                 report: scene.report,
             });
         }
-        let bodies = text.bodies.into_iter().enumerate();
+        let mut rows = 0..;
+        let bodies = text.bodies.into_iter().map(|body| {
+            let is_dressed = !is_any_named || !body.garment.is_empty();
+            let row = is_dressed.then(|| rows.next()).flatten();
+            BodyRecord {
+                worn: worn.as_ref().zip(row).map(|(worn, row)| worn.points(row)),
+                number: body.number,
+                parameters: body.parameters,
+                garment: body.garment,
+            }
+        });
         Ok(Shard {
             split: text.split,
-            bodies: bodies
-                .map(|(row, body)| BodyRecord {
-                    number: body.number,
-                    parameters: body.parameters,
-                    garment: body.garment,
-                    worn: worn.as_ref().map(|worn| worn.points(row)),
-                })
-                .collect(),
+            bodies: bodies.collect(),
             scenes,
             rejections: text.rejections,
         })
