@@ -5,7 +5,7 @@
 #
 #   seen-poses.sh FOLDER GARMENT TRAIN/VALID/TEST POSES VARIANT...
 #
-# VERTICES (1500) and EPOCHS (10; half of them where a variant is fine-tuned) may be set, GARNET is
+# VERTICES (1500) and EPOCHS (6; half of them where a variant is fine-tuned) may be set, GARNET is
 # the command. Variants: those of `garnet train --kind`, and what tables 5 and 6 leave out of the
 # loss: only-pen, no-normal, no-pen, no-bend, rq-8, rq-16, rq-32, rq-8-16.
 set -eu
@@ -20,7 +20,7 @@ cd "$folder"
 
 # A configuration: the start, the precision, and what a variant has of its own.
 config() {
-  printf 'preset = "light"\nprecision = "f16"\n%s\n[network]\nstart = "pose-space"\n%s\n' "$1" "$2"
+  printf 'preset = "light"\nchoose_by = "loss"\nprecision = "f16"\n%s\n[network]\nstart = "pose-space"\n%s\n' "$1" "$2"
 }
 
 train() {
@@ -37,7 +37,7 @@ learning_rate = $rate" "$loss" > "$garment-$name.toml"
   tail -4 "$garment-$name.log"
 }
 
-epochs=${EPOCHS:-10}
+epochs=${EPOCHS:-6}
 tuned=$((epochs / 2))
 if [ ! -f "$garment/pose-space.done" ]; then
   printf 'precision = "f16"\n[pose_space]\nrounds = 3\nregion_searched = 700\n' > "$garment-pose-space.toml"
