@@ -30,6 +30,18 @@ const FOLD_COSINE: f32 = 0.3;
 /// this: a fold that is made of several edges.
 const TURN_COSINE: f32 = 0.87;
 
+/// The smooth normal of cloth that is followed is at least this long. It is 1 long where cloth is
+/// flat, and shorter at creases, over which no place is kept: it grows as the crease opens.
+const LEAST_NORMAL: f32 = 0.5;
+
+/// The foot of a follower is within its face, or outside of it by no larger shares than this: small
+/// faces tell nothing of places far beside them.
+const MAX_BESIDE: f32 = 0.5;
+
+/// Cloth that follows cloth that follows others, at most so often: as layers of padded clothes.
+/// Where a mesh is crumpled, errors of each level add up.
+const MAX_LEVELS: usize = 3;
+
 /// A node follows another sheet if at least this share of its neighbours in its own one do.
 const FOLLOWING_SHARE: f32 = 0.5;
 
@@ -256,7 +268,12 @@ impl Layers {
             let Some(lead) = &leads[node] else { continue };
             let corners = garment.faces()[lead.face as usize];
             let level = corners.map(|corner| level_of[corner as usize]);
-            level_of[node] = 1 + level.into_iter().max().unwrap_or(0);
+            let level = 1 + level.into_iter().max().unwrap_or(0);
+            if level > MAX_LEVELS {
+                layers.is_follower[node] = false;
+                continue;
+            }
+            level_of[node] = level;
             for corner in corners {
                 layers.is_layered[corner as usize] = true;
             }
@@ -466,7 +483,10 @@ impl Lead {
             normal += share * fan_normal(fan, faces, rest);
         }
         let normal_length = normal.norm();
-        let normal = normal.try_normalize(f32::MIN_POSITIVE)?;
+        if normal_length < LEAST_NORMAL {
+            return None;
+        }
+        let normal = normal / normal_length;
         let offset = rest[node] - closest.point;
         let gap = offset.norm();
         let (ab, ac) = (b - a, c - a);
@@ -490,9 +510,14 @@ impl Lead {
         let to_b = (along_b * cc - along_c * bc) / determinant;
         let to_c = (along_c * bb - along_b * bc) / determinant;
         let [share_a, share_b, share_c] = closest.barycentric;
+        let shares = [share_a - to_b - to_c, share_b + to_b, share_c + to_c];
+        let is_beside = |share: &f32| !(-MAX_BESIDE..=1.0 + MAX_BESIDE).contains(share);
+        if shares.iter().any(is_beside) {
+            return None;
+        }
         Some(Self {
             face: closest.face,
-            shares: [share_a - to_b - to_c, share_b + to_b, share_c + to_c],
+            shares,
             height,
             normal_length,
         })
@@ -589,6 +614,34 @@ mod tests {
             for (place, expected) in placed.iter().zip(&moved) {
                 assert!((place - expected).norm() < 2e-5, "{place} {expected}");
             }
+        }
+    }
+
+    #[test]
+    fn cloth_over_crumpled_cloth_stays_near_it_when_that_unfolds() {
+        let mut mesh = shells(&[0.003, 0.008], false);
+        let num_nodes = mesh.num_vertices() / 2;
+        // Every third node of the larger layer is drawn out to a spike, some beyond the other one.
+        let spiked = |(vertex, point): (usize, &Point3)| {
+            let height = if vertex >= num_nodes && vertex % 3 == 0 {
+                0.002 * (vertex % 7) as f32 - 0.012
+            } else {
+                0.0
+            };
+            point + point.coords.normalize() * height
+        };
+        let smooth = mesh.clone();
+        mesh = mesh
+            .with_positions(mesh.positions().iter().enumerate().map(spiked).collect())
+            .unwrap();
+        let garment = Garment::new(mesh).bind(&ball()).unwrap();
+        let layers = Binding::new(&garment).unwrap().layers;
+        assert!(layers.num_followers() > 0);
+        let smooth = garment.weld().gather(smooth.positions());
+        let mut placed = smooth.clone();
+        layers.place(garment.faces(), &mut placed);
+        for (place, smooth) in placed.iter().zip(&smooth) {
+            assert!((place - smooth).norm() < 0.04, "{place} {smooth}");
         }
     }
 
