@@ -324,6 +324,35 @@ fn default_weights_of_morph_targets_are_applied_and_those_of_the_node_come_first
 }
 
 #[test]
+fn meshes_without_a_skin_are_read_where_their_nodes_have_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, binary) = file();
+    json["skins"] = json!([]);
+    // Once as it is, and once in front, mirrored.
+    json["nodes"] = json!([
+        {"name": "scene", "children": [1, 2], "scale": [0.01, 0.01, 0.01]},
+        {"name": "strip", "mesh": 0},
+        {"name": "mirror", "mesh": 0, "translation": [0.0, 0.0, 50.0], "scale": [-1.0, 1.0, 1.0]},
+    ]);
+    json["meshes"][0]["primitives"][0]["attributes"] = json!({"POSITION": 0});
+    let path = written(folder.path(), &glb(&json, &binary));
+    let mesh = read_mesh(&path).unwrap().mesh().unwrap();
+    let expected = strip().rest.unwrap();
+    let (num, faces) = (expected.num_vertices(), expected.faces());
+    assert_eq!(mesh.num_vertices(), 2 * num);
+    for (vertex, place) in expected.positions().iter().enumerate() {
+        let mirrored = Point3::new(-place.x, place.y, place.z + 0.5);
+        approx::assert_relative_eq!(mesh.positions()[vertex], *place, epsilon = 1e-6);
+        approx::assert_relative_eq!(mesh.positions()[num + vertex], mirrored, epsilon = 1e-6);
+    }
+    let [a, b, c] = faces[0].map(|corner| corner + num as u32);
+    assert_eq!(mesh.faces()[0], faces[0]);
+    assert_eq!(mesh.faces()[faces.len()], [a, c, b]);
+    // It is no rig.
+    assert!(chain(&read_rig(&path).unwrap_err()).contains("no mesh has a skin"));
+}
+
+#[test]
 fn a_joint_in_a_frame_of_an_animation_leaves_the_rest_pose_and_shows_the_other() {
     let folder = tempfile::tempdir().unwrap();
     let (mut json, binary) = file();

@@ -1,4 +1,4 @@
-//! What is in an OBJ.
+//! What is in a mesh: an OBJ, or a GLB without a skeleton.
 
 use std::path::Path;
 
@@ -7,7 +7,8 @@ use garnet::{
     Rig, TriMesh,
     body::shape::{Recognized, recognized},
     io::{
-        Frame, ObjFile, guess_body_unit, guess_garment_units, guess_up_axis, read_rig, rig_beside,
+        Frame, ObjFile, guess_body_unit, guess_garment_units, guess_up_axis, is_rig, read_mesh,
+        read_rig, rig_beside,
     },
     mesh::{Bounds, MeshDiagnosis, diagnose, is_inside_out},
 };
@@ -67,7 +68,11 @@ fn built_in(mesh: &TriMesh) -> Option<Rig> {
 
 impl MeshInfo {
     pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
-        let file = ObjFile::read(path)?;
+        let file = if is_rig(path) {
+            read_mesh(path)?
+        } else {
+            ObjFile::read(path)?
+        };
         let mesh = file.mesh();
         let mesh = mesh.with_context(|| format!("cannot read `{}`", path.display()))?;
         let rig = rig_beside(path);

@@ -123,7 +123,11 @@ fn content(path: &Path, options: &RigOptions) -> anyhow::Result<Content> {
         Kind::Mesh => Content::Mesh(MeshInfo::read(path)?),
         Kind::Rig => match RigInfo::read(path, options) {
             Ok(rig) => Content::Rig(rig),
-            Err(error) => Content::Motion(MotionInfo::read(path).ok().ok_or(error)?),
+            Err(error) => match (MotionInfo::read(path), MeshInfo::read(path)) {
+                (Ok(motion), _) => Content::Motion(motion),
+                (_, Ok(mesh)) => Content::Mesh(mesh),
+                _ => return Err(error),
+            },
         },
         Kind::Motion => Content::Motion(MotionInfo::read(path)?),
         Kind::Scene => Content::Scene(SceneInfo::read(path)?),

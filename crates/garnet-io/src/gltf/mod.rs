@@ -5,6 +5,7 @@
 
 mod accessor;
 mod animation;
+mod bare;
 mod base64;
 mod container;
 mod nodes;
@@ -17,6 +18,7 @@ mod vertices;
 mod vrm;
 
 pub(super) use animation::read_clip;
+pub(crate) use bare::read_bare;
 pub(super) use container::MAGIC;
 pub use parts::{LeftOut, RigPart};
 pub use problem::GltfProblem;

@@ -69,6 +69,16 @@ impl Reader<'_> {
 }
 
 fn parse(bytes: &[u8], folder: &Path, options: &RigOptions) -> Result<ReadRig, FileProblem> {
+    opened(bytes, |root, text, binary| {
+        read(root, text, binary, folder, options)
+    })
+}
+
+/// What `read` makes of the JSON of a file, its text, and the binary chunk beside it.
+pub(super) fn opened<T>(
+    bytes: &[u8],
+    read: impl FnOnce(&Root, &[u8], Option<&[u8]>) -> Result<T, FileProblem>,
+) -> Result<T, FileProblem> {
     let (text, binary) = container::split(bytes)?;
     let root: Root = json::parse(text)?;
     if !root.asset.version.starts_with("2.") {
@@ -81,7 +91,7 @@ fn parse(bytes: &[u8], folder: &Path, options: &RigOptions) -> Result<ReadRig, F
     if let Some(name) = root.extensions_required.iter().find(is_compression) {
         return Err(GltfProblem::Extension { name: name.clone() }.into());
     }
-    let read = read(&root, text, binary, folder, options);
+    let read = read(&root, text, binary);
     // A file may name a compression without needing it, and have nothing else.
     match (read, root.extensions_used.iter().find(is_compression)) {
         (
@@ -179,7 +189,7 @@ fn rank(read: &ReadRig) -> (bool, u32) {
 
 /// Vertices, and faces, that are read at most: primitives may be named again and again. Bodies of
 /// films have a million.
-const MOST_ELEMENTS: usize = 1 << 22;
+pub(super) const MOST_ELEMENTS: usize = 1 << 22;
 
 /// A primitive that has been read.
 struct Piece {

@@ -35,8 +35,25 @@ pub(super) struct Source {
 }
 
 impl Reader<'_> {
-    /// What a primitive reads, with the default weights of the morph targets of its mesh.
+    /// What a primitive with a skin reads, with the default weights of the morph targets of its
+    /// mesh.
     pub(super) fn source(
+        number: usize,
+        primitive: &Primitive,
+        morph_weights: &[f32],
+    ) -> Result<Source, GltfProblem> {
+        let source = Self::bare_source(number, primitive, morph_weights)?;
+        if source.sets.is_empty() {
+            return Err(GltfProblem::Primitive {
+                primitive: number,
+                what: "it has no joints or weights",
+            });
+        }
+        Ok(source)
+    }
+
+    /// What a primitive reads, with or without joints and weights.
+    pub(super) fn bare_source(
         number: usize,
         primitive: &Primitive,
         morph_weights: &[f32],
@@ -58,9 +75,6 @@ impl Reader<'_> {
                 attribute(Semantic::Joints(set)).zip(attribute(Semantic::Weights(set)))
             })
             .collect();
-        if sets.is_empty() {
-            return Err(wrong("it has no joints or weights"));
-        }
         let targets = primitive.targets.iter().flatten().zip(morph_weights);
         let targets = targets.filter(|&(_, &weight)| weight != 0.0 && weight.is_finite());
         let targets = targets.filter_map(|(target, &weight)| {

@@ -6,12 +6,15 @@ use garnet_mesh::Point3;
 use garnet_skin::skin_linear;
 
 use super::{SceneError, SceneProblem};
-use crate::{ObjFile, RigOptions, read_rig_with};
+use crate::{
+    FileError, FileProblem, GltfProblem, ObjFile, RigOptions, gltf::read_bare, read_rig_with,
+};
 
 /// Reads a mesh: an OBJ, or the rest mesh of a rig (npz, GLB, glTF, VRM) as if it were written as
 /// OBJ.
 ///
-/// Meshes of rigs are in metres with y up, those of glTF as the file shows them.
+/// Meshes of rigs are in metres with y up, those of glTF as the file shows them. Of a glTF without
+/// any skin all meshes are read.
 ///
 /// # Errors
 ///
@@ -52,7 +55,18 @@ pub(super) fn read_mesh_with(path: &Path, options: &RigOptions) -> Result<ShownM
         betas: Vec::new(),
         ..options.clone()
     };
-    let rig = read_rig_with(path, &options)?.rig;
+    let rig = match read_rig_with(path, &options) {
+        Err(FileError {
+            problem: FileProblem::Gltf(GltfProblem::NoSkin),
+            ..
+        }) if options.meshes.is_empty() => {
+            return Ok(ShownMesh {
+                file: ObjFile::of_mesh(&read_bare(path)?, path)?,
+                at_rest: None,
+            });
+        }
+        read => read?.rig,
+    };
     let mesh = rig.rest.as_ref().ok_or_else(|| SceneError::NoBody {
         path: path.to_path_buf(),
         problem: SceneProblem::SkeletonAlone {

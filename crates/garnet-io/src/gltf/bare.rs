@@ -1,0 +1,73 @@
+//! Meshes of glTF files that have no skin.
+
+use std::path::Path;
+
+use garnet_mesh::{Point3, TriMesh};
+use gltf::json::{Index, Root};
+
+use super::{
+    GltfProblem, container,
+    nodes::Nodes,
+    rig::{MOST_ELEMENTS, Reader, opened},
+};
+use crate::{FileError, FileProblem, json};
+
+/// Reads all meshes of a file without skins as one, where its nodes have them.
+///
+/// # Errors
+///
+/// [`FileError`]: no mesh at all, and those of [`super::read_rig_gltf`].
+pub(crate) fn read_bare(path: &Path) -> Result<TriMesh, FileError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    json::read_with(path, |bytes| {
+        opened(bytes, |root, _, binary| joined(root, binary, folder))
+    })
+}
+
+fn joined(root: &Root, binary: Option<&[u8]>, folder: &Path) -> Result<TriMesh, FileProblem> {
+    let file = Reader {
+        root,
+        buffers: container::buffers(root, binary, folder)?,
+    };
+    let nodes = Nodes::new(root)?;
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    for (node, content) in root.nodes.iter().enumerate() {
+        let Some(index) = content.mesh.as_ref().map(Index::value) else {
+            continue;
+        };
+        let Some(mesh) = root.meshes.get(index) else {
+            return Err(GltfProblem::OutOfRange {
+                user: format!("node {node}"),
+                part: "mesh",
+                index,
+                count: root.meshes.len(),
+            }
+            .into());
+        };
+        let world = &nodes.world_from_node[node];
+        let is_mirrored = world.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+        let morph = content.weights.as_ref().or(mesh.weights.as_ref());
+        let morph = morph.map_or(&[][..], Vec::as_slice);
+        for (place, primitive) in mesh.primitives.iter().enumerate() {
+            if positions.len().max(faces.len()) > MOST_ELEMENTS {
+                return Err(GltfProblem::TooLarge {
+                    most: MOST_ELEMENTS,
+                }
+                .into());
+            }
+            let source = Reader::bare_source(place, primitive, morph)?;
+            let vertices = file.vertices(place, &source)?.positions;
+            let first = positions.len() as u32;
+            for [a, b, c] in file.faces(place, primitive, vertices.len())? {
+                let face = if is_mirrored { [a, c, b] } else { [a, b, c] };
+                faces.push(face.map(|corner| first + corner));
+            }
+            let placed = vertices.iter().map(|point| world.transform_point(point));
+            positions.extend(placed.map(|point| -> Point3 { point.cast() }));
+        }
+    }
+    if faces.is_empty() {
+        return Err(GltfProblem::NoSkin.into());
+    }
+    Ok(TriMesh::new(positions, faces)?)
+}
