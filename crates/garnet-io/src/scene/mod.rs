@@ -369,7 +369,13 @@ fn brought(
     mesh: &TriMesh,
     (body, path): (&Body, &Path),
 ) -> Result<(TriMesh, Alignment), SceneError> {
-    aligned(mesh, body)?.ok_or_else(|| SceneError::Unplaced {
+    let found = aligned(mesh, body)?;
+    // What hardly any limb goes through is of no size or kind that was tried.
+    let is_worn = |(_, alignment): &(TriMesh, Alignment)| {
+        let [openings, threaded] = alignment.openings;
+        openings < 2 || 2 * threaded >= openings
+    };
+    found.filter(is_worn).ok_or_else(|| SceneError::Unplaced {
         garment: files.garment.clone(),
         body: path.to_path_buf(),
     })
