@@ -16,7 +16,10 @@ use std::{
 
 use anyhow::Context;
 use clap::Args;
-use garnet::{io::RigOptions, package::GarmentPackage};
+use garnet::{
+    io::{FileProblem, GltfProblem, RigOptions},
+    package::GarmentPackage,
+};
 use serde::Serialize;
 
 use crate::{
@@ -123,10 +126,12 @@ fn content(path: &Path, options: &RigOptions) -> anyhow::Result<Content> {
         Kind::Mesh => Content::Mesh(MeshInfo::read(path)?),
         Kind::Rig => match RigInfo::read(path, options) {
             Ok(rig) => Content::Rig(rig),
-            Err(error) => match (MotionInfo::read(path), MeshInfo::read(path)) {
-                (Ok(motion), _) => Content::Motion(motion),
-                (_, Ok(mesh)) => Content::Mesh(mesh),
-                _ => return Err(error),
+            Err(error) => match MotionInfo::read(path) {
+                Ok(motion) => Content::Motion(motion),
+                Err(_) if has_no_skin(&error) && options.meshes.is_empty() => {
+                    Content::Mesh(MeshInfo::read(path)?)
+                }
+                Err(_) => return Err(error),
             },
         },
         Kind::Motion => Content::Motion(MotionInfo::read(path)?),
@@ -134,6 +139,14 @@ fn content(path: &Path, options: &RigOptions) -> anyhow::Result<Content> {
         Kind::Pose => Content::Pose(PoseInfo::read(path)?),
         Kind::Package => Content::Package(PackageInfo::read(path)?),
         Kind::Dataset => Content::Dataset(DatasetInfo::read(path)?),
+    })
+}
+
+/// Whether a file is no rig because its meshes have no skin.
+fn has_no_skin(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        let problem = cause.downcast_ref::<FileProblem>();
+        matches!(problem, Some(FileProblem::Gltf(GltfProblem::NoSkin)))
     })
 }
 
