@@ -1,8 +1,8 @@
 //! Drapes of the same scenes by several methods, beside the simulator's.
 //!
 //! A folder has for each scene `NAME.body.obj`, `NAME.simulated.obj` and `NAME.METHOD.obj`. Told
-//! are the mean distance of vertices, the mean angle of face normals and L_RQ (*Gundogdu et al. 2020,
-//! Eqs. 13, 17, 18*) of each method over the scenes, the last as the sum over 8, 16 and 32
+//! are the mean distance of vertices, the mean angle of face normals and L_RQ (*Gundogdu et al.
+//! 2020, Eqs. 13, 17, 18*) of each method over the scenes, the last as the sum over 8, 16 and 32
 //! neighbors.
 
 use std::{
