@@ -1,7 +1,7 @@
 //! Drapes of the same scenes by several methods, beside the simulator's.
 //!
 //! A folder has for each scene `NAME.body.obj`, `NAME.simulated.obj` and `NAME.METHOD.obj`. Told
-//! are the mean distance of vertices, the mean angle of face normals and L_RQ (*Gundogdu et al.
+//! are the mean distance of vertices, the mean angle of face normals and `L_RQ` (*Gundogdu et al.
 //! 2020, Eqs. 13, 17, 18*) of each method over the scenes, the last as the sum over 8, 16 and 32
 //! neighbors.
 
@@ -144,13 +144,15 @@ fn compared(folder: &Path, garment: &str) -> Result<Comparison, Box<dyn Error>> 
     })
 }
 
-/// Distance, angle and L_RQ of the methods of a scene.
-fn scores(
-    folder: &Path,
-    scene: &str,
-    methods: &[String],
-) -> Result<Vec<(String, [f64; 3])>, Box<dyn Error + Send + Sync>> {
-    let mesh = |name: &str| -> Result<TriMesh, Box<dyn Error + Send + Sync>> {
+/// A method, its distance, angle and `L_RQ`.
+type Score = (String, [f64; 3]);
+
+/// What goes wrong on a thread.
+type Failed = Box<dyn Error + Send + Sync>;
+
+/// The methods of a scene.
+fn scores(folder: &Path, scene: &str, methods: &[String]) -> Result<Vec<Score>, Failed> {
+    let mesh = |name: &str| -> Result<TriMesh, Failed> {
         let file = ObjFile::read(folder.join(format!("{scene}.{name}.obj")))?;
         Ok(file.mesh()?)
     };
@@ -160,7 +162,7 @@ fn scores(
     let body = LossBody::new(&mesh("body")?)?;
     let mean =
         |values: &[f32]| values.iter().copied().map(f64::from).sum::<f64>() / values.len() as f64;
-    let score = |method: &String| -> Result<_, Box<dyn Error + Send + Sync>> {
+    let score = |method: &String| -> Result<_, Failed> {
         let drape = mesh(method)?;
         let (reference, predicted) = (simulated.positions(), drape.positions());
         let distance = mean(&vertex_distances(reference, predicted)?);

@@ -164,10 +164,6 @@ fn write(path: &Path, sewing: &Sewing) -> Outcome {
 
 fn scenes(stage: &Stage, split: Split) -> Result<Vec<Scene>, Box<dyn Error>> {
     let scenes = Mutex::new(Vec::new());
-    let numbers = |places: &[Point3]| -> Vec<f64> {
-        let all = places.iter().flat_map(|place| [place.x, place.y, place.z]);
-        all.map(f64::from).collect()
-    };
     stage.for_each(
         split,
         |staged| {
@@ -232,25 +228,27 @@ fn principal(rows: &DMatrix<f64>, count: usize) -> (DVector<f64>, DMatrix<f64>) 
     (mean, shapes)
 }
 
+/// Numbers of scenes, a row each.
+fn rows(scenes: &[Scene], of: impl Fn(&Scene) -> Vec<f64>) -> DMatrix<f64> {
+    let rows = scenes.iter();
+    let rows: Vec<_> = rows
+        .map(|scene| DVector::from_vec(of(scene)).transpose())
+        .collect();
+    DMatrix::from_rows(&rows)
+}
+
+/// The coordinates of places.
+fn numbers(places: &[Point3]) -> Vec<f64> {
+    let all = places.iter().flat_map(|place| [place.x, place.y, place.z]);
+    all.map(f64::from).collect()
+}
+
 /// What the regression makes of the test's scenes.
 fn regressed(train: &[Scene], test: &[Scene]) -> Result<Vec<Vec<Point3>>, Box<dyn Error>> {
-    let rows = |scenes: &[Scene], of: fn(&Scene) -> Vec<f64>| {
-        let rows: Vec<_> = scenes
-            .iter()
-            .map(|scene| DVector::from_vec(of(scene)).transpose())
-            .collect();
-        DMatrix::from_rows(&rows)
-    };
-    let cloth = |scene: &Scene| -> Vec<f64> {
-        let all = scene.cloth.iter();
-        all.flat_map(|place| [place.x, place.y, place.z])
-            .map(f64::from)
-            .collect()
-    };
     if train.len() < 2 {
         return Err("a regression needs two scenes".into());
     }
-    let shapes = rows(train, cloth);
+    let shapes = rows(train, |scene| numbers(&scene.cloth));
     let (mean, basis) = principal(&shapes, GARMENT_SHAPES);
     let (body_mean, body_basis) = principal(&rows(train, |scene| scene.body.clone()), BODY_SHAPES);
     let features = |scene: &Scene| -> Vec<f64> {

@@ -19,8 +19,11 @@ const GARMENTS: [&str; 4] = ["tshirt", "sweater", "dress", "jeans"];
 /// The garments as tables name them.
 const TITLES: [&str; 4] = ["T-shirt", "sweater", "dress", "jeans"];
 
+/// A variant, its name in tables, and the paper's figures for each garment.
+type Architecture = (&'static str, &'static str, [Option<[f64; 2]>; 4]);
+
 /// The paper's `E_dist` in millimetres and `E_norm` in degrees of tables 1 and 8, of each garment.
-const ARCHITECTURES: [(&str, &str, [Option<[f64; 2]>; 4]); 7] = [
+const ARCHITECTURES: [Architecture; 7] = [
     (
         "dqs",
         "skinning (DQS)",
@@ -87,7 +90,7 @@ const LOSSES: [(&str, &str, [f64; 2]); 6] = [
     ("local-rq", "all and RQ", [4.5, 7.2]),
 ];
 
-/// Table 6: neighborhoods of L_RQ.
+/// Table 6: neighborhoods of `L_RQ`.
 const NEIGHBORHOODS: [(&str, &str, [f64; 2]); 5] = [
     ("rq-8", "8", [4.3, 7.51]),
     ("rq-16", "16", [4.4, 7.44]),
@@ -96,7 +99,7 @@ const NEIGHBORHOODS: [(&str, &str, [f64; 2]); 5] = [
     ("local-rq", "8, 16 and 32", [4.5, 7.2]),
 ];
 
-/// Table 7: L_MC and L_RQ, of each garment.
+/// Table 7: `L_MC` and `L_RQ`, of each garment.
 const CURVATURE: [(&str, &str, [[f64; 2]; 4]); 4] = [
     (
         "local",
@@ -120,7 +123,7 @@ const CURVATURE: [(&str, &str, [[f64; 2]; 4]); 4] = [
     ),
 ];
 
-/// Table 9: distance, angle, L_MC and L_RQ.
+/// Table 9: distance, angle, `L_MC` and `L_RQ`.
 const KINDS: [(&str, &str, [f64; 4]); 3] = [
     ("local-umc", "GarNet-Local-UMC", [6.1, 8.25, 0.14, 0.23]),
     ("local-mc", "GarNet-Local-MC", [6.9, 7.66, 0.11, 0.26]),
@@ -187,21 +190,18 @@ pub(super) fn filled(folder: &Path, text: &Path) -> Result<String, Box<dyn Error
         let name = line
             .strip_prefix("{{")
             .and_then(|line| line.strip_suffix("}}"));
-        match name {
-            Some(name) => {
-                let table = reports.table(name).ok_or_else(|| {
-                    format!(
-                        "`{}`, line {}: no table is called `{name}`",
-                        text.display(),
-                        number + 1
-                    )
-                })?;
-                filled += &table;
-            }
-            None => {
-                filled += line;
-                filled.push('\n');
-            }
+        if let Some(name) = name {
+            let table = reports.table(name).ok_or_else(|| {
+                let line = number + 1;
+                format!(
+                    "`{}`, line {line}: no table is called `{name}`",
+                    text.display()
+                )
+            })?;
+            filled += &table;
+        } else {
+            filled += line;
+            filled.push('\n');
         }
     }
     Ok(filled)
