@@ -455,22 +455,7 @@ impl Job {
         job.hide = args.hide;
         args.view.as_deref().map_or(Ok(()), output::check_page)?;
         job.view = args.view;
-        if let Some(path) = &args.export_inputs {
-            output::check_kinds(
-                path,
-                "inputs of a network are written as safetensors",
-                &["safetensors"],
-            )?;
-            output::check_file(path)?;
-            if job.is_several {
-                return Err(refused(
-                    "`--export-inputs` is for one drape",
-                    "there are several",
-                    "give one body, or one frame with `--pose FILE:FRAME`",
-                ));
-            }
-        }
-        job.export_inputs = args.export_inputs;
+        job.take_export(args.export_inputs)?;
         job.shard = args.shard;
         if job.shard.is_some() && !job.is_several {
             return Err(refused(
@@ -517,6 +502,27 @@ impl Job {
         job.repeat = args.repeat;
         job.frames_alone = args.frames_alone;
         Ok(job)
+    }
+
+    /// Takes where the inputs of a network go.
+    fn take_export(&mut self, path: Option<PathBuf>) -> anyhow::Result<()> {
+        if let Some(path) = &path {
+            output::check_kinds(
+                path,
+                "inputs of a network are written as safetensors",
+                &["safetensors"],
+            )?;
+            output::check_file(path)?;
+            if self.is_several {
+                return Err(refused(
+                    "`--export-inputs` is for one drape",
+                    "there are several",
+                    "give one body, or one frame with `--pose FILE:FRAME`",
+                ));
+            }
+        }
+        self.export_inputs = path;
+        Ok(())
     }
 
     /// The garment as it is, once on each body, into `output`.

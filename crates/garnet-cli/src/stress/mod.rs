@@ -39,17 +39,14 @@ pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitSt
         // The garment that is cut has no variants: what is misspelt is told before it is cut.
         args.options(&[])?;
     }
-    let folder = match &args.package {
+    if let Some(folder) = &args.package {
         // What can't be read leaves no folder behind.
-        Some(folder) => {
-            read_package(folder)?;
-            output::open_folder(&args.output)?;
-            folder.clone()
-        }
-        None => {
-            output::open_folder(&args.output)?;
-            cut(&args.output)?
-        }
+        read_package(folder)?;
+    }
+    output::open_folder(&args.output)?;
+    let folder = match &args.package {
+        Some(folder) => folder.clone(),
+        None => cut(&args.output)?,
     };
     let content = read_package(&folder)?;
     let variants: Vec<String> = content
