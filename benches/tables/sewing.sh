@@ -4,7 +4,7 @@
 #
 #   sewing.sh FOLDER
 #
-# BODIES (380/4/20) and EPOCHS (20) may be set; GARNET and LAB are the commands.
+# BODIES (380/4/20) and EPOCHS (12) may be set; GARNET and LAB are the commands.
 set -eu
 garnet=${GARNET:-garnet} lab=${LAB:-garnet-lab}
 mkdir -p "$1"
@@ -13,7 +13,7 @@ cd "$1"
 "$garnet" dataset tshirt -o data --protocol paper --bodies "${BODIES:-380/4/20}" --poses 1 --seed 12 \
   --vary chest-ease=10:35 --vary length=56:76 --vary sleeve=16:34 --no-progress
 printf 'preset = "light"\nepochs = %s\nlearning_rate = 2e-3\nprecision = "f16"\nsewing_parameters = true\n' \
-  "${EPOCHS:-20}" > config.toml
+  "${EPOCHS:-12}" > config.toml
 for variant in local global; do
   [ -f "tshirt/$variant.done" ] && continue
   resume=
