@@ -7,7 +7,11 @@ use std::{collections::BTreeMap, error::Error, fs, path::Path};
 
 use serde_json::Value;
 
-use super::{markdown::Grid, read};
+use super::{
+    markdown::Grid,
+    read,
+    scores::{Eval, EvalMethod, Scores, Setting},
+};
 use crate::{
     compare::{self, Comparison},
     sewing::{self, Sewing},
@@ -20,44 +24,44 @@ const GARMENTS: [&str; 4] = ["tshirt", "sweater", "dress", "jeans"];
 const TITLES: [&str; 4] = ["T-shirt", "sweater", "dress", "jeans"];
 
 /// A variant, its name in tables, and the paper's figures for each garment.
-type Architecture = (&'static str, &'static str, [Option<[f64; 2]>; 4]);
+type Architecture = (&'static str, &'static str, [[f64; 2]; 4]);
 
 /// The paper's `E_dist` in millimetres and `E_norm` in degrees of tables 1 and 8, of each garment.
 const ARCHITECTURES: [Architecture; 7] = [
     (
         "dqs",
         "skinning (DQS)",
-        pairs([[99.8, 30.74], [64.7, 24.64], [147.9, 28.21], [114.3, 22.0]]),
+        [[99.8, 30.74], [64.7, 24.64], [147.9, 28.21], [114.3, 22.0]],
     ),
     (
         "naive",
         "GarNet-Naive",
-        pairs([[7.3, 11.28], [10.3, 11.3], [11.9, 8.92], [7.0, 8.83]]),
+        [[7.3, 11.28], [10.3, 11.3], [11.9, 8.92], [7.0, 8.83]],
     ),
     (
         "global",
         "GarNet-Global",
-        pairs([[5.7, 8.44], [9.3, 10.54], [11.3, 7.83], [4.2, 5.18]]),
+        [[5.7, 8.44], [9.3, 10.54], [11.3, 7.83], [4.2, 5.18]],
     ),
     (
         "local",
         "GarNet-Local",
-        pairs([[5.6, 8.34], [8.5, 10.39], [10.6, 7.8], [4.1, 5.1]]),
+        [[5.6, 8.34], [8.5, 10.39], [10.6, 7.8], [4.1, 5.1]],
     ),
     (
         "local-rq",
         "GarNet-Local-RQ",
-        pairs([[6.3, 7.79], [11.0, 9.7], [11.5, 7.15], [5.3, 5.08]]),
+        [[6.3, 7.79], [11.0, 9.7], [11.5, 7.15], [5.3, 5.08]],
     ),
     (
         "local-mc",
         "GarNet-Local-MC",
-        pairs([[6.9, 7.66], [8.8, 8.88], [11.6, 6.85], [4.5, 4.79]]),
+        [[6.9, 7.66], [8.8, 8.88], [11.6, 6.85], [4.5, 4.79]],
     ),
     (
         "local-mcrq",
         "GarNet-Local-MCRQ",
-        pairs([[6.5, 7.47], [11.4, 9.54], [12.1, 7.18], [5.6, 4.85]]),
+        [[6.5, 7.47], [11.4, 9.54], [12.1, 7.18], [5.6, 4.85]],
     ),
 ];
 
@@ -144,28 +148,6 @@ const FAMILY: [(&str, &str, [[f64; 3]; 2]); 2] = [
     ),
 ];
 
-const fn pairs(of: [[f64; 2]; 4]) -> [Option<[f64; 2]>; 4] {
-    [Some(of[0]), Some(of[1]), Some(of[2]), Some(of[3])]
-}
-
-/// What a report of `garnet eval` says of a method, SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Measured {
-    scores: Scores,
-    untangled: Option<Scores>,
-    /// The sum of the stages' medians.
-    seconds: f64,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Scores {
-    distance: f64,
-    normal: f64,
-    mean_curvature: f64,
-    rayleigh: f64,
-    inside: f64,
-}
-
 /// The protocols.
 const PROTOCOLS: [&str; 2] = ["seen-poses", "unseen-sequences"];
 
@@ -173,9 +155,9 @@ const PROTOCOLS: [&str; 2] = ["seen-poses", "unseen-sequences"];
 #[derive(Debug, Default)]
 struct Reports {
     /// By protocol, garment and method.
-    methods: BTreeMap<(String, String, String), Measured>,
+    methods: BTreeMap<(String, String, String), EvalMethod>,
     /// Scenes and vertices of a protocol and garment.
-    scenes: BTreeMap<(String, String), [u64; 2]>,
+    scenes: BTreeMap<(String, String), [usize; 2]>,
     families: BTreeMap<String, Comparison>,
     sewing: Option<Sewing>,
 }
@@ -220,7 +202,7 @@ impl Reports {
         for path in paths {
             let value: Value = read(&path)?;
             match value["schema"].as_str() {
-                Some("garnet.eval/1") => reports.add_eval(&value),
+                Some("garnet.eval/1") => reports.add_eval(serde_json::from_value(value)?),
                 Some(compare::SCHEMA) => {
                     let found: Comparison = serde_json::from_value(value)?;
                     reports.families.insert(found.garment.clone(), found);
@@ -232,31 +214,24 @@ impl Reports {
         Ok(reports)
     }
 
-    fn add_eval(&mut self, report: &Value) {
-        let text = |name: &str| report[name].as_str().unwrap_or_default().to_owned();
-        let (protocol, garment) = (text("protocol"), text("garment"));
-        let count = |name: &str| report[name].as_u64().unwrap_or(0);
-        let sizes = [count("scenes"), count("vertices")];
-        self.scenes
-            .insert((protocol.clone(), garment.clone()), sizes);
-        for method in report["methods"].as_array().into_iter().flatten() {
-            let name = method["name"].as_str().unwrap_or_default().to_owned();
-            let stages = method["seconds"].as_object().into_iter().flatten();
-            let medians = stages.filter_map(|(_, times)| times["median"].as_f64());
-            let untangled = &method["untangled"];
-            let measured = Measured {
-                scores: Scores::of(&method["scores"]),
-                untangled: untangled
-                    .is_object()
-                    .then(|| Scores::of(&untangled["scores"])),
-                seconds: medians.sum(),
-            };
-            self.methods
-                .insert((protocol.clone(), garment.clone(), name), measured);
+    fn add_eval(&mut self, report: Eval) {
+        let Setting {
+            garment,
+            protocol,
+            scenes,
+            vertices,
+            ..
+        } = report.setting;
+        let protocol = protocol.unwrap_or_default();
+        let place = (protocol.clone(), garment.clone());
+        self.scenes.insert(place, [scenes, vertices]);
+        for method in report.methods {
+            let key = (protocol.clone(), garment.clone(), method.name.clone());
+            self.methods.insert(key, method);
         }
     }
 
-    fn of(&self, protocol: &str, garment: &str, method: &str) -> Option<&Measured> {
+    fn of(&self, protocol: &str, garment: &str, method: &str) -> Option<&EvalMethod> {
         let key = (protocol.to_owned(), garment.to_owned(), method.to_owned());
         self.methods.get(&key)
     }
@@ -313,23 +288,19 @@ impl Reports {
         let ours = OURS.iter().map(|&(name, title)| (name, title, None));
         let papers = ARCHITECTURES
             .iter()
-            .map(|(name, title, of)| (*name, *title, of[garment]));
+            .map(|(name, title, of)| (*name, *title, Some(of[garment])));
         for (name, title, paper) in papers.chain(ours) {
             let [seen, unseen] =
                 PROTOCOLS.map(|protocol| self.of(protocol, GARMENTS[garment], name));
             if paper.is_none() && seen.is_none() && unseen.is_none() {
                 continue;
             }
-            let before = |of: Option<&Measured>| of.map_or_else(dash, |of| of.scores.text());
-            let after = |of: Option<&Measured>| {
-                of.and_then(|of| of.untangled)
-                    .map_or_else(dash, |scores| scores.text())
+            let before = |of: Option<&EvalMethod>| of.map_or_else(dash, |of| nearness(&of.scores));
+            let after = |of: Option<&EvalMethod>| {
+                let untangled = of.and_then(|of| of.untangled.as_ref());
+                untangled.map_or_else(dash, |untangled| nearness(&untangled.scores))
             };
-            let inside = |of: Option<&Measured>| {
-                let share = of.map(|of| of.scores.inside);
-                let known = share.filter(|share| share.is_finite());
-                known.map_or_else(dash, |share| format!("{:.1}", 1e2 * share))
-            };
+            let inside = |of: Option<&EvalMethod>| of.map_or_else(dash, |of| inside(&of.scores));
             let mut row = vec![
                 title.to_owned(),
                 paper.map_or_else(dash, |[distance, normal]| pair(distance, normal)),
@@ -355,7 +326,9 @@ impl Reports {
             let Some(of) = self.of(PROTOCOLS[1], "tshirt", name) else {
                 continue;
             };
-            let whole = format!("{:.1}", 1e3 * of.seconds);
+            let medians = of.seconds.values().filter_map(|times| times.median);
+            let seconds: f64 = medians.sum();
+            let whole = format!("{:.1}", 1e3 * seconds);
             grid.push(vec![title.to_owned(), paper.to_owned(), whole]);
         }
         grid
@@ -365,8 +338,8 @@ impl Reports {
     fn parameters(&self) -> Grid {
         let mut grid = Grid::new(&["", "", "Local", "Global", "Global-Params"]);
         for (number, (garment, title)) in GARMENTS.iter().zip(TITLES).enumerate() {
-            let local = ARCHITECTURES[3].2[number].unwrap_or_default();
-            let global = ARCHITECTURES[2].2[number].unwrap_or_default();
+            let local = ARCHITECTURES[3].2[number];
+            let global = ARCHITECTURES[2].2[number];
             let paper =
                 [local, global, PARAMS[number]].map(|[distance, normal]| pair(distance, normal));
             let mut row = vec![title.to_owned(), "paper".to_owned()];
@@ -379,7 +352,7 @@ impl Reports {
                     continue;
                 }
                 let mut row = vec![title.to_owned(), protocol.replace('-', " ")];
-                row.extend(found.map(|of| of.map_or_else(dash, |of| of.scores.text())));
+                row.extend(found.map(|of| of.map_or_else(dash, |of| nearness(&of.scores))));
                 grid.push(row);
             }
         }
@@ -412,9 +385,10 @@ impl Reports {
             grid.push(vec![
                 title.to_owned(),
                 pair(distance, normal),
-                of.map_or_else(dash, |of| of.text()),
-                of.map_or_else(dash, |of| format!("{:.2e}", of.rayleigh)),
-                of.map_or_else(dash, |of| format!("{:.1}", 1e2 * of.inside)),
+                of.as_ref().map_or_else(dash, nearness),
+                of.and_then(|of| of.rayleigh)
+                    .map_or_else(dash, |value| format!("{value:.2e}")),
+                of.as_ref().map_or_else(dash, inside),
             ]);
         }
         grid
@@ -435,7 +409,7 @@ impl Reports {
                     (*title).to_owned(),
                     format!("{mean} / {rayleigh}"),
                 ];
-                row.extend(found.map(|of| of.map_or_else(dash, |of| of.scores.curvatures())));
+                row.extend(found.map(|of| of.map_or_else(dash, |of| curvatures(&of.scores))));
                 grid.push(row);
             }
         }
@@ -451,8 +425,8 @@ impl Reports {
                 title.to_owned(),
                 pair(distance, normal),
                 format!("{mean} / {rayleigh}"),
-                of.map_or_else(dash, |of| of.text()),
-                of.map_or_else(dash, |of| of.curvatures()),
+                of.as_ref().map_or_else(dash, nearness),
+                of.as_ref().map_or_else(dash, curvatures),
             ]);
         }
         grid
@@ -490,29 +464,26 @@ impl Reports {
     }
 }
 
-impl Scores {
-    fn of(value: &Value) -> Self {
-        let number = |name: &str| value[name].as_f64().unwrap_or(f64::NAN);
-        Self {
-            distance: number("distance"),
-            normal: number("normal"),
-            mean_curvature: number("mean_curvature"),
-            rayleigh: number("rayleigh"),
-            inside: number("inside"),
-        }
-    }
+/// Distance in millimetres and angle in degrees.
+fn nearness(scores: &Scores) -> String {
+    let both = scores.distance.zip(scores.normal);
+    both.map_or_else(dash, |(distance, normal)| {
+        pair(1e3 * distance, normal.to_degrees())
+    })
+}
 
-    /// Distance in millimetres and angle in degrees.
-    fn text(&self) -> String {
-        pair(1e3 * self.distance, self.normal.to_degrees())
-    }
+/// `L_MC` and `L_RQ`.
+fn curvatures(scores: &Scores) -> String {
+    let both = scores.mean_curvature.zip(scores.rayleigh);
+    both.map_or_else(dash, |(mean, rayleigh)| {
+        format!("{mean:.1} / {rayleigh:.2e}")
+    })
+}
 
-    fn curvatures(&self) -> String {
-        if self.rayleigh.is_nan() {
-            return dash();
-        }
-        format!("{:.1} / {:.2e}", self.mean_curvature, self.rayleigh)
-    }
+/// The share of vertices inside, in per cent.
+fn inside(scores: &Scores) -> String {
+    let share = scores.inside;
+    share.map_or_else(dash, |share| format!("{:.1}", 1e2 * share))
 }
 
 fn pair(distance: f64, normal: f64) -> String {
@@ -528,11 +499,12 @@ mod tests {
     use super::*;
 
     const EVAL: &str = r#"{"schema": "garnet.eval/1", "garment": "tshirt", "vertices": 1500,
+        "dataset": "data", "split": "test", "threads": 2,
         "protocol": "seen-poses", "scenes": 400, "methods": [
         {"name": "local", "scores": {"distance": 0.0042, "normal": 0.1, "inside": 0.004,
             "rayleigh": 1e-4, "mean_curvature": 36.0, "stretch_p99": 1.12},
          "untangled": {"scores": {"distance": 0.0041, "normal": 0.1, "inside": 0.0,
-            "rayleigh": 1e-4, "mean_curvature": 36.0, "stretch_p99": 1.12}},
+            "rayleigh": 1e-4, "mean_curvature": 36.0, "stretch_p99": 1.12}, "inside": 0},
          "seconds": {"warp": {"median": 0.001}, "network": {"median": 0.02}, "untangle": {"median": 0.01}}}]}"#;
 
     #[test]

@@ -11,8 +11,8 @@ use super::{HeadArguments, markdown::Grid};
 #[derive(Debug, Deserialize)]
 pub(super) struct Eval {
     #[serde(flatten)]
-    setting: Setting,
-    methods: Vec<EvalMethod>,
+    pub(super) setting: Setting,
+    pub(super) methods: Vec<EvalMethod>,
 }
 
 /// `garnet.chart/1`, as far as the table needs it.
@@ -26,31 +26,31 @@ pub(super) struct Chart {
 
 /// What was measured on what.
 #[derive(Debug, Deserialize)]
-struct Setting {
-    garment: String,
-    vertices: usize,
+pub(super) struct Setting {
+    pub(super) garment: String,
+    pub(super) vertices: usize,
     dataset: String,
     split: String,
     /// What is new in the scenes; files of earlier versions have none.
-    protocol: Option<String>,
-    scenes: usize,
+    pub(super) protocol: Option<String>,
+    pub(super) scenes: usize,
     threads: usize,
     /// Early reports of `eval` do not tell it.
     machine: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
-struct EvalMethod {
-    name: String,
-    scores: Scores,
-    untangled: Option<Untangled>,
+pub(super) struct EvalMethod {
+    pub(super) name: String,
+    pub(super) scores: Scores,
+    pub(super) untangled: Option<Untangled>,
     /// By stage.
-    seconds: BTreeMap<String, Times>,
+    pub(super) seconds: BTreeMap<String, Times>,
 }
 
 #[derive(Debug, Deserialize)]
-struct Untangled {
-    scores: Scores,
+pub(super) struct Untangled {
+    pub(super) scores: Scores,
     #[serde(flatten)]
     left: Left,
 }
@@ -74,20 +74,20 @@ struct Total {
 
 /// Seconds; not finite ones are none.
 #[derive(Debug, Deserialize)]
-struct Times {
-    median: Option<f64>,
+pub(super) struct Times {
+    pub(super) median: Option<f64>,
     p95: Option<f64>,
 }
 
 /// Scores in SI units; those that are no numbers are none.
-#[derive(Debug, Deserialize)]
-struct Scores {
-    distance: Option<f64>,
+#[derive(Debug, Clone, Copy, Deserialize)]
+pub(super) struct Scores {
+    pub(super) distance: Option<f64>,
     distance_std: Option<f64>,
-    normal: Option<f64>,
-    mean_curvature: Option<f64>,
-    rayleigh: Option<f64>,
-    inside: Option<f64>,
+    pub(super) normal: Option<f64>,
+    pub(super) mean_curvature: Option<f64>,
+    pub(super) rayleigh: Option<f64>,
+    pub(super) inside: Option<f64>,
     self_intersections: Option<f64>,
     stretch_p99: Option<f64>,
 }
