@@ -7,7 +7,7 @@ fn a_picture_is_not_named_as_another_kind() {
     let fixture = Fixture::new();
     let output = fixture.garnet("render sleeve.obj -o sleeve.jpg");
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("pictures are PNG, not jpg"));
+    assert!(stderr(&output).contains("pictures are PNG, animated ones GIF"));
     assert!(!fixture.path("sleeve.jpg").exists());
 }
 
@@ -72,4 +72,46 @@ fn info_tells_each_kind_of_file() {
     assert_eq!(document["files"][0]["boundary_loops"], 2);
     assert_eq!(document["files"][1]["joints"][1]["parent"], "shoulder");
     assert_eq!(document["files"][2]["joints"][0], "elbow");
+}
+
+#[test]
+fn frames_are_a_sheet_or_an_animation() {
+    let fixture = Fixture::new();
+    for (frame, height) in [(0, 0.0), (1, 0.1), (2, 0.2)] {
+        let lifted = |place: &garnet::Point3| place + garnet::Vector3::new(0.0, height, 0.0);
+        std::fs::create_dir_all(fixture.path("frames")).unwrap();
+        fixture.moved("sleeve.obj", &format!("frames/{frame}.obj"), lifted);
+    }
+    let drawn = |arguments: &str| {
+        let output = fixture.garnet(arguments);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(0), "{arguments}: {text}");
+        text
+    };
+    let text = drawn("render frames body.obj -o walk.gif --size 90x120");
+    assert!(text.contains("3 of 3 frames"), "{text}");
+    let gif = fixture.read("walk.gif");
+    assert!(gif.starts_with(b"GIF89a\x5a\x00\x78\x00"));
+    // A graphic control of 0.04 s before each frame.
+    let controls = gif
+        .windows(6)
+        .filter(|bytes| bytes[..3] == *b"\x21\xf9\x04" && bytes[4] == 4);
+    assert_eq!(controls.count(), 3);
+    let text = drawn("render frames body.obj -o sheet.png");
+    assert!(text.contains("900 x 400 pixels, 3 of 3 frames"), "{text}");
+
+    let refused = |arguments: &str, words: &str| {
+        let output = fixture.garnet(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    };
+    refused(
+        "render sleeve.obj -o still.gif",
+        "the meshes have one frame",
+    );
+    refused(
+        "render frames body.obj -o walk.gif --color-by problems",
+        "`--color-by` is for one frame",
+    );
+    assert!(!fixture.path("still.gif").exists());
 }

@@ -92,6 +92,16 @@ impl Console {
         }
     }
 
+    /// One that tells errors alone, without color.
+    pub(crate) const fn silent() -> Self {
+        Self {
+            is_json: false,
+            loudness: Loudness::Quiet,
+            draws_progress: false,
+            is_colored: false,
+        }
+    }
+
     /// Whether the data on stdout are one JSON document.
     pub(crate) fn is_json(&self) -> bool {
         self.is_json

@@ -18,14 +18,20 @@ pub(crate) enum ExitStatus {
     Interrupted,
 }
 
+impl ExitStatus {
+    pub(crate) const fn code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::LimitExceeded => 1,
+            Self::NotDone => 2,
+            Self::Interrupted => 130,
+        }
+    }
+}
+
 impl From<ExitStatus> for ExitCode {
     fn from(status: ExitStatus) -> Self {
-        Self::from(match status {
-            ExitStatus::Done => 0,
-            ExitStatus::LimitExceeded => 1,
-            ExitStatus::NotDone => 2,
-            ExitStatus::Interrupted => 130,
-        })
+        Self::from(status.code())
     }
 }
 

@@ -20,6 +20,7 @@ mod lists;
 mod machine;
 mod models;
 mod motion;
+mod moving;
 mod output;
 mod parse;
 mod render;

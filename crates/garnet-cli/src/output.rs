@@ -53,10 +53,10 @@ pub(crate) fn check_drape(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Refuses a picture that cannot be written, or whose name says that it is of another format than
-/// is written.
-pub(crate) fn check_png(path: &Path) -> anyhow::Result<()> {
+/// PNG, or GIF for an animation.
+pub(crate) fn check_picture(path: &Path) -> anyhow::Result<()> {
     check_named(path, "name a file")?;
-    check_kind(path, "pictures are PNG", "png")?;
+    check_kinds(path, "pictures are PNG, animated ones GIF", &["png", "gif"])?;
     check_file(path)
 }
 

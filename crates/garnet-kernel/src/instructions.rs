@@ -5,7 +5,10 @@
     reason = "functions compiled for instructions that were detected"
 )]
 
-use std::sync::OnceLock;
+use std::sync::{
+    OnceLock,
+    atomic::{AtomicU8, Ordering},
+};
 
 use crate::lanes::Lanes;
 use crate::lanes_portable::Portable;
@@ -34,7 +37,24 @@ pub(crate) trait Kernel {
     fn run<V: Lanes>(self);
 }
 
+/// The position in [`InstructionSet::ALL`] of the latest level that may be used.
+static LATEST: AtomicU8 = AtomicU8::new(u8::MAX);
+
 impl InstructionSet {
+    /// All levels, the plainest first.
+    const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// The level that new workspaces use: the best of this machine that was not switched off.
+    pub fn usual() -> Self {
+        let latest = Self::ALL.get(usize::from(LATEST.load(Ordering::Relaxed)));
+        latest.map_or_else(Self::detected, |latest| Self::detected().min(*latest))
+    }
+
+    /// Switches all later levels off, for workspaces that this process makes from now on.
+    pub fn limit(self) {
+        LATEST.store(self as u8, Ordering::Relaxed);
+    }
+
     /// The best level of this machine.
     pub fn detected() -> Self {
         static DETECTED: OnceLock<InstructionSet> = OnceLock::new();
@@ -43,7 +63,7 @@ impl InstructionSet {
 
     /// All levels that this machine has, the plainest first.
     pub fn available() -> Vec<Self> {
-        let mut levels = vec![Self::Portable, Self::Avx2, Self::Avx512];
+        let mut levels = Self::ALL.to_vec();
         levels.retain(|level| *level <= Self::detected());
         levels
     }
@@ -71,7 +91,7 @@ impl InstructionSet {
 
 impl Default for InstructionSet {
     fn default() -> Self {
-        Self::detected()
+        Self::usual()
     }
 }
 

@@ -37,7 +37,7 @@ pub(crate) struct Scratch<'a> {
 }
 
 impl Workspace {
-    /// An empty workspace that uses the best instructions of this machine.
+    /// An empty workspace that uses the best instructions ([`InstructionSet::usual`]).
     pub fn new() -> Self {
         Self::default()
     }

@@ -23,6 +23,7 @@ mod compare;
 mod costs;
 mod drape_sheet;
 mod gallery;
+mod instructions;
 #[allow(dead_code, reason = "the command asks for more of it")]
 #[path = "../../garnet-cli/src/machine.rs"]
 mod machine;
@@ -81,6 +82,8 @@ enum Instrument {
     Compare(compare::Arguments),
     /// Measure what drapes of the variants of a package cost here, and store it in the package.
     Costs(costs::Arguments),
+    /// Measure how far drapes differ between the vector instructions of the processor.
+    Instructions(instructions::Arguments),
     /// Time a network, and write a case of it for other implementations.
     TorchCase(torch_case::Arguments),
     /// Measure networks that are told sewing parameters against a regression onto principal shapes.
@@ -125,6 +128,7 @@ fn main() -> ExitCode {
         Instrument::Spread(arguments) => spread::run(&arguments),
         Instrument::Compare(arguments) => compare::run(&arguments),
         Instrument::Costs(arguments) => costs::run(&arguments),
+        Instrument::Instructions(arguments) => instructions::run(&arguments),
         Instrument::TorchCase(arguments) => torch_case::run(&arguments),
         Instrument::Sewing(arguments) => sewing::run(&arguments),
         Instrument::BodySheet(arguments) => body_sheet::run(&arguments),

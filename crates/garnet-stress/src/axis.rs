@@ -36,22 +36,31 @@ pub(crate) enum Kind {
     Twist,
     ArmIntoTrunk,
     ThighIntoThigh,
+    BellyIntoLap,
     Stride,
     ShoulderBeyond,
     NeckBeyond,
+    AllBeyond,
     Heavy,
     Thin,
     Larger,
     Smaller,
+    Doll,
+    Giant,
     FinerGarment,
     FinerBody,
     CoarserGarment,
     CoarserBody,
     Noise,
     Holes,
+    TurnedSkin,
+    Balls,
     Slivers,
     FlippedFaces,
     SplitVertices,
+    Fins,
+    Pieces,
+    Lining,
     Clearance,
     Place,
     Threads,
@@ -72,6 +81,7 @@ impl Kind {
                 | Self::Stride
                 | Self::ShoulderBeyond
                 | Self::NeckBeyond
+                | Self::AllBeyond
         )
     }
 }
@@ -128,6 +138,8 @@ const fn sanity(axis: Axis) -> Axis {
 
 const DEPTHS: &[f64] = &[0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
 
+const SIZES: &[f64] = &[1.0, 2.0, 5.0, 10.0];
+
 /// All axes.
 pub const AXES: &[Axis] = &[
     bend("elbow", "both elbows bend from rest", Kind::Elbow, 150.0),
@@ -176,6 +188,13 @@ pub const AXES: &[Axis] = &[
         &[0.0, 20.0, 60.0],
     ),
     axis(
+        ["lap-depth", "the belly runs into the lap", "mm"],
+        Kind::BellyIntoLap,
+        60.0,
+        DEPTHS,
+        &[0.0, 20.0, 60.0],
+    ),
+    axis(
         ["stride", "one leg swings forwards, the other back", DEGREES],
         Kind::Stride,
         90.0,
@@ -203,6 +222,17 @@ pub const AXES: &[Axis] = &[
         60.0,
         BEYOND,
         &[0.0, 30.0, 60.0],
+    ),
+    axis(
+        [
+            "all-beyond",
+            "arms, trunk, neck and legs bend beyond the range of motion at once",
+            DEGREES,
+        ],
+        Kind::AllBeyond,
+        30.0,
+        BEYOND,
+        &[0.0, 30.0],
     ),
     axis(
         ["heavy", "body mass index", "kg/m²"],
@@ -235,6 +265,20 @@ pub const AXES: &[Axis] = &[
         1.25,
         &[1.0, 1.1, 1.25, 1.5, 2.0, 2.5],
         &[1.0, 1.25],
+    ),
+    axis(
+        ["doll", "the whole scene is smaller", "times"],
+        Kind::Doll,
+        10.0,
+        SIZES,
+        &[1.0, 10.0],
+    ),
+    axis(
+        ["giant", "the whole scene is larger", "times"],
+        Kind::Giant,
+        10.0,
+        SIZES,
+        &[1.0, 10.0],
     ),
     axis(
         ["finer-garment", "faces of the garment", "times"],
@@ -287,6 +331,28 @@ pub const AXES: &[Axis] = &[
         &[0.0, 5.0, 10.0],
     ),
     axis(
+        [
+            "turned-skin",
+            "faces of the body that look inwards, in patches",
+            "%",
+        ],
+        Kind::TurnedSkin,
+        10.0,
+        &[0.0, 2.0, 5.0, 10.0, 20.0, 30.0],
+        &[0.0, 5.0, 10.0],
+    ),
+    axis(
+        [
+            "balls",
+            "balls of 6 cm that stick half out of the skin",
+            "balls",
+        ],
+        Kind::Balls,
+        4.0,
+        &[0.0, 1.0, 2.0, 4.0, 8.0, 16.0],
+        &[0.0, 4.0],
+    ),
+    axis(
         ["slivers", "faces of the garment that are slivers", "%"],
         Kind::Slivers,
         10.0,
@@ -310,6 +376,27 @@ pub const AXES: &[Axis] = &[
         10.0,
         &[0.0, 1.0, 2.0, 5.0, 10.0],
         &[0.0, 2.0, 10.0],
+    ),
+    axis(
+        ["fins", "edges of the garment that have three faces", "%"],
+        Kind::Fins,
+        10.0,
+        &[0.0, 1.0, 2.0, 5.0, 10.0],
+        &[0.0, 2.0, 10.0],
+    ),
+    axis(
+        ["pieces", "loose pieces of the garment", "pieces"],
+        Kind::Pieces,
+        154.0,
+        &[1.0, 2.0, 8.0, 32.0, 154.0],
+        &[1.0, 32.0],
+    ),
+    axis(
+        ["lining", "a lining lies nearer than 6 mm by", "mm"],
+        Kind::Lining,
+        4.5,
+        &[0.0, 1.0, 2.0, 3.0, 4.0, 4.5, 5.0, 5.5],
+        &[0.0, 3.0, 4.5],
     ),
     axis(
         ["clearance", "distance that is kept from the skin", "mm"],

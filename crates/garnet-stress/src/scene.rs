@@ -1,6 +1,5 @@
 //! Scenes at a level of an axis, all made of one package.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -9,20 +8,27 @@ use garnet_body::shape::{BodyParameters, Measure, ParametricBody, tape_measures}
 use garnet_data::{Tailor, wearer_of};
 use garnet_drape::{BoundGarment, Garment, Package};
 use garnet_knn::Surface;
-use garnet_mesh::{Point3, Topology, TriMesh, Vector3, subdivided, vertex_normals};
-use garnet_skin::{Body, Pose, PosedBody, SkinWeights};
+use garnet_mesh::{Point3, TriMesh, Vector3, vertex_normals};
+use garnet_skin::{Body, Pose, PosedBody};
 use nalgebra::{Isometry3, UnitQuaternion};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::StressError;
 use crate::axis::{Axis, Kind};
+use crate::damage::{
+    coarser_body, finer, finer_body, flipped, in_pieces, lined, resized_body, slivers, split,
+    turned_in_patches, with_balls, with_fins, with_holes,
+};
 
 /// Clearance of scenes that are about something else, in metres.
 const CLEARANCE: f32 = 0.002;
 
 /// The steepest angle of arms or legs that is tried for a depth, in degrees.
 const MOST_ADDUCTION: f64 = 60.0;
+
+/// The steepest bend of the trunk that is tried for a depth, in degrees.
+const MOST_BEND: f64 = 120.0;
 
 /// Halvings of the angle that gives a depth.
 const HALVINGS: usize = 12;
@@ -39,6 +45,8 @@ pub(crate) struct Scene {
     whole: Option<Surface>,
     /// What brings the scene of the first level here, where that is all that differs.
     pub(crate) moved_by: Option<Isometry3<f32>>,
+    /// Vertices of the outer one of two layers, which come first; the lining has as many.
+    pub(crate) num_outer: Option<usize>,
     /// Threads to drape with, where their number is the level.
     pub(crate) threads: Option<usize>,
 }
@@ -91,10 +99,12 @@ impl<'a> Scenes<'a> {
         let mut random = self.random(axis, level);
         let scene = match axis.kind {
             Kind::Twist => self.posed(&self.twisted(level))?,
-            Kind::ArmIntoTrunk | Kind::ThighIntoThigh => match self.pressed(axis.kind, level)? {
-                Some(pose) => self.posed(&pose)?,
-                None => return Ok(None),
-            },
+            Kind::ArmIntoTrunk | Kind::ThighIntoThigh | Kind::BellyIntoLap => {
+                match self.pressed(axis.kind, level)? {
+                    Some(pose) => self.posed(&pose)?,
+                    None => return Ok(None),
+                }
+            }
             Kind::Heavy | Kind::Thin => {
                 let bmi = if axis.kind == Kind::Heavy {
                     level
@@ -108,6 +118,8 @@ impl<'a> Scenes<'a> {
             }
             Kind::Larger => self.scaled(level as f32)?,
             Kind::Smaller => self.scaled(1.0 / level as f32)?,
+            Kind::Doll => self.resized(1.0 / level as f32)?,
+            Kind::Giant => self.resized(level as f32)?,
             Kind::FinerGarment => self.with_garment(finer(self.mesh(), level)?)?,
             Kind::FinerBody => self.with_body(&finer_body(self.package.body(), level)?)?,
             Kind::CoarserGarment => match self.coarser(level)? {
@@ -120,9 +132,22 @@ impl<'a> Scenes<'a> {
             },
             Kind::Noise => self.noisy(level, &mut random)?,
             Kind::Holes => self.with_holes(level, &mut random)?,
+            Kind::TurnedSkin => self.turned(level, &mut random)?,
+            Kind::Balls => {
+                let body = with_balls(self.package.body(), level as usize, &mut random)?;
+                self.with_body(&body)?
+            }
             Kind::Slivers => self.with_garment(slivers(self.mesh(), level, &mut random)?)?,
             Kind::FlippedFaces => self.with_garment(flipped(self.mesh(), level, &mut random)?)?,
             Kind::SplitVertices => self.with_garment(split(self.mesh(), level, &mut random)?)?,
+            Kind::Fins => self.with_garment(with_fins(self.mesh(), level, &mut random)?)?,
+            Kind::Pieces => {
+                self.with_garment(in_pieces(self.mesh(), level as usize, &mut random)?)?
+            }
+            Kind::Lining => Scene {
+                num_outer: Some(self.mesh().num_vertices()),
+                ..self.with_garment(lined(self.mesh(), 1e-3 * (6.0 - level as f32))?)?
+            },
             Kind::Clearance => Scene {
                 clearance: (1e-3 * level) as f32,
                 ..self.usual()?
@@ -149,7 +174,10 @@ impl<'a> Scenes<'a> {
     /// Joints bent from the body at rest, where nothing is wrong; arms, from where they hang.
     fn bent(&self, kind: Kind, degrees: f64) -> Pose {
         let mut pose = self.poser.pose(&bent(kind, degrees));
-        if !matches!(kind, Kind::ShoulderUp | Kind::ShoulderBeyond) {
+        if !matches!(
+            kind,
+            Kind::ShoulderUp | Kind::ShoulderBeyond | Kind::AllBeyond
+        ) {
             let start = self.poser.pose(&bent(kind, 0.0));
             for (turn, before) in pose.rotations.iter_mut().zip(&start.rotations) {
                 *turn *= before.inverse();
@@ -184,6 +212,7 @@ impl<'a> Scenes<'a> {
             is_of_package: true,
             whole: None,
             moved_by: None,
+            num_outer: None,
             threads: None,
         }
     }
@@ -205,22 +234,29 @@ impl<'a> Scenes<'a> {
         pose
     }
 
-    /// Arms or thighs pressed inwards until they run so deep into each other; none if they never
-    /// do.
+    /// Arms or thighs pressed inwards, or the trunk onto the thighs, until they run so deep into
+    /// each other; none if they never do.
     fn pressed(&self, kind: Kind, millimetres: f64) -> Result<Option<Pose>, StressError> {
         let pose = |degrees: f64| {
             let mut angles = BodyAngles::default();
-            if kind == Kind::ArmIntoTrunk {
-                angles
-                    .arms
+            let (legs, arms) = (&mut angles.legs, &mut angles.arms);
+            match kind {
+                Kind::ArmIntoTrunk => arms
                     .iter_mut()
-                    .for_each(|arm| arm.abduction = 20.0 - degrees);
-            } else {
-                angles = usual();
-                angles
-                    .legs
-                    .iter_mut()
-                    .for_each(|leg| leg.abduction = 10.0 - degrees);
+                    .for_each(|arm| arm.abduction = 20.0 - degrees),
+                Kind::BellyIntoLap => {
+                    for (leg, arm) in legs.iter_mut().zip(arms) {
+                        (leg.flexion, arm.abduction) = (80.0, 70.0);
+                    }
+                    angles.spine.flexion = degrees;
+                }
+                _ => {
+                    angles = usual();
+                    angles
+                        .legs
+                        .iter_mut()
+                        .for_each(|leg| leg.abduction = 10.0 - degrees);
+                }
             }
             self.poser.pose(&angles)
         };
@@ -231,10 +267,15 @@ impl<'a> Scenes<'a> {
         if millimetres <= 0.0 {
             return Ok(Some(pose(0.0)));
         }
-        if !is_deep(MOST_ADDUCTION)? {
+        let most = if kind == Kind::BellyIntoLap {
+            MOST_BEND
+        } else {
+            MOST_ADDUCTION
+        };
+        if !is_deep(most)? {
             return Ok(None);
         }
-        let (mut low, mut high) = (0.0, MOST_ADDUCTION);
+        let (mut low, mut high) = (0.0, most);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
             if is_deep(middle)? {
@@ -341,6 +382,31 @@ impl<'a> Scenes<'a> {
         })
     }
 
+    fn turned(&self, percent: f64, random: &mut ChaCha8Rng) -> Result<Scene, StressError> {
+        let body = self.package.body();
+        let whole = body.posed(&self.usual_pose())?.skin().clone();
+        let rest = turned_in_patches(body.rest(), percent, random)?;
+        let body = Body::new(rest, body.skeleton().clone(), body.weights().clone())?;
+        Ok(Scene {
+            whole: Some(whole),
+            ..self.with_body(&body)?
+        })
+    }
+
+    /// Garment, body and clearance in another size.
+    fn resized(&self, times: f32) -> Result<Scene, StressError> {
+        let body = resized_body(self.package.body(), times)?;
+        let places = self.mesh().positions().iter().map(|place| place * times);
+        let mesh = TriMesh::new(places.collect(), self.mesh().faces().to_vec())?;
+        let garment = Garment::new(mesh).bind(&body)?;
+        Ok(Scene {
+            garment: Arc::new(garment),
+            clearance: CLEARANCE * times,
+            is_of_package: false,
+            ..self.on(body.posed(&self.usual_pose())?)
+        })
+    }
+
     fn elsewhere(&self, metres: f32) -> Result<Scene, StressError> {
         let body = self.package.body();
         let here = self.usual_pose();
@@ -401,6 +467,16 @@ fn bent(kind: Kind, degrees: f64) -> BodyAngles {
         }
         Kind::Trunk => angles.spine.flexion = degrees,
         Kind::NeckBeyond => angles.neck.flexion = 45.0 + degrees,
+        Kind::AllBeyond => {
+            angles.spine.flexion = 60.0 + 0.5 * degrees;
+            angles.neck.flexion = 45.0 + degrees;
+            for arm in &mut angles.arms {
+                (arm.abduction, arm.flexion, arm.elbow) = (15.0, -60.0 - degrees, 0.0);
+            }
+            for leg in &mut angles.legs {
+                (leg.flexion, leg.abduction, leg.knee) = (-20.0 - degrees, 45.0 + degrees, 0.0);
+            }
+        }
         Kind::AllJoints => {
             angles.spine.flexion = 0.6 * degrees;
             for arm in &mut angles.arms {
@@ -413,189 +489,4 @@ fn bent(kind: Kind, degrees: f64) -> BodyAngles {
         _ => {}
     }
     angles
-}
-
-/// Split into four as often as it takes.
-fn finer(mesh: &TriMesh, times: f64) -> Result<TriMesh, StressError> {
-    let mut finer = mesh.clone();
-    let mut count = 1.0;
-    while 4.0 * count <= times {
-        finer = subdivided(&finer)?;
-        count *= 4.0;
-    }
-    Ok(finer)
-}
-
-fn finer_body(body: &Body, times: f64) -> Result<Body, StressError> {
-    if times < 4.0 {
-        return Ok(body.clone());
-    }
-    let rest = body.rest();
-    let topology = Topology::new(rest.num_vertices(), rest.faces());
-    let of_vertex = |vertex: u32| body.weights().vertex(vertex as usize);
-    let old = (0..rest.num_vertices() as u32).map(|vertex| of_vertex(vertex).collect());
-    let middles = topology.edges().iter().map(|&[a, b]| {
-        let ends = of_vertex(a).chain(of_vertex(b));
-        ends.map(|(joint, weight)| (joint, 0.5 * weight)).collect()
-    });
-    let rows: Vec<Vec<(usize, f32)>> = old.chain(middles).collect();
-    let weights = SkinWeights::from_influences(body.skeleton().num_joints(), rows)?;
-    Ok(Body::new(
-        subdivided(rest)?,
-        body.skeleton().clone(),
-        weights,
-    )?)
-}
-
-/// The coarse level, of a quarter of the vertices; none for bodies that are not built in, and for
-/// other shares.
-fn coarser_body(body: &Body, times: f64) -> Result<Option<Body>, StressError> {
-    if times <= 1.0 {
-        return Ok(Some(body.clone()));
-    }
-    if times > 4.0 || tape_measures(body).is_none() {
-        return Ok(None);
-    }
-    let rest = ParametricBody::coarse(body.rest().positions());
-    let kept = ParametricBody::coarse_vertices().iter();
-    let rows = kept.map(|&vertex| body.weights().vertex(vertex as usize).collect::<Vec<_>>());
-    let weights = SkinWeights::from_influences(body.skeleton().num_joints(), rows)?;
-    Ok(Some(Body::new(rest, body.skeleton().clone(), weights)?))
-}
-
-/// Without so many percent of its faces, in patches of a few hundred.
-fn with_holes(
-    mesh: &TriMesh,
-    percent: f64,
-    random: &mut ChaCha8Rng,
-) -> Result<TriMesh, StressError> {
-    const PATCH: usize = 150;
-    let count = mesh.num_faces();
-    let asked = (0.01 * percent * count as f64) as usize;
-    let topology = Topology::new(mesh.num_vertices(), mesh.faces());
-    let mut of_edge = vec![Vec::new(); topology.edges().len()];
-    let edge_of = |a: u32, b: u32| topology.edges().binary_search(&[a.min(b), a.max(b)]).ok();
-    let edges_of = |face: usize| {
-        let [a, b, c] = mesh.faces()[face];
-        [edge_of(a, b), edge_of(b, c), edge_of(c, a)]
-            .into_iter()
-            .flatten()
-    };
-    for face in 0..count {
-        for edge in edges_of(face) {
-            of_edge[edge].push(face);
-        }
-    }
-    let mut gone: BTreeSet<usize> = BTreeSet::new();
-    while gone.len() < asked {
-        let mut queue = std::collections::VecDeque::from([random.random_range(0..count)]);
-        let mut taken = 0;
-        while let Some(face) = queue.pop_front() {
-            if taken >= PATCH || gone.len() >= asked {
-                break;
-            }
-            if gone.insert(face) {
-                taken += 1;
-                queue.extend(edges_of(face).flat_map(|edge| of_edge[edge].iter().copied()));
-            }
-        }
-    }
-    let kept = mesh.faces().iter().enumerate();
-    let kept = kept.filter(|(face, _)| !gone.contains(face));
-    Ok(TriMesh::new(
-        mesh.positions().to_vec(),
-        kept.map(|(_, corners)| *corners).collect(),
-    )?)
-}
-
-/// Numbers of so many percent of `count`, each once.
-fn some(count: usize, percent: f64, random: &mut ChaCha8Rng) -> BTreeSet<usize> {
-    let asked = ((0.01 * percent * count as f64) as usize).min(count);
-    let mut found = BTreeSet::new();
-    while found.len() < asked {
-        found.insert(random.random_range(0..count));
-    }
-    found
-}
-
-fn slivers(mesh: &TriMesh, percent: f64, random: &mut ChaCha8Rng) -> Result<TriMesh, StressError> {
-    let mut places = mesh.positions().to_vec();
-    for face in some(mesh.num_faces(), percent, random) {
-        let [a, b, c] = mesh.faces()[face].map(|corner| corner as usize);
-        let middle = Point3::from(0.5 * (places[b].coords + places[c].coords));
-        places[a] = middle + 0.02 * (places[a] - middle);
-    }
-    Ok(TriMesh::new(places, mesh.faces().to_vec())?)
-}
-
-fn flipped(mesh: &TriMesh, percent: f64, random: &mut ChaCha8Rng) -> Result<TriMesh, StressError> {
-    let mut faces = mesh.faces().to_vec();
-    for face in some(mesh.num_faces(), percent, random) {
-        faces[face].swap(1, 2);
-    }
-    Ok(TriMesh::new(mesh.positions().to_vec(), faces)?)
-}
-
-fn split(mesh: &TriMesh, percent: f64, random: &mut ChaCha8Rng) -> Result<TriMesh, StressError> {
-    let mut places = mesh.positions().to_vec();
-    let mut faces = mesh.faces().to_vec();
-    let chosen = some(mesh.num_vertices(), percent, random);
-    let mut copies = std::collections::BTreeMap::new();
-    for corners in &mut faces {
-        for corner in corners {
-            let vertex = *corner as usize;
-            // Every second face of the vertex takes the copy.
-            if chosen.contains(&vertex) && random.random_range(0..2) == 1 {
-                *corner = *copies.entry(vertex).or_insert_with(|| {
-                    places.push(places[vertex]);
-                    places.len() as u32 - 1
-                });
-            }
-        }
-    }
-    Ok(TriMesh::new(places, faces)?)
-}
-
-#[cfg(test)]
-mod tests {
-    use garnet_mesh::primitives::icosphere;
-
-    use super::*;
-
-    #[test]
-    fn meshes_are_made_worse_by_as_much_as_is_asked() {
-        let ball = icosphere(3, 0.2);
-        let mut random = ChaCha8Rng::seed_from_u64(1);
-        let faces = ball.num_faces();
-        let holes = with_holes(&ball, 20.0, &mut random).unwrap();
-        assert_eq!(holes.num_faces(), faces - faces / 5);
-        let turned = flipped(&ball, 10.0, &mut random).unwrap();
-        let differing = turned
-            .faces()
-            .iter()
-            .zip(ball.faces())
-            .filter(|(a, b)| a != b);
-        assert_eq!(differing.count(), faces / 10);
-        let doubled = split(&ball, 10.0, &mut random).unwrap();
-        let added = doubled.num_vertices() - ball.num_vertices();
-        assert!((50..=64).contains(&added), "{added}");
-        let area = |mesh: &TriMesh, [a, b, c]: [u32; 3]| {
-            let at = |vertex: u32| mesh.positions()[vertex as usize];
-            (at(b) - at(a)).cross(&(at(c) - at(a))).norm()
-        };
-        let flat = slivers(&ball, 5.0, &mut random).unwrap();
-        let thin = flat
-            .faces()
-            .iter()
-            .filter(|face| area(&flat, **face) < 0.1 * area(&ball, **face));
-        assert!(thin.count() >= faces / 40);
-        for unchanged in [slivers, flipped, split, with_holes] {
-            assert_eq!(
-                unchanged(&ball, 0.0, &mut random).unwrap().faces(),
-                ball.faces()
-            );
-        }
-        assert_eq!(finer(&ball, 16.0).unwrap().num_faces(), 16 * faces);
-        assert_eq!(finer(&ball, 1.0).unwrap().num_faces(), faces);
-    }
 }

@@ -1,7 +1,7 @@
 //! What is measured of a drape, and when it is broken.
 
 use garnet_knn::{KnnError, Traps};
-use garnet_mesh::{Point3, Topology};
+use garnet_mesh::{Point3, Topology, vertex_normals};
 use serde::{Deserialize, Serialize};
 
 use crate::method::Draped;
@@ -16,6 +16,9 @@ const MOST_JUMP: f64 = 5e-3;
 
 /// Vertices that move by less do not count as moved, in metres.
 const LEAST_STEP: f32 = 1e-3;
+
+/// More of a lining than this is not under its layer, and the order is lost.
+const MOST_OUT_OF_ORDER: f64 = 0.01;
 
 /// A scene takes longer than this in seconds, and it has failed.
 const MOST_SECONDS: f64 = 10.0;
@@ -38,6 +41,8 @@ pub struct Measured {
     pub from_simulator: Option<f64>,
     /// By how much cloth moved more than the skin, in metres a degree, since the level before.
     pub jump: Option<f64>,
+    /// Share of the vertices of a lining that are not under their layer; none of one layer.
+    pub out_of_order: Option<f64>,
     /// How long it took.
     pub seconds: f64,
 }
@@ -55,6 +60,8 @@ pub enum Broken {
     Torn(f32),
     /// Cloth moved by so much more than the skin, in metres a degree.
     Jump(f64),
+    /// So much of a lining is not under its layer.
+    Order(f64),
     /// Relative to the size of the garment, it is so far from what it has to be.
     Differs(f64),
     /// It took so many seconds.
@@ -70,6 +77,7 @@ impl std::fmt::Display for Broken {
             Self::Inside(count) => write!(formatter, "{count} inside"),
             Self::Torn(stretch) => write!(formatter, "stretched {stretch:.1} times"),
             Self::Jump(jump) => write!(formatter, "jumps {:.0} mm a degree", 1e3 * jump),
+            Self::Order(share) => write!(formatter, "{:.0} % out of order", 100.0 * share),
             Self::Differs(share) => write!(formatter, "differs by {share:.0e}"),
             Self::Slow(seconds) => write!(formatter, "takes {seconds:.0} s"),
             Self::Failed(reason) => write!(formatter, "fails: {reason}"),
@@ -106,6 +114,9 @@ pub(crate) fn measured(scene: &Scene, draped: &Draped) -> Result<Option<Measured
         trapped: trapped.iter().filter(|&&is| is).count(),
         stretch: stretch(scene, positions, &trapped),
         crossing_faces: draped.crossing_faces,
+        out_of_order: scene
+            .num_outer
+            .map(|count| out_of_order(scene, positions, count)),
         seconds: draped.seconds,
         ..Measured::default()
     }))
@@ -127,6 +138,15 @@ fn stretch(scene: &Scene, positions: &[Point3], trapped: &[bool]) -> f32 {
         largest = largest.max((positions[a] - positions[b]).norm() / before);
     }
     largest
+}
+
+/// Share of the lining's vertices that are not on the inner side of their outer vertex.
+fn out_of_order(scene: &Scene, positions: &[Point3], num_outer: usize) -> f64 {
+    let normals = vertex_normals(positions, scene.garment.mesh().faces());
+    let (outer, lining) = positions.split_at(num_outer);
+    let pairs = outer.iter().zip(lining).zip(&normals);
+    let beyond = pairs.filter(|((outer, under), normal)| (*outer - *under).dot(normal) < 0.0);
+    beyond.count() as f64 / num_outer.max(1) as f64
 }
 
 /// By how much cloth moved more than the skin next to it from one level to the next, in the mean
@@ -164,6 +184,11 @@ pub(crate) fn broken(found: &Measured, jump_of_simulator: Option<f64>) -> Option
         Some(Broken::Inside(found.inside))
     } else if found.stretch > MOST_STRETCH {
         Some(Broken::Torn(found.stretch))
+    } else if let Some(share) = found
+        .out_of_order
+        .filter(|share| *share > MOST_OUT_OF_ORDER)
+    {
+        Some(Broken::Order(share))
     } else if let Some(jump) = jump {
         Some(Broken::Jump(jump))
     } else if found.seconds > MOST_SECONDS {

@@ -123,8 +123,8 @@ pub enum ViewError {
         /// The sum over the layers.
         count: usize,
     },
-    /// The pixels could not be packed as PNG.
-    #[error("the picture could not be packed as PNG")]
+    /// The pixels could not be packed as PNG or GIF.
+    #[error("the picture could not be packed")]
     Encode {
         /// What the encoder said.
         source: ::image::ImageError,

@@ -6,8 +6,11 @@ use std::{
 };
 
 use ::image::{
-    ExtendedColorType, ImageEncoder,
-    codecs::png::{CompressionType, FilterType, PngEncoder},
+    Delay, ExtendedColorType, Frame, ImageEncoder, RgbaImage,
+    codecs::{
+        gif::{GifEncoder, Repeat},
+        png::{CompressionType, FilterType, PngEncoder},
+    },
 };
 
 use crate::{Rgb, ViewError};
@@ -128,6 +131,61 @@ impl Image {
     }
 }
 
+/// Writes images of one size as an animated GIF that begins again at its end.
+pub struct GifWriter<W: Write> {
+    encoder: GifEncoder<W>,
+    delay: Delay,
+}
+
+impl<W: Write> std::fmt::Debug for GifWriter<W> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str("GifWriter")
+    }
+}
+
+/// How hard the encoder looks for colors, 1 to 30: higher is faster and coarser.
+const COLOR_SPEED: i32 = 10;
+
+impl<W: Write> GifWriter<W> {
+    /// Begins a file of so many frames a second; the format rounds to hundredths of a second, and
+    /// programs show at most 50.
+    ///
+    /// # Errors
+    ///
+    /// [`ViewError::Encode`].
+    pub fn new(writer: W, fps: f64) -> Result<Self, ViewError> {
+        let mut encoder = GifEncoder::new_with_speed(writer, COLOR_SPEED);
+        encoder
+            .set_repeat(Repeat::Infinite)
+            .map_err(|source| ViewError::Encode { source })?;
+        let milliseconds = (1e3 / fps.clamp(1e-2, 50.0)).round() as u32;
+        Ok(Self {
+            encoder,
+            delay: Delay::from_numer_denom_ms(milliseconds, 1),
+        })
+    }
+
+    /// Adds a frame.
+    ///
+    /// # Errors
+    ///
+    /// [`ViewError::Encode`].
+    pub fn push(&mut self, image: &Image) -> Result<(), ViewError> {
+        let (pixels, _) = image.pixels.as_chunks::<3>();
+        let pixels = pixels
+            .iter()
+            .flat_map(|&[r, g, b]| [r, g, b, 255])
+            .collect();
+        let Some(buffer) = RgbaImage::from_raw(image.width, image.height, pixels) else {
+            return Ok(());
+        };
+        let frame = Frame::from_parts(buffer, 0, 0, self.delay);
+        self.encoder
+            .encode_frame(frame)
+            .map_err(|source| ViewError::Encode { source })
+    }
+}
+
 /// Part of an image, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Rect {
@@ -180,6 +238,30 @@ mod tests {
         assert_eq!(read.as_raw(), image.pixels());
         assert_eq!(image.pixel(6, 1), Some(Rgb::new(200, 100, 50)));
         assert_eq!(image.pixel(7, 1), None);
+    }
+
+    #[test]
+    fn a_gif_has_its_frames_and_their_time() {
+        use ::image::{AnimationDecoder, codecs::gif::GifDecoder};
+
+        let mut bytes = Vec::new();
+        let mut gif = GifWriter::new(&mut bytes, 25.0).unwrap();
+        let colors = [Rgb::new(200, 0, 0), Rgb::new(0, 0, 200)];
+        for color in colors {
+            gif.push(&Image::filled(8, 6, color)).unwrap();
+        }
+        drop(gif);
+        let decoder = GifDecoder::new(io::Cursor::new(bytes)).unwrap();
+        let frames = decoder.into_frames().collect_frames().unwrap();
+        assert_eq!(frames.len(), 2);
+        for (frame, color) in frames.iter().zip(colors) {
+            assert_eq!(frame.delay().numer_denom_ms(), (40, 1));
+            assert_eq!(frame.buffer().dimensions(), (8, 6));
+            let [r, g, b, _] = frame.buffer().get_pixel(3, 3).0;
+            for (found, expected) in [r, g, b].into_iter().zip(color.channels()) {
+                assert!(found.abs_diff(expected) < 8, "{found} {expected}");
+            }
+        }
     }
 
     #[test]

@@ -61,7 +61,7 @@ pub use chart::{
 };
 pub use color_map::{ColorMap, Problem};
 pub use error::ViewError;
-pub use image::Image;
+pub use image::{GifWriter, Image};
 pub use layer::{BackSide, Heat, Layer, Paint, Shading};
 pub use page::{Coloring, Page, PageMesh, PagePane, PagePart};
 pub use picture::{MAX_SIZE, MAX_SUPERSAMPLING, Picture, View};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::ensure;
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, builder::ArgPredicate};
 use garnet::{
     DrapeOptions, Warp,
     io::{ObjFile, PoseSource, SceneFiles, SceneUnits},
@@ -22,17 +22,73 @@ use crate::{
     rig_args::{PoseUp, RigArgs},
 };
 
+/// All arguments that a job of `--batch` may have, and the command beside it may not.
+pub(super) const OF_A_JOB: [&str; 36] = [
+    "output",
+    "body_out",
+    "hide",
+    "view",
+    "export_inputs",
+    "method",
+    "budget",
+    "tolerance",
+    "settle",
+    "fabric",
+    "shard",
+    "clearance",
+    "no_untangle",
+    "frames_alone",
+    "max_penetration",
+    "max_crossing",
+    "report",
+    "repeat",
+    "garment",
+    "bodies",
+    "scene",
+    "rig",
+    "rest_body",
+    "pose",
+    "pose_up",
+    "place",
+    "units",
+    "up",
+    "ground",
+    "in_place",
+    "fps",
+    "keep_flips",
+    "keep_arms",
+    "mesh",
+    "joints",
+    "betas",
+];
+
 /// Arguments of `drape`.
 #[derive(Debug, Clone, Args)]
-#[command(after_long_help = LONG_HELP)]
+#[command(
+    after_long_help = LONG_HELP,
+    override_usage = "garnet drape [OPTIONS] --output <OUT> [GARMENT] [BODY]...\n       garnet \
+                      drape --batch <JOBS.json>",
+    mut_arg("garment", |garment| garment.required_unless_present_any(["scene", "batch"]))
+)]
 pub(crate) struct DrapeArgs {
     #[command(flatten)]
     input: InputArgs,
     /// Where the drape goes: an OBJ, or a GLB with the body; for several bodies a folder of OBJ, or
     /// one file of all frames: .pc2, .mdd, .npz or .glb; for an outfit a folder. A name that ends
     /// with `/` is a folder.
-    #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
+    #[arg(
+        short,
+        long,
+        value_name = "OUT",
+        required = false,
+        required_unless_present = "batch",
+        default_value_if("batch", ArgPredicate::IsPresent, ".")
+    )]
+    pub(super) output: PathBuf,
+    /// Do all drapes that a JSON file lists, and print a line of JSON for each: a list of objects
+    /// with `garment`, `bodies`, and options of `drape` as keys (docs/guide/many-machines.md).
+    #[arg(long, value_name = "JOBS.json", conflicts_with_all = OF_A_JOB)]
+    pub(super) batch: Option<PathBuf>,
     /// With `--pose`: write the posed body, as the drape is written; a folder for several OBJ.
     #[arg(long, value_name = "OUT", requires = "pose")]
     body_out: Option<PathBuf>,
@@ -106,6 +162,7 @@ pub(crate) struct DrapeArgs {
 pub(crate) struct InputArgs {
     /// Garment, as OBJ, lying on the rest body, or a garment package.
     #[arg(
+        index = 1,
         value_name = "GARMENT",
         value_parser = models::package_or_file,
         required_unless_present = "scene",
@@ -113,7 +170,7 @@ pub(crate) struct InputArgs {
     )]
     pub(crate) garment: Option<PathBuf>,
     /// Bodies to drape it on, as OBJ, GLB or npz; with `--pose`, the rest body.
-    #[arg(value_name = "BODY", value_parser = models::package_or_file, conflicts_with = "scene")]
+    #[arg(index = 2, value_name = "BODY", value_parser = models::package_or_file, conflicts_with = "scene")]
     pub(crate) bodies: Vec<PathBuf>,
     /// Take garment, bodies, weights and pose from a `drape-scene/1` file.
     #[arg(long, value_name = "SCENE.json", conflicts_with_all = ["rig", "rest_body", "units", "up"])]

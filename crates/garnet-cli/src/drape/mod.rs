@@ -2,6 +2,7 @@
 
 mod all;
 mod args;
+mod batch;
 mod choice;
 mod exported;
 mod fit;
@@ -51,6 +52,9 @@ use crate::{
 
 /// Reads, binds, drapes on each body, writes and reports.
 pub(crate) fn run(args: DrapeArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    if let Some(jobs) = &args.batch {
+        return batch::run(jobs, console);
+    }
     match args.outfit()? {
         Some(outfit) => outfit::run(outfit, console),
         None => do_job(|| Job::new(args), console),
@@ -62,6 +66,22 @@ pub(crate) fn do_job(
     make: impl FnOnce() -> anyhow::Result<Job>,
     console: &Console,
 ) -> anyhow::Result<ExitStatus> {
+    let (report, job) = match done(make, console) {
+        Err(error) if error.downcast_ref::<Interrupted>().is_some() => {
+            console.failure(&error);
+            return Ok(ExitStatus::Interrupted);
+        }
+        done => done?,
+    };
+    publish(&report, &job, console)?;
+    Ok(judge(&report, &job, console))
+}
+
+/// Reads, binds, drapes on each body and writes; what was done is still to be told.
+fn done(
+    make: impl FnOnce() -> anyhow::Result<Job>,
+    console: &Console,
+) -> anyhow::Result<(DrapeReport, Job)> {
     let (done, total) = timed(|| {
         let job = make()?;
         let (prepared, read) = timed(|| Prepared::read(&job.source));
@@ -97,16 +117,9 @@ pub(crate) fn do_job(
         let report = whole.context("there is nothing to drape on")?;
         anyhow::Ok((report, job))
     });
-    let (mut report, job) = match done {
-        Err(error) if error.downcast_ref::<Interrupted>().is_some() => {
-            console.failure(&error);
-            return Ok(ExitStatus::Interrupted);
-        }
-        done => done?,
-    };
+    let (mut report, job) = done?;
     report.seconds.total = total;
-    publish(&report, &job, console)?;
-    Ok(judge(&report, &job, console))
+    Ok((report, job))
 }
 
 /// The garment, bound, and what it is draped on.

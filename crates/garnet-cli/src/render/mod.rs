@@ -2,6 +2,7 @@
 
 pub(crate) mod colors;
 mod fit;
+mod frames;
 pub(crate) mod problems;
 mod words;
 
@@ -11,30 +12,34 @@ use anyhow::Context;
 use clap::Args;
 use garnet::{
     TriMesh,
-    io::{Frame, ObjFile, is_rig, read_mesh_of},
-    mesh::{Bounds, Unit, UpAxis},
+    io::ObjFile,
+    mesh::{Bounds, Unit},
 };
 use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
 use rayon::prelude::*;
 
 use crate::{
     console::{Console, print_document},
-    failure::ExitStatus,
+    failure::{ExitStatus, refused},
+    moving::{Moving, frames_of, frames_per_second},
     output,
     rig_args::RigArgs,
 };
 use colors::{ColorBy, Heatmap};
+use frames::Drawn;
 pub(crate) use words::UpName;
 use words::ViewName;
 
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
-    /// Meshes, as OBJ, GLB, glTF or npz: garments, and the body last.
+    /// Meshes, as OBJ, GLB, glTF or npz: garments, and the body last. Motions are folders of OBJ, or
+    /// npz with the vertices of all frames.
     #[arg(value_name = "MESH", required = true)]
     meshes: Vec<PathBuf>,
-    /// Where the picture goes, as PNG.
-    #[arg(short, long, value_name = "PNG")]
+    /// Where the picture goes, as PNG; of a motion some frames side by side, or all as an animated
+    /// GIF.
+    #[arg(short, long, value_name = "PNG|GIF")]
     output: PathBuf,
     /// A body; then all of MESH are garments.
     #[arg(long, value_name = "OBJ")]
@@ -42,15 +47,14 @@ pub(crate) struct RenderArgs {
     /// How rigs are read.
     #[command(flatten)]
     rig: RigArgs,
-    /// Sides to look from, with commas.
-    #[arg(
-        long,
-        value_name = "SIDE,...",
-        value_delimiter = ',',
-        default_value = "front,three-quarter,back"
-    )]
+    /// Sides to look from, with commas [default: front, three-quarter and back; front of the frames
+    /// on a sheet; three-quarter of an animation].
+    #[arg(long, value_name = "SIDE,...", value_delimiter = ',')]
     views: Vec<ViewName>,
-    /// Size of the picture in pixels [default: 600 for each view, by 800].
+    /// Frames a second of an animation [default: as the file says, else 25].
+    #[arg(long, hide_short_help = true, value_name = "N", value_parser = frames_per_second, allow_negative_numbers = true)]
+    fps: Option<f64>,
+    /// Size of the picture in pixels [default: 600 for each view, by 800; less for frames].
     #[arg(long, value_name = "WxH", value_parser = words::size)]
     size: Option<[u32; 2]>,
     /// Color the first mesh: none, problems (where it runs through body or cloth, or is trapped),
@@ -72,11 +76,24 @@ pub(crate) struct RenderArgs {
     up: UpName,
 }
 
+impl RenderArgs {
+    /// The sides that are asked for, or else these.
+    fn views_or(&self, usual: &[ViewName]) -> Vec<ViewName> {
+        match self.views.as_slice() {
+            [] => usual.to_vec(),
+            asked => asked.to_vec(),
+        }
+    }
+}
+
+/// Sides of a picture of one frame.
+const SIDES: [ViewName; 3] = [ViewName::Front, ViewName::ThreeQuarter, ViewName::Back];
+
 const DEFAULT_SIZE: [u32; 2] = [600, 800];
 
 /// Reads the meshes, colors the first, draws, writes.
 pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitStatus> {
-    output::check_png(&args.output)?;
+    output::check_picture(&args.output)?;
     let paths: Vec<&PathBuf> = args.meshes.iter().chain(&args.body).collect();
     let read: Vec<&Path> = (paths.iter().map(|path| path.as_path()))
         .chain(args.color_by.file())
@@ -84,33 +101,42 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
     output::check_apart(&[&args.output], &read)?;
     let up = args.up.axis();
     let options = args.rig.clone().options();
-    let files: Vec<anyhow::Result<ObjFile>> = paths
+    let moving: Vec<anyhow::Result<Moving>> = paths
         .par_iter()
-        .map(|path| Ok(read_mesh_of(path, &options)?))
+        .map(|path| Moving::read(path, &options, up))
         .collect();
-    let files = files.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
-    // The last of several meshes is the body.
-    let body = files[1..].last();
-    let heat = Heatmap::new(&args.color_by, &files[0], body)?;
-    let upright = files.iter().map(|file| upright(file, up));
-    let meshes = upright.collect::<anyhow::Result<Vec<_>>>()?;
-    let [width, height] = args.size.unwrap_or_else(|| {
-        let [width, height] = DEFAULT_SIZE;
-        [width.saturating_mul(args.views.len() as u32), height]
-    });
-    let image = render(&Picture {
-        layers: layers(&meshes, heat.as_ref(), args),
-        views: args
-            .views
-            .iter()
-            .map(|name| view(*name, args.zoom))
-            .collect(),
-        ..Picture::new(width, height)
-    })
-    .with_context(|| format!("cannot draw `{}`", args.output.display()))?;
-    output::write(&args.output, &image.to_png_bytes()?)?;
+    let moving = moving.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    let names = frames_of(&moving)?;
+    let is_animated = args
+        .output
+        .extension()
+        .is_some_and(|kind| kind.eq_ignore_ascii_case("gif"));
+    let drawn = match (names.is_empty(), is_animated) {
+        (true, false) => still(&moving, args)?,
+        (true, true) => {
+            return Err(refused(
+                format!("`{}` would not move", args.output.display()),
+                "the meshes have one frame",
+                "name folders with an OBJ for each frame, or draw a PNG",
+            ));
+        }
+        (false, true) => {
+            frames::check(args)?;
+            frames::animation(&moving, &names, args, console)?
+        }
+        (false, false) => {
+            frames::check(args)?;
+            frames::sheet(&moving, &names, args)?
+        }
+    };
+    output::write(&args.output, &drawn.bytes)?;
+    let [width, height] = drawn.size;
+    let frames = match drawn.frames {
+        [1, 1] => String::new(),
+        [all, shown] => format!(", {shown} of {all} frames"),
+    };
     console.summary(&format_args!(
-        "drew {} in `{}`, {width} x {height} pixels",
+        "drew {} in `{}`, {width} x {height} pixels{frames}",
         shown(&paths),
         args.output.display()
     ));
@@ -121,9 +147,35 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
             "meshes": paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
             "width": width,
             "height": height,
+            "frames": drawn.frames[1],
         }))?;
     }
     Ok(ExitStatus::Done)
+}
+
+/// One frame, its first mesh colored.
+fn still(moving: &[Moving], args: &RenderArgs) -> anyhow::Result<Drawn> {
+    // The last of several meshes is the body.
+    let body = moving[1..].last().map(Moving::file);
+    let heat = Heatmap::new(&args.color_by, moving[0].file(), body)?;
+    let meshes = moving.iter().map(Moving::upright);
+    let meshes = meshes.collect::<anyhow::Result<Vec<_>>>()?;
+    let views = args.views_or(&SIDES);
+    let size = args.size.unwrap_or_else(|| {
+        let [width, height] = DEFAULT_SIZE;
+        [width.saturating_mul(views.len() as u32), height]
+    });
+    let image = render(&Picture {
+        layers: layers(&meshes, heat.as_ref(), args),
+        views: views.iter().map(|name| view(*name, args.zoom)).collect(),
+        ..Picture::new(size[0], size[1])
+    })
+    .with_context(|| format!("cannot draw `{}`", args.output.display()))?;
+    Ok(Drawn {
+        bytes: image.to_png_bytes()?,
+        size,
+        frames: [1, 1],
+    })
 }
 
 /// Strong colors for garments in their order, and that of skin for the body, which is the last of
@@ -159,21 +211,6 @@ fn view(name: ViewName, zoom: f32) -> View {
             ..name.camera()
         })
     }
-}
-
-/// The mesh with y up.
-fn upright(file: &ObjFile, up: UpAxis) -> anyhow::Result<TriMesh> {
-    let mesh = file
-        .mesh()
-        .with_context(|| format!("cannot read `{}`", file.path().display()))?;
-    let unit = Unit::Metre;
-    // Rigs have y up, whatever the OBJ files have.
-    let up = if is_rig(file.path()) { UpAxis::Y } else { up };
-    let (positions, faces) = mesh.into_parts();
-    Ok(TriMesh::new(
-        Frame { unit, up }.to_metres(positions),
-        faces,
-    )?)
 }
 
 /// How many metres one unit of a file is, if it is of the size of a person.

@@ -1,7 +1,5 @@
 //! `garnet view`: a page that shows meshes in a browser.
 
-mod moving;
-
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -13,6 +11,7 @@ use rayon::prelude::*;
 use crate::{
     console::{Console, print_document},
     failure::{ExitStatus, refused},
+    moving::{Moving, frames_of, frames_per_second},
     output,
     render::{
         UpName,
@@ -20,7 +19,6 @@ use crate::{
     },
     rig_args::RigArgs,
 };
-use moving::Moving;
 
 /// Arguments of `view`.
 #[derive(Debug, Args)]
@@ -48,7 +46,7 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "WHAT", value_parser = color_by)]
     color_by: Vec<ColorBy>,
     /// Frames a second of a motion [default: those of an npz, else 30].
-    #[arg(long, hide_short_help = true, value_name = "N", value_parser = frames_a_second, allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, value_name = "N", value_parser = frames_per_second, allow_negative_numbers = true)]
     fps: Option<f64>,
     /// What stands above the page [default: the names].
     #[arg(long, hide_short_help = true, value_name = "TEXT")]
@@ -60,12 +58,6 @@ pub(crate) struct ViewArgs {
 
 const LONG_HELP: &str = "\
 The page is one file that any browser opens, without a network. In it, `?` lists the keys.";
-
-fn frames_a_second(text: &str) -> Result<f64, String> {
-    let fps = text.parse().ok();
-    fps.filter(|fps| (1e-3..=1e3).contains(fps))
-        .ok_or_else(|| "expected frames a second from 0.001 to 1000".to_owned())
-}
 
 /// Browsers open larger pages slowly, in bytes.
 const LARGE: usize = 20_000_000;
@@ -166,28 +158,6 @@ fn parts(args: &ViewArgs) -> anyhow::Result<(&[PathBuf], &[PathBuf])> {
         ));
     }
     Ok((garments, bodies))
-}
-
-/// Names of the frames, which all that moves shares.
-fn frames_of(moving: &[Moving]) -> anyhow::Result<Vec<String>> {
-    let mut moves = moving.iter().filter(|mesh| mesh.num_frames() > 1);
-    let Some(first) = moves.next() else {
-        return Ok(Vec::new());
-    };
-    let count = first.num_frames();
-    if let Some(other) = moves.find(|mesh| mesh.num_frames() != count) {
-        return Err(refused(
-            "the meshes do not move together",
-            format!(
-                "`{}` has {count} frames, `{}` has {}",
-                first.path().display(),
-                other.path().display(),
-                other.num_frames()
-            ),
-            "give the same frames of each, or one",
-        ));
-    }
-    Ok(first.names().to_vec())
 }
 
 /// What is to be measured, each under a label of its own: on a body distance and problems, unless

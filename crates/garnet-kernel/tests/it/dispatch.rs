@@ -69,6 +69,17 @@ fn all_instruction_sets_agree() {
 }
 
 #[test]
+fn levels_are_switched_off_for_workspaces_that_are_made_afterwards() {
+    // Other tests of this process may use workspaces meanwhile: results agree, as above.
+    let before = Workspace::new();
+    InstructionSet::Portable.limit();
+    assert_eq!(Workspace::new().instructions(), InstructionSet::Portable);
+    assert_eq!(before.instructions(), InstructionSet::detected());
+    InstructionSet::Avx512.limit();
+    assert_eq!(Workspace::new().instructions(), InstructionSet::detected());
+}
+
+#[test]
 fn results_do_not_depend_on_the_number_of_threads_nor_on_what_was_computed_before() {
     let workspace = Workspace::new();
     let run = |num_threads: usize| {

@@ -16,7 +16,7 @@ use crate::failure::refused;
 
 /// A mesh, and where its vertices are in the frames after the first, as the files have them.
 #[derive(Debug)]
-pub(super) struct Moving {
+pub(crate) struct Moving {
     path: PathBuf,
     file: ObjFile,
     later: Vec<Vec<Point3>>,
@@ -27,7 +27,7 @@ pub(super) struct Moving {
 
 impl Moving {
     /// Reads a mesh, a folder of OBJ files, or an npz with the positions of all frames.
-    pub(super) fn read(path: &Path, options: &RigOptions, up: UpAxis) -> anyhow::Result<Self> {
+    pub(crate) fn read(path: &Path, options: &RigOptions, up: UpAxis) -> anyhow::Result<Self> {
         if path.is_dir() {
             return Self::in_folder(path, up);
         }
@@ -92,8 +92,10 @@ impl Moving {
             }
             moving.later.push(file.positions().to_vec());
         }
-        let stems = paths.iter().map(|path| super::stem_of(path));
-        moving.names = stems.collect();
+        let stems = paths.iter().filter_map(|path| path.file_stem());
+        moving.names = stems
+            .map(|stem| stem.to_string_lossy().into_owned())
+            .collect();
         Ok(moving)
     }
 
@@ -163,31 +165,31 @@ impl Moving {
         Ok(Some(moving))
     }
 
-    pub(super) fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// The mesh in the first frame.
-    pub(super) fn file(&self) -> &ObjFile {
+    pub(crate) fn file(&self) -> &ObjFile {
         &self.file
     }
 
-    pub(super) fn num_frames(&self) -> usize {
+    pub(crate) fn num_frames(&self) -> usize {
         1 + self.later.len()
     }
 
     /// Names of the frames; none of a mesh that keeps still.
-    pub(super) fn names(&self) -> &[String] {
+    pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
     /// Frames a second, if the file tells.
-    pub(super) fn fps(&self) -> Option<f64> {
+    pub(crate) fn fps(&self) -> Option<f64> {
         self.fps
     }
 
     /// Positions `[vertex]` in a frame, as the file has them; of what keeps still, in any.
-    pub(super) fn positions(&self, frame: usize) -> &[Point3] {
+    pub(crate) fn positions(&self, frame: usize) -> &[Point3] {
         match frame.min(self.later.len()) {
             0 => self.file.positions(),
             frame => &self.later[frame - 1],
@@ -195,20 +197,51 @@ impl Moving {
     }
 
     /// The mesh in the first frame, with y up.
-    pub(super) fn upright(&self) -> anyhow::Result<TriMesh> {
+    pub(crate) fn upright(&self) -> anyhow::Result<TriMesh> {
         let mesh = self.file.mesh();
         let mesh = mesh.with_context(|| format!("cannot read `{}`", self.path.display()))?;
         let (positions, faces) = mesh.into_parts();
         Ok(TriMesh::new(self.frame.to_metres(positions), faces)?)
     }
 
+    /// The mesh in a frame, with y up; of what keeps still, in any.
+    pub(crate) fn upright_in(&self, frame: usize) -> anyhow::Result<TriMesh> {
+        let first = self.upright()?;
+        let positions = self.frame.to_metres(self.positions(frame).to_vec());
+        first
+            .with_positions(positions)
+            .with_context(|| format!("cannot read `{}`", self.path.display()))
+    }
+
     /// Positions `[vertex]` in the frames after the first, with y up.
-    pub(super) fn later_upright(&self) -> Vec<Vec<Point3>> {
+    pub(crate) fn later_upright(&self) -> Vec<Vec<Point3>> {
         let frames = self.later.iter();
         frames
             .map(|positions| self.frame.to_metres(positions.clone()))
             .collect()
     }
+}
+
+/// Names of the frames, which all that moves shares.
+pub(crate) fn frames_of(moving: &[Moving]) -> anyhow::Result<Vec<String>> {
+    let mut moves = moving.iter().filter(|mesh| mesh.num_frames() > 1);
+    let Some(first) = moves.next() else {
+        return Ok(Vec::new());
+    };
+    let count = first.num_frames();
+    if let Some(other) = moves.find(|mesh| mesh.num_frames() != count) {
+        return Err(refused(
+            "the meshes do not move together",
+            format!(
+                "`{}` has {count} frames, `{}` has {}",
+                first.path().display(),
+                other.path().display(),
+                other.num_frames()
+            ),
+            "give the same frames of each, or one",
+        ));
+    }
+    Ok(first.names().to_vec())
 }
 
 /// Frames a second, if an archive tells.
@@ -228,4 +261,11 @@ fn fps_in(archive: &mut NpzFile) -> anyhow::Result<Option<f64>> {
         }
         .into()),
     }
+}
+
+/// Frames a second, as an argument.
+pub(crate) fn frames_per_second(text: &str) -> Result<f64, String> {
+    let fps = text.parse().ok();
+    fps.filter(|fps| (1e-3..=1e3).contains(fps))
+        .ok_or_else(|| "expected frames a second from 0.001 to 1000".to_owned())
 }
