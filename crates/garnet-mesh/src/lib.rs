@@ -52,7 +52,7 @@ pub use error::MeshError;
 pub use fingerprint::{Fingerprint, FingerprintError};
 pub use kinship::{Kinship, KnownMesh, MeshDifference, kinship};
 pub use normals::{face_areas, face_normals, vertex_normals};
-pub use orientation::is_inside_out;
+pub use orientation::{Outward, is_inside_out, outward_faces};
 pub use section::{LoopSegment, MeshLoop, plane_loops};
 pub use subdivide::subdivided;
 pub use topology::{Hinge, Topology};

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use garnet_knn::Surface;
-use garnet_mesh::{TriMesh, Vector3, is_inside_out, vertex_normals};
+use garnet_mesh::{TriMesh, Vector3, is_inside_out, outward_faces, vertex_normals};
 use nalgebra::Isometry3;
 
 use crate::caps::Caps;
@@ -67,6 +67,8 @@ pub struct Body {
     skeleton: Skeleton,
     weights: SkinWeights,
     was_inside_out: bool,
+    num_turned: usize,
+    num_doubles: usize,
     /// Whether a face names each vertex `[vertex]`; empty if all are named.
     is_named: Vec<bool>,
     /// Unit normals at rest, once they were asked for.
@@ -77,12 +79,17 @@ pub struct Body {
 
 /// The surface of a mesh, and how many holes it has. Of one that is open, seams are closed, as
 /// files of graphics split vertices along the seams of their textures, and then the holes are.
-fn skin_of(rest: &TriMesh, weights: &SkinWeights) -> (Surface, usize) {
+fn skin_of(rest: &TriMesh, doubles: &[u32], weights: &SkinWeights) -> (Surface, usize) {
     let skin = Surface::new(rest);
-    if skin.is_closed() {
+    if skin.is_closed() && doubles.is_empty() {
         return (skin, 0);
     }
     let mut faces = sewn_faces(rest, weights);
+    for &double in doubles {
+        // Without area it goes round nothing, and no other face changes its number.
+        let corner = faces[double as usize][0];
+        faces[double as usize] = [corner; 3];
+    }
     let caps = Caps::of(rest.positions(), &faces);
     faces.extend(caps.faces);
     let closed = TriMesh::new(rest.positions().to_vec(), faces);
@@ -146,7 +153,12 @@ impl Body {
         weights.check_joints(&skeleton)?;
         let was_inside_out = is_inside_out(rest.positions(), rest.faces());
         let rest = if was_inside_out { turned(rest) } else { rest };
-        let (skin, num_rims) = skin_of(&rest, &weights);
+        let outward = outward_faces(rest.positions(), rest.faces());
+        let rest = match outward.num_turned + outward.doubles.len() {
+            0 => rest,
+            _ => with_faces(rest, outward.faces),
+        };
+        let (skin, num_rims) = skin_of(&rest, &outward.doubles, &weights);
         Ok(Self {
             skin,
             num_rims,
@@ -157,6 +169,8 @@ impl Body {
             skeleton,
             weights,
             was_inside_out,
+            num_turned: outward.num_turned,
+            num_doubles: outward.doubles.len(),
         })
     }
 
@@ -204,6 +218,18 @@ impl Body {
     /// Whether the faces of the mesh looked inwards, and were turned.
     pub fn was_inside_out(&self) -> bool {
         self.was_inside_out
+    }
+
+    /// How many other faces looked inwards, and were turned: parts of a mesh, inner walls of thick
+    /// skin, hulls that are drawn as outlines.
+    pub fn num_turned_faces(&self) -> usize {
+        self.num_turned
+    }
+
+    /// How many faces have the corners of another one, and are no part of the
+    /// [skin](Body::skin): those of two-sided exports.
+    pub fn num_double_faces(&self) -> usize {
+        self.num_doubles
     }
 
     /// The mesh at rest.
@@ -276,8 +302,13 @@ impl Body {
 
 /// A mesh whose faces look to the other side.
 fn turned(mesh: TriMesh) -> TriMesh {
-    let (positions, faces) = mesh.into_parts();
-    let faces = faces.into_iter().map(|[a, b, c]| [a, c, b]).collect();
+    let faces = mesh.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
+    with_faces(mesh, faces)
+}
+
+/// The mesh with some faces turned.
+fn with_faces(mesh: TriMesh, faces: Vec<[u32; 3]>) -> TriMesh {
+    let (positions, _) = mesh.into_parts();
     TriMesh::new(positions, faces).expect("a mesh stays one when its faces are turned")
 }
 
@@ -287,6 +318,56 @@ mod tests {
     use super::*;
     use crate::Joint;
     use garnet_mesh::primitives::icosphere;
+
+    /// Of one joint.
+    fn body_of(positions: Vec<Point3>, faces: Vec<[u32; 3]>) -> Body {
+        let root = Joint {
+            name: "root".to_owned(),
+            parent: None,
+            rest_position: Point3::origin(),
+        };
+        let rows = positions.iter().map(|_| [(0, 1.0)]);
+        let weights = SkinWeights::from_influences(1, rows).unwrap();
+        let rest = TriMesh::new(positions, faces).unwrap();
+        Body::new(rest, Skeleton::new(vec![root]).unwrap(), weights).unwrap()
+    }
+
+    #[test]
+    fn what_is_inside_does_not_hang_on_single_faces() {
+        let ball = icosphere(3, 0.5);
+        let turned = |faces: &[[u32; 3]]| faces.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let half = |face: &[u32; 3]| {
+            let [a, b, c] = *face;
+            let is_left = ball.positions()[a as usize].x > 0.0;
+            if is_left { [a, c, b] } else { [a, b, c] }
+        };
+        let halves: Vec<[u32; 3]> = ball.faces().iter().map(half).collect();
+        let other: Vec<[u32; 3]> = turned(ball.faces());
+        let both: Vec<[u32; 3]> = ball.faces().iter().chain(&other).copied().collect();
+        // The inner wall of a thick skin.
+        let count = ball.num_vertices() as u32;
+        let wall = other.iter().map(|face| face.map(|corner| corner + count));
+        let thick: Vec<[u32; 3]> = ball.faces().iter().copied().chain(wall).collect();
+        let inner = ball.positions().iter().map(|place| place * 0.95);
+        let thick_places = ball.positions().iter().copied().chain(inner).collect();
+        let bodies = [
+            (body_of(ball.positions().to_vec(), halves), 0),
+            (body_of(ball.positions().to_vec(), both), ball.num_faces()),
+            (body_of(thick_places, thick), 0),
+        ];
+        for (body, doubles) in bodies {
+            for (distance, is_inside) in [(0.0, true), (0.4, true), (0.49, true), (0.51, false)] {
+                let place = Point3::new(0.6 * distance, 0.8 * distance, 0.0);
+                assert_eq!(
+                    body.skin().contains_all(&[place]),
+                    [is_inside],
+                    "{distance}"
+                );
+            }
+            assert_eq!(body.num_double_faces(), doubles);
+            assert!(doubles > 0 || body.num_turned_faces() > 0);
+        }
+    }
 
     fn rig(num_vertices: usize, num_weight_joints: usize) -> Rig {
         let joint = Joint {

@@ -260,18 +260,25 @@ impl<'a> Scenes<'a> {
             }
             self.poser.pose(&angles)
         };
-        let is_deep = |degrees: f64| -> Result<bool, StressError> {
+        let is_in_lap = kind == Kind::BellyIntoLap;
+        let depth = |degrees: f64| -> Result<f64, StressError> {
             let report = self.contact.report(&pose(degrees))?;
-            Ok(f64::from(report.depth()) >= 1e-3 * millimetres)
+            let depth = if is_in_lap {
+                report.crease_depth()
+            } else {
+                report.depth()
+            };
+            Ok(f64::from(depth))
+        };
+        // In the crease of a bent hip, belly and thigh are in each other before.
+        let before = if is_in_lap { depth(0.0)? } else { 0.0 };
+        let is_deep = |degrees: f64| -> Result<bool, StressError> {
+            Ok(depth(degrees)? - before >= 1e-3 * millimetres)
         };
         if millimetres <= 0.0 {
             return Ok(Some(pose(0.0)));
         }
-        let most = if kind == Kind::BellyIntoLap {
-            MOST_BEND
-        } else {
-            MOST_ADDUCTION
-        };
+        let most = if is_in_lap { MOST_BEND } else { MOST_ADDUCTION };
         if !is_deep(most)? {
             return Ok(None);
         }

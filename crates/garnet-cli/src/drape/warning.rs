@@ -43,6 +43,8 @@ pub(crate) enum Problem {
     SelfIntersectingBody(usize),
     /// The faces of the body looked inwards.
     InsideOutBody,
+    /// So many faces of the body looked inwards.
+    TurnedFaces(usize),
     /// A limb is out of the cloth that is round it at rest: its joint, and what share of it.
     LimbOutside(String, f32),
     /// Edges are longer than cloth can be, over their length at rest.
@@ -98,6 +100,7 @@ impl Problem {
             Self::OverHoles(..) => "over_holes",
             Self::SelfIntersectingBody(_) => "self_intersecting_body",
             Self::InsideOutBody => "inside_out_body",
+            Self::TurnedFaces(_) => "turned_faces",
             Self::LimbOutside(..) => "limb_outside",
             Self::Torn(_) => "torn",
             Self::Tight(_) => "tight",
@@ -134,6 +137,7 @@ impl Problem {
             | Self::OpenBody(count)
             | Self::OverHoles(count, _)
             | Self::SelfIntersectingBody(count)
+            | Self::TurnedFaces(count)
             | Self::StartsInside(count, _)
             | Self::Unthreaded(count, _)
             | Self::CrossingAtRest(count)
@@ -216,6 +220,9 @@ impl fmt::Display for Warning {
                 format!("the body `{path}` runs through itself (pairs of faces: {count})")
             }
             Problem::InsideOutBody => format!("the body `{path}` {INSIDE_OUT}"),
+            Problem::TurnedFaces(count) => format!(
+                "{count} faces of the body `{path}` look inwards, and are taken the other way round"
+            ),
             Problem::LimbOutside(ref joint, share) => format!(
                 "`{joint}` has come out of the cloth that is round it at rest, in `{path}`: {:.0} % of \
                  its skin",
@@ -438,6 +445,9 @@ pub(crate) fn of_body(body: &Body) -> Vec<Problem> {
     }
     if body.was_inside_out() {
         problems.push(Problem::InsideOutBody);
+    }
+    if body.num_turned_faces() > 0 {
+        problems.push(Problem::TurnedFaces(body.num_turned_faces()));
     }
     problems
 }
