@@ -28,14 +28,26 @@ pub(crate) fn stop_flag() -> anyhow::Result<Arc<AtomicBool>> {
     #[cfg(unix)]
     {
         use signal_hook::{
-            consts::{SIGINT, SIGTERM},
+            consts::{SIGHUP, SIGINT, SIGTERM},
             flag,
         };
-        for signal in [SIGINT, SIGTERM] {
+        let hangs_up = (!ignores_hangups()).then_some(SIGHUP);
+        for signal in [SIGINT, SIGTERM].into_iter().chain(hangs_up) {
             flag::register_conditional_default(signal, Arc::clone(&stop))
                 .and_then(|_| flag::register(signal, Arc::clone(&stop)))
                 .context("cannot wait for signals")?;
         }
     }
     Ok(stop)
+}
+
+/// Whether the command goes on when its terminal is closed, as under `nohup`; where the system does
+/// not tell, a closed terminal ends it at once.
+#[cfg(unix)]
+fn ignores_hangups() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    // The first bit is the first signal, which is this one.
+    ignored.is_none_or(|mask| mask & 1 == 1)
 }

@@ -5,12 +5,15 @@
 //! data.
 
 use std::{
+    collections::BTreeSet,
     convert::Infallible,
-    env,
+    env, fs,
     path::{Component, Path, PathBuf},
 };
 
 use garnet::package::GarmentPackage;
+
+use crate::{failure::refused, hints};
 
 /// Names more folders to look in, as `PATH` does.
 const VARIABLE: &str = "GARNET_MODELS";
@@ -31,6 +34,41 @@ pub(crate) fn package_or_file(argument: &str) -> Result<PathBuf, Infallible> {
         .into_iter()
         .find(|folder| GarmentPackage::is_at(folder));
     Ok(found.unwrap_or(path))
+}
+
+/// What is told of a word that is neither a file nor the name of a package, as those of files are
+/// with an extension; none of paths.
+pub(crate) fn unknown(path: &Path) -> Option<anyhow::Error> {
+    let is_word = path.components().count() == 1 && path.extension().is_none();
+    if path.exists() || !is_word {
+        return None;
+    }
+    let folders = folders();
+    let entries = folders
+        .iter()
+        .filter_map(|folder| fs::read_dir(folder).ok());
+    let packages = entries
+        .flatten()
+        .filter_map(|entry| Some(entry.ok()?.path()));
+    let packages = packages.filter(|folder| GarmentPackage::is_at(folder));
+    let names = packages.filter_map(|folder| Some(folder.file_name()?.to_str()?.to_owned()));
+    let names: BTreeSet<String> = names.collect();
+    let near = hints::nearest(path.to_str()?, names.iter().map(String::as_str));
+    let hint = match (near, names.is_empty()) {
+        (Some(near), _) => format!("did you mean `{near}`?"),
+        (None, false) => {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            format!("the packages that are found are: {}", names.join(", "))
+        }
+        (None, true) => {
+            format!("name the folder of a package, or set `{VARIABLE}` to the folder that has it")
+        }
+    };
+    Some(refused(
+        format!("there is no garment `{}`", path.display()),
+        "it is no file, and no folder of packages has one of this name",
+        hint,
+    ))
 }
 
 /// The folders that packages are looked for in.

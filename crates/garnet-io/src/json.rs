@@ -68,10 +68,12 @@ impl Frame {
             "dm" => Ok(0.1),
             "cm" => Ok(0.01),
             "mm" => Ok(0.001),
+            "in" => Ok(0.0254),
+            "ft" => Ok(0.3048),
             other => Err(FileProblem::Field {
                 field: "units".to_owned(),
                 found: other.to_owned(),
-                expected: "`m`, `dm`, `cm` or `mm`",
+                expected: "`m`, `dm`, `cm`, `mm`, `in` or `ft`",
             }),
         }
     }

@@ -114,7 +114,7 @@ pub fn check_sizes(garment: &Bounds, body: &Bounds, frame: Frame) -> Result<(), 
         let factor = unit.in_metres() / frame.unit.in_metres();
         !is_usual && *unit != frame.unit && sits(&moved(garment, |point| point * factor))
     };
-    if let Some(unit) = Unit::ALL.into_iter().find(other_unit) {
+    if let Some(unit) = Unit::METRIC.into_iter().find(other_unit) {
         return Err(Misplaced::Unit {
             garment: unit,
             taken: frame.unit,

@@ -37,7 +37,7 @@ pub fn guess_up_axis(extent: Vector3) -> Option<UpAxis> {
 
 fn units_within(length: f32, [shortest, longest]: [f32; 2]) -> Vec<Unit> {
     let fits = |unit: &Unit| (shortest..=longest).contains(&(length * unit.in_metres()));
-    Unit::ALL.into_iter().filter(fits).collect()
+    Unit::METRIC.into_iter().filter(fits).collect()
 }
 
 #[cfg(test)]
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn a_body_of_usual_height_has_one_unit() {
-        for (height, unit) in [1.7, 17.0, 170.0, 1700.0].into_iter().zip(Unit::ALL) {
+        for (height, unit) in [1.7, 17.0, 170.0, 1700.0].into_iter().zip(Unit::METRIC) {
             assert_eq!(guess_body_unit(height), Some(unit));
         }
         for height in [0.0, 0.2, 3e4, f32::NAN, f32::INFINITY] {

@@ -119,8 +119,8 @@ fn what_is_wrong_with_a_scene_or_rig_is_named() {
             "the weights file",
         ),
         (
-            |scene| scene["units"] = json!("ft"),
-            "`units` is `ft`, expected `m`, `dm`, `cm` or `mm`",
+            |scene| scene["units"] = json!("yd"),
+            "`units` is `yd`, expected `m`, `dm`, `cm`, `mm`, `in` or `ft`",
         ),
         (|scene| scene["up"] = json!("+Z"), "`up` is `+Z`"),
         (

@@ -13,19 +13,33 @@ pub enum Unit {
     Centimetre,
     /// 0.001 m.
     Millimetre,
+    /// 0.0254 m; never guessed.
+    Inch,
+    /// 0.3048 m; never guessed.
+    Foot,
 }
 
 /// A word that names no unit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}` is not a unit; expected `m`, `dm`, `cm` or `mm`")]
+#[error("`{text}` is not a unit; expected `m`, `dm`, `cm`, `mm`, `in` or `ft`")]
 pub struct UnitError {
     /// The word.
     pub text: String,
 }
 
 impl Unit {
-    /// All units, the longest first.
-    pub const ALL: [Self; 4] = [
+    /// All units.
+    pub const ALL: [Self; 6] = [
+        Self::Metre,
+        Self::Decimetre,
+        Self::Centimetre,
+        Self::Millimetre,
+        Self::Inch,
+        Self::Foot,
+    ];
+
+    /// Those that are guessed from the size of a body, the longest first.
+    pub const METRIC: [Self; 4] = [
         Self::Metre,
         Self::Decimetre,
         Self::Centimetre,
@@ -39,6 +53,8 @@ impl Unit {
             Self::Decimetre => 0.1,
             Self::Centimetre => 0.01,
             Self::Millimetre => 0.001,
+            Self::Inch => 0.0254,
+            Self::Foot => 0.3048,
         }
     }
 
@@ -49,6 +65,8 @@ impl Unit {
             Self::Decimetre => "decimetres",
             Self::Centimetre => "centimetres",
             Self::Millimetre => "millimetres",
+            Self::Inch => "inches",
+            Self::Foot => "feet",
         }
     }
 }
@@ -60,6 +78,8 @@ impl fmt::Display for Unit {
             Self::Decimetre => "dm",
             Self::Centimetre => "cm",
             Self::Millimetre => "mm",
+            Self::Inch => "in",
+            Self::Foot => "ft",
         })
     }
 }
@@ -73,6 +93,8 @@ impl FromStr for Unit {
             "dm" => Ok(Self::Decimetre),
             "cm" => Ok(Self::Centimetre),
             "mm" => Ok(Self::Millimetre),
+            "in" => Ok(Self::Inch),
+            "ft" => Ok(Self::Foot),
             _ => Err(UnitError {
                 text: text.to_owned(),
             }),
@@ -107,6 +129,10 @@ mod tests {
         for unit in Unit::ALL {
             assert_eq!(unit.to_string().parse(), Ok(unit));
         }
+        assert_eq!(
+            (12.0 * Unit::Inch.in_metres()).to_bits(),
+            Unit::Foot.in_metres().to_bits()
+        );
         assert!("inch".parse::<Unit>().is_err());
     }
 }

@@ -112,12 +112,16 @@ fn subject(args: &BodyArgs) -> anyhow::Result<Subject> {
     };
     let options = args.rig_args.clone().options();
     let own = OwnBody::read_with(path, args.rig.as_deref(), &options)?;
+    let mut notes: Vec<String> = own.notes.iter().map(ToString::to_string).collect();
+    if own.file.is_none() {
+        notes.push("bodies of a rig are written in metres".to_owned());
+    }
     Ok(Subject {
         body: own.body,
         tape: None,
         file: own.file,
         shown: own.shown,
-        notes: own.notes.iter().map(ToString::to_string).collect(),
+        notes,
     })
 }
 

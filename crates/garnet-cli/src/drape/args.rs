@@ -202,7 +202,7 @@ pub(crate) struct InputArgs {
     /// sleeves are found by its openings and the skin.
     #[arg(long, conflicts_with = "scene")]
     place: bool,
-    /// Unit of the files: m, dm, cm, mm or auto; or two, of garment and bodies: `cm,m`.
+    /// Unit of the files: m, dm, cm, mm, in, ft or auto; or two, of garment and bodies: `cm,m`.
     #[arg(long, hide_short_help = true, value_name = "UNIT", default_value = "auto", value_parser = units)]
     units: SceneUnits,
     /// Axis of the files that points up.
@@ -712,6 +712,9 @@ impl InputArgs {
                 "the folder is no garment package: it has no `garment.toml`",
                 "name the OBJ of a garment, or the folder of a garment package",
             ));
+        }
+        if let Some(error) = models::unknown(&garment) {
+            return Err(error);
         }
         if !garment.exists() {
             // Told before what else is missing.

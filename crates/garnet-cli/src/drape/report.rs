@@ -91,7 +91,7 @@ pub(crate) struct GarmentReport {
     pub(crate) layered: usize,
     /// Vertices over holes of the body: open necks, skin that was deleted under clothes.
     pub(crate) over_holes: usize,
-    /// The unit it was read in: `m`, `dm`, `cm` or `mm`.
+    /// The unit it was read in: `m`, `dm`, `cm`, `mm`, `in` or `ft`.
     pub(crate) units: String,
     /// The axis that was taken as up: `y` or `z`.
     pub(crate) up: String,

@@ -10,7 +10,7 @@ use garnet::{
     data::{Limits, SceneReport},
     io::threaded_openings,
     knn::{Surface, TORN_STRETCH, VertexTree},
-    mesh::{MeshDiagnosis, StretchSummary, diagnose},
+    mesh::{Bounds, MeshDiagnosis, StretchSummary, diagnose},
     untangle::{UntangleReport, free_crossing_faces},
 };
 
@@ -43,6 +43,8 @@ pub(crate) enum Problem {
     SelfIntersectingBody(usize),
     /// The faces of the body looked inwards.
     InsideOutBody,
+    /// The body is so small, in metres, that its file may be in inches or feet.
+    SmallBody(f32),
     /// So many faces of the body looked inwards.
     TurnedFaces(usize),
     /// A limb is out of the cloth that is round it at rest: its joint, and what share of it.
@@ -100,6 +102,7 @@ impl Problem {
             Self::OverHoles(..) => "over_holes",
             Self::SelfIntersectingBody(_) => "self_intersecting_body",
             Self::InsideOutBody => "inside_out_body",
+            Self::SmallBody(_) => "small_body",
             Self::TurnedFaces(_) => "turned_faces",
             Self::LimbOutside(..) => "limb_outside",
             Self::Torn(_) => "torn",
@@ -148,6 +151,7 @@ impl Problem {
             | Self::CrossingUntouched(count)
             | Self::Inside(count, _) => Some(count),
             Self::InsideOutBody
+            | Self::SmallBody(_)
             | Self::LimbOutside(..)
             | Self::Torn(_)
             | Self::Tight(_)
@@ -220,6 +224,11 @@ impl fmt::Display for Warning {
                 format!("the body `{path}` runs through itself (pairs of faces: {count})")
             }
             Problem::InsideOutBody => format!("the body `{path}` {INSIDE_OUT}"),
+            Problem::SmallBody(height) => format!(
+                "the body `{path}` is taken to be {:.0} cm tall; if its file is in inches or feet, \
+                 say so by `--units in` or `--units ft`",
+                100.0 * height
+            ),
             Problem::TurnedFaces(count) => format!(
                 "{count} faces of the body `{path}` look inwards, and are taken the other way round"
             ),
@@ -393,6 +402,10 @@ pub(crate) fn warnings_of(path: &Path, garment: &BoundGarment) -> Vec<WarningRep
         .collect()
 }
 
+/// Heights of bodies in metres, from the smallest that is taken for one, that are rather those of
+/// people in inches, read as centimetres, or in feet, read as decimetres.
+const SMALLEST_PERSON: [f32; 2] = [0.5, 0.85];
+
 /// A vertex of the garment within this distance of one of the body is the same, in metres.
 const SAME_VERTEX: f32 = 1e-4;
 
@@ -445,6 +458,11 @@ pub(crate) fn of_body(body: &Body) -> Vec<Problem> {
     }
     if body.was_inside_out() {
         problems.push(Problem::InsideOutBody);
+    }
+    let bounds = Bounds::of_faces(body.rest().positions(), body.rest().faces());
+    let height = bounds.unwrap_or_default().extent().y;
+    if (SMALLEST_PERSON[0]..SMALLEST_PERSON[1]).contains(&height) {
+        problems.push(Problem::SmallBody(height));
     }
     if body.num_turned_faces() > 0 {
         problems.push(Problem::TurnedFaces(body.num_turned_faces()));

@@ -52,6 +52,10 @@ fn for_scene(error: &SceneError) -> Option<String> {
             "`--pose` poses the rest body: give the rest body itself, or a posed body without \
              `--pose`"
         }
+        SceneError::Unplaced { .. } => {
+            "turn it upright as it is worn, its front to that of the body, in a modelling program: \
+             `--place` finds unit, place and size, and turns by quarters alone"
+        }
         SceneError::Misplaced {
             body_unit, problem, ..
         } => {

@@ -117,7 +117,12 @@ pub enum SceneError {
         problem: Misplaced,
     },
     /// The garment cannot be brought to the rest body.
-    #[error("cannot bring `{}` to the rest body `{}`", garment.display(), body.display())]
+    #[error(
+        "cannot bring `{}` to the rest body `{}`: at no place do its openings go round limbs and \
+         its cloth lie outside",
+        garment.display(),
+        body.display()
+    )]
     Unplaced {
         /// The garment.
         garment: PathBuf,

@@ -78,9 +78,9 @@ fn extent(mesh: &TriMesh) -> Vector3 {
 
 /// The unit `decades` powers of ten shorter, if there is one.
 pub(super) fn shorter(unit: Unit, decades: i32) -> Option<Unit> {
-    let place = Unit::ALL.iter().position(|&other| other == unit)?;
+    let place = Unit::METRIC.iter().position(|&other| other == unit)?;
     let place = i32::try_from(place).ok()?.checked_add(decades)?;
-    Unit::ALL.get(usize::try_from(place).ok()?).copied()
+    Unit::METRIC.get(usize::try_from(place).ok()?).copied()
 }
 
 #[cfg(test)]
@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn the_way_back_is_the_way_there_reversed() {
         let positions = icosphere(1, 0.7).into_parts().0;
-        for unit in Unit::ALL {
+        for unit in Unit::METRIC {
             for up in [UpAxis::Y, UpAxis::Z] {
                 let frame = Frame { unit, up };
                 let back = frame.to_metres(frame.to_file(positions.clone()));

@@ -23,10 +23,10 @@ pub(super) fn same_places(known: &[Point3], points: &[Point3]) -> Option<Vec<u32
         [UpAxis::Y, UpAxis::Z],
     ];
     let frames = ups.into_iter();
-    let frames = frames.flat_map(|ups| Unit::ALL.into_iter().map(move |unit| (ups, unit)));
+    let frames = frames.flat_map(|ups| Unit::METRIC.into_iter().map(move |unit| (ups, unit)));
     let mut seen = Vec::new();
     for ([up, known_up], unit) in frames {
-        for known_unit in Unit::ALL {
+        for known_unit in Unit::METRIC {
             let ratio = (unit.in_metres() / known_unit.in_metres()).log10().round() as i32;
             if seen.contains(&(up, known_up, ratio)) {
                 continue;
