@@ -209,7 +209,11 @@ fn a_rig_elsewhere_than_the_body() {
 fn garments_that_are_not_there() {
     let fixture = Fixture::new();
     std::fs::create_dir(fixture.path("empty")).unwrap();
-    for (name, cause) in [("nowhere", "No such file"), ("empty", "no `garment.toml`")] {
+    for (name, cause) in [
+        ("nowhere", "no folder of packages has one"),
+        ("nowhere.obj", "No such file"),
+        ("empty", "no `garment.toml`"),
+    ] {
         let arguments = format!("drape {name} --pose bend.json --rig body.rig.npz -o out.obj");
         refused(&fixture, &arguments, &[&format!("`{name}`"), cause]);
     }

@@ -113,8 +113,13 @@ fn subject(args: &BodyArgs) -> anyhow::Result<Subject> {
     let options = args.rig_args.clone().options();
     let own = OwnBody::read_with(path, args.rig.as_deref(), &options)?;
     let mut notes: Vec<String> = own.notes.iter().map(ToString::to_string).collect();
-    if own.file.is_none() {
-        notes.push("bodies of a rig are written in metres".to_owned());
+    if own.file.is_none() && own.frame != Frame::OURS {
+        notes.push(format!(
+            "`{}` is in {}, {} up; bodies of a rig are written in metres, y up",
+            path.display(),
+            own.frame.unit,
+            own.frame.up
+        ));
     }
     Ok(Subject {
         body: own.body,

@@ -23,6 +23,8 @@ pub struct OwnBody {
     pub body: Body,
     /// The text of its OBJ with unit and up axis, if it came as one.
     pub file: Option<(ObjFile, Frame)>,
+    /// Unit and up axis that were taken for its mesh.
+    pub frame: Frame,
     /// The positions that its file shows, where they are not those of the body, and the pose.
     pub shown: Option<(Vec<Point3>, Pose)>,
     /// What was taken for granted.
@@ -130,6 +132,7 @@ fn in_metres(rig: Rig, taken: &RestMesh, rig_path: &Path) -> Result<(OwnBody, Fr
     let own = OwnBody {
         body,
         file: None,
+        frame,
         shown,
         notes: note.into_iter().collect(),
     };
