@@ -33,8 +33,8 @@ use words::ViewName;
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
-    /// Meshes, as OBJ, GLB, glTF or npz: garments, and the body last. Motions are folders of OBJ, or
-    /// npz with the vertices of all frames.
+    /// Meshes, as OBJ, GLB, glTF or npz: garments, and the body last. Motions are folders of OBJ,
+    /// or npz with the vertices of all frames.
     #[arg(value_name = "MESH", required = true)]
     meshes: Vec<PathBuf>,
     /// Where the picture goes, as PNG; of a motion some frames side by side, or all as an animated
