@@ -159,6 +159,7 @@ impl Body {
             _ => with_faces(rest, outward.faces),
         };
         let (skin, num_rims) = skin_of(&rest, &outward.doubles, &weights);
+        let weights = weights.on(&skeleton);
         Ok(Self {
             skin,
             num_rims,

@@ -74,13 +74,21 @@ impl DualQuaternion {
 
     /// [`Self::blend`] with a pivot that is known.
     pub(crate) fn blend_about(pivot: Self, parts: impl Iterator<Item = (Self, f32)>) -> Self {
+        let signed = parts.map(|(part, weight)| {
+            let is_opposite = pivot.real.dot(&part.real) < 0.0;
+            (part, if is_opposite { -weight } else { weight })
+        });
+        Self::blend_signed(pivot, signed)
+    }
+
+    /// The blend of parts whose weights have the signs of the parts; the pivot where the sum
+    /// vanishes.
+    pub(crate) fn blend_signed(pivot: Self, parts: impl Iterator<Item = (Self, f32)>) -> Self {
         let mut real = Quaternion::from_vector(nalgebra::Vector4::zeros());
         let mut dual = real;
         for (part, weight) in parts {
-            let is_opposite = pivot.real.dot(&part.real) < 0.0;
-            let signed = if is_opposite { -weight } else { weight };
-            real += part.real * signed;
-            dual += part.dual * signed;
+            real += part.real * weight;
+            dual += part.dual * weight;
         }
         Self { real, dual }.normalized().unwrap_or(pivot)
     }

@@ -22,9 +22,11 @@ const CHUNK: usize = 1024;
 /// Moves `positions` `[vertex]` by the blended rigid transforms of their joints (Kavan et al. 2008,
 /// Algorithm 1).
 ///
-/// `posed_from_rest` has one rigid transform a joint. The sign of every quaternion is fixed against
-/// the heaviest joint of the vertex; see [`DualQuaternion::blend`]. Where two joints of a vertex
-/// are turned 180 degrees against each other, the short way changes sides, and the vertex with it.
+/// `posed_from_rest` has one rigid transform a joint. Weights of a [`Body`](crate::Body), and of
+/// what is bound to one, blend each joint the short way from its parent: two thighs may be turned by
+/// more than 180 degrees against each other, as long as neither is against the pelvis. Of other
+/// weights the sign of every quaternion is fixed against the heaviest joint of the vertex; see
+/// [`DualQuaternion::blend`]. Where the short way changes sides, the vertex does, too.
 ///
 /// # Panics
 ///
@@ -36,9 +38,11 @@ pub fn skin_dual_quaternion(
     posed_from_rest: &[Isometry3<f32>],
 ) -> Vec<Point3> {
     check_counts(positions.len(), weights, posed_from_rest);
-    let joints = dual_quaternions(posed_from_rest);
+    let joints = Joints::new(weights, posed_from_rest);
     map_vertices(positions.len(), Point3::origin(), |vertex| {
-        blended(weights, &joints, vertex).transform_point(&positions[vertex])
+        joints
+            .blended(weights, vertex)
+            .transform_point(&positions[vertex])
     })
 }
 
@@ -85,28 +89,60 @@ pub fn blended_transforms(
     posed_from_rest: &[Isometry3<f32>],
 ) -> Vec<Isometry3<f32>> {
     check_counts(weights.num_vertices(), weights, posed_from_rest);
-    let joints = dual_quaternions(posed_from_rest);
+    let joints = Joints::new(weights, posed_from_rest);
     map_vertices(weights.num_vertices(), Isometry3::identity(), |vertex| {
-        blended(weights, &joints, vertex).to_isometry()
+        joints.blended(weights, vertex).to_isometry()
     })
 }
 
-fn dual_quaternions(transforms: &[Isometry3<f32>]) -> Vec<DualQuaternion> {
-    let duals = transforms.iter().map(DualQuaternion::from_isometry);
-    duals.collect()
+/// The transforms of the joints.
+struct Joints {
+    duals: Vec<DualQuaternion>,
+    /// 1, or -1 where the quaternion of a joint is on the other side of that of its parent; empty
+    /// if it is not known how joints hang together.
+    signs: Vec<f32>,
 }
 
-fn blended(weights: &SkinWeights, joints: &[DualQuaternion], vertex: usize) -> DualQuaternion {
-    let (numbers, shares) = weights.row(vertex);
-    let pivot = joints[usize::from(numbers[0])];
-    if numbers.len() == 1 {
-        return pivot;
+impl Joints {
+    fn new(weights: &SkinWeights, transforms: &[Isometry3<f32>]) -> Self {
+        let duals = transforms.iter().map(DualQuaternion::from_isometry);
+        let duals: Vec<DualQuaternion> = duals.collect();
+        let bones = weights.bones();
+        let mut signs = Vec::new();
+        if !bones.is_empty() {
+            signs.resize(duals.len(), 1.0);
+        }
+        for pair in bones {
+            let [joint, parent] = pair.map(usize::from);
+            let is_opposite = duals[parent].real.dot(&duals[joint].real) < 0.0;
+            signs[joint] = if is_opposite {
+                -signs[parent]
+            } else {
+                signs[parent]
+            };
+        }
+        Self { duals, signs }
     }
-    let parts = numbers.iter().zip(shares);
-    DualQuaternion::blend_about(
-        pivot,
-        parts.map(|(&joint, &share)| (joints[usize::from(joint)], share)),
-    )
+
+    /// The transform of a vertex, with the sign of its heaviest joint.
+    fn blended(&self, weights: &SkinWeights, vertex: usize) -> DualQuaternion {
+        let (numbers, shares) = weights.row(vertex);
+        let heaviest = usize::from(numbers[0]);
+        let pivot = self.duals[heaviest];
+        if numbers.len() == 1 {
+            return pivot;
+        }
+        let parts = numbers.iter().zip(shares);
+        let parts = parts.map(|(&joint, &share)| (usize::from(joint), share));
+        if self.signs.is_empty() {
+            let parts = parts.map(|(joint, share)| (self.duals[joint], share));
+            return DualQuaternion::blend_about(pivot, parts);
+        }
+        let side = self.signs[heaviest];
+        let signed =
+            parts.map(|(joint, share)| (self.duals[joint], side * self.signs[joint] * share));
+        DualQuaternion::blend_signed(pivot, signed)
+    }
 }
 
 /// Evaluates a function of the vertex number for all vertices.
@@ -257,6 +293,64 @@ mod tests {
                 previous = next;
             }
             assert!(jumps <= 1, "{jumps} jumps at share {share}");
+        }
+    }
+
+    /// A pelvis, and thighs turned by an angle, in radians, to one side and to the other.
+    fn straddle(angle: f32) -> [Isometry3<f32>; 3] {
+        [0.0, angle, -angle].map(|turn| transform([0.0; 3], [turn, 0.0, 0.0]))
+    }
+
+    fn on_straddle(weights: SkinWeights) -> SkinWeights {
+        let joint = |parent| crate::Joint {
+            name: format!("on {parent:?}"),
+            parent,
+            rest_position: Point3::origin(),
+        };
+        let joints = [None, Some(0), Some(0)].map(joint);
+        weights.on(&crate::Skeleton::new(joints.to_vec()).unwrap())
+    }
+
+    #[test]
+    fn limbs_that_turn_by_more_than_180_degrees_against_each_other_go_through_their_parent() {
+        let rows = [
+            vec![(1, 0.36), (2, 0.35), (0, 0.29)],
+            vec![(1, 0.5), (2, 0.5)],
+            vec![(0, 0.4), (2, 0.6)],
+        ];
+        let weights = on_straddle(SkinWeights::from_influences(3, rows).unwrap());
+        let mut last = skin_dual_quaternion(&points(), &weights, &straddle(1.0));
+        for step in 1..=600 {
+            // Each thigh to 126 degrees, which is 252 between them.
+            let angle = 1.0 + 0.002 * step as f32;
+            let next = skin_dual_quaternion(&points(), &weights, &straddle(angle));
+            for ((before, after), place) in last.iter().zip(&next).zip(points()) {
+                let most = 0.01 * place.coords.norm();
+                assert!((after - before).norm() < most, "{angle}: {before} {after}");
+            }
+            last = next;
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_skeleton_does_not_matter_where_all_joints_are_near_each_other(
+            angles in prop::array::uniform3(prop::array::uniform3(-0.8_f32..0.8)),
+            signs in prop::array::uniform3(prop::bool::ANY),
+            weights in any_weights(3),
+        ) {
+            let mut joints = angles.map(|angle| transform([0.3, -0.2, 0.9], angle));
+            for (joint, is_turned) in joints.iter_mut().zip(signs) {
+                if is_turned {
+                    *joint.rotation.as_mut_unchecked() = -joint.rotation.into_inner();
+                }
+            }
+            let on = on_straddle(weights.clone());
+            prop_assert_eq!(
+                skin_dual_quaternion(&points(), &on, &joints),
+                skin_dual_quaternion(&points(), &weights, &joints)
+            );
+            prop_assert_eq!(blended_transforms(&on, &joints), blended_transforms(&weights, &joints));
         }
     }
 

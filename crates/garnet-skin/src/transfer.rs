@@ -125,5 +125,6 @@ pub(crate) fn transferred_weights(
         row.truncate(MAX_INFLUENCES);
         row
     });
-    SkinWeights::from_influences(num_joints, influences)
+    let weights = SkinWeights::from_influences(num_joints, influences)?;
+    Ok(weights.on_that_of(body_weights))
 }

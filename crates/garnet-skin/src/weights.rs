@@ -1,5 +1,7 @@
 //! Skinning weights: which joints a vertex follows, and how much.
 
+use std::sync::Arc;
+
 use crate::{Skeleton, SkinError};
 
 /// The largest number of joints that one vertex follows.
@@ -18,6 +20,9 @@ pub struct SkinWeights {
     starts: Vec<usize>,
     joints: Vec<u16>,
     weights: Vec<f32>,
+    /// Pairs of a joint and what it hangs on, parents before their children; roots after the first
+    /// hang on that. Empty before a skeleton was told.
+    bones: Arc<[[u16; 2]]>,
 }
 
 impl SkinWeights {
@@ -72,6 +77,7 @@ impl SkinWeights {
             starts: vec![0],
             joints: Vec::new(),
             weights: Vec::new(),
+            bones: Arc::default(),
         };
         let mut row = Vec::new();
         for (vertex, influences) in vertices.into_iter().enumerate() {
@@ -166,6 +172,28 @@ impl SkinWeights {
             weights: self.num_joints(),
             skeleton: skeleton.num_joints(),
         })
+    }
+
+    /// The same weights, which know how the joints hang together.
+    pub(crate) fn on(mut self, skeleton: &Skeleton) -> Self {
+        let order = skeleton.parents_first();
+        let hung = order.iter().skip(1).map(|&joint| {
+            let parent = skeleton.joints()[joint].parent.unwrap_or(order[0]);
+            [joint, parent].map(|joint| joint as u16)
+        });
+        self.bones = hung.collect();
+        self
+    }
+
+    /// The same weights on the skeleton that `other` is on.
+    pub(crate) fn on_that_of(mut self, other: &Self) -> Self {
+        self.bones = Arc::clone(&other.bones);
+        self
+    }
+
+    /// Pairs of a joint and what it hangs on, parents before their children.
+    pub(crate) fn bones(&self) -> &[[u16; 2]] {
+        &self.bones
     }
 
     pub(crate) fn row(&self, vertex: usize) -> (&[u16], &[f32]) {

@@ -57,6 +57,7 @@ struct Posed {
     translation: Vector3<f64>,
     /// Where the joint's turns are centred: its own position.
     center: Vector3<f64>,
+    /// On the side of that of the parent.
     real: Quaternion<f64>,
     dual: Quaternion<f64>,
 }
@@ -138,7 +139,15 @@ impl<'a> Problem<'a> {
                 dual: Quaternion::from_imag(translation) * real * 0.5,
             }
         });
-        posed.collect()
+        let mut posed: Vec<Posed> = posed.collect();
+        for pair in self.body.weights().bones() {
+            let [joint, parent] = pair.map(usize::from);
+            if posed[parent].real.dot(&posed[joint].real) < 0.0 {
+                posed[joint].real = -posed[joint].real;
+                posed[joint].dual = -posed[joint].dual;
+            }
+        }
+        posed
     }
 
     /// Skinned less target, `[vertex]`.
@@ -318,13 +327,8 @@ fn dual_quaternion(
     let mut dual = real;
     for (&number, &weight) in numbers.iter().zip(weights) {
         let joint = &joints[usize::from(number)];
-        let sign = if pivot.real.dot(&joint.real) < 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
-        real += joint.real * (sign * f64::from(weight));
-        dual += joint.dual * (sign * f64::from(weight));
+        real += joint.real * f64::from(weight);
+        dual += joint.dual * f64::from(weight);
     }
     let norm = real.norm();
     let (real, dual) = (real / norm, dual / norm);
