@@ -83,6 +83,59 @@ fn bytes_do_not_depend_on_threads() {
 }
 
 #[test]
+fn a_smooth_motion_has_all_frames_in_every_form_and_part() {
+    let fixture = Fixture::new();
+    bending(&fixture, 7);
+    done(&fixture, &format!("{MOTION} -o rough.pc2 -q"));
+    for threads in [1, 3] {
+        let smooth = format!("{MOTION} -o {threads}.pc2 --smooth=2 -q --threads {threads}");
+        done(&fixture, &smooth);
+    }
+    let smooth = fixture.read("1.pc2");
+    assert!(smooth == fixture.read("3.pc2"));
+    assert!(smooth != fixture.read("rough.pc2"));
+    let smooth = points(&smooth);
+    let frames: Vec<&[Point3]> = smooth.chunks_exact(smooth.len() / 7).collect();
+    done(
+        &fixture,
+        &format!("{MOTION} -o out --body-out bodies --smooth 2 --report out.json -q"),
+    );
+    for part in 1..=3 {
+        let part = format!("{MOTION} -o parts --smooth 2 -q --shard {part}/3");
+        done(&fixture, &part);
+    }
+    let report: Value = serde_json::from_slice(&fixture.read("out.json")).unwrap();
+    let steps = &report["drapes"];
+    for (number, points) in frames.iter().enumerate() {
+        let path = format!("out/bending_{number:04}.obj");
+        let file = ObjFile::read(fixture.path(&path)).unwrap();
+        assert_eq!(file.positions(), *points);
+        let part = format!("parts/bending_{number:04}.obj");
+        assert!(fixture.read(&path) == fixture.read(&part), "{part}");
+        assert!(
+            fixture
+                .path(&format!("bodies/bending_{number:04}.obj"))
+                .exists()
+        );
+        let told = steps[number]["steps"]["cloth_m"].as_f64().unwrap();
+        let from = frames[number.saturating_sub(1)];
+        let pairs = from.iter().zip(*points);
+        let step = pairs.map(|(a, b)| (b - a).norm()).fold(0.0, f32::max);
+        assert!((told - f64::from(step)).abs() < 1e-5, "{told} {step}");
+    }
+    let alone = "drape sleeve.obj body.obj --pose bend.json -o one.obj --smooth";
+    refused_with_hint(
+        &fixture,
+        alone,
+        &["`--smooth` is for the frames of a motion", "FILE:FIRST:END"],
+    );
+    let bodies = "drape sleeve.obj body.obj bent.obj --rig body.rig.npz -o out2 --smooth";
+    refused_with_hint(&fixture, bodies, &["no range of frames is draped"]);
+    let both = format!("{MOTION} -o out3 --smooth 2 --frames-alone");
+    assert_eq!(fixture.garnet(&both).status.code(), Some(2));
+}
+
+#[test]
 fn the_report_tells_frames_of_a_cache_and_the_rate() {
     let fixture = Fixture::new();
     bending(&fixture, 7);

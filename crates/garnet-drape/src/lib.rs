@@ -14,6 +14,7 @@ mod garment;
 mod outfit;
 mod penetration;
 mod refit;
+mod smoothing;
 mod take;
 
 #[cfg(feature = "package")]
@@ -88,6 +89,7 @@ pub use refit::Refit;
 pub use settling::Settling;
 #[cfg(feature = "package")]
 pub use simulator::{Quality, Simulator, check_stop, quality_name, quality_of, stopping};
+pub use smoothing::Smoothing;
 pub use take::{StepLimit, Take, TakeFrame};
 pub use tubes::{LimbOutside, Tubes};
 #[cfg(feature = "package")]

@@ -9,7 +9,7 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_mesh::Point3;
+use garnet_mesh::{Point3, Vector3};
 use garnet_skin::{PosedBody, Warp, blended_transforms};
 use garnet_untangle::{UntangleOptions, Untangled, untangle};
 use nalgebra::{Isometry3, UnitQuaternion};
@@ -22,7 +22,7 @@ const CHUNK: usize = 1024;
 
 /// A node that untangling moves farther than this was thrown, in metres. Less costs a second
 /// untangling in more frames.
-const FAR: f32 = 0.008;
+pub(crate) const FAR: f32 = 0.008;
 
 /// Cloth that went on from the last frame may cross the skin in so many more faces than the frame's
 /// own drape does: where an arm leaves the cloth that it has reached through, what is carried hangs
@@ -105,7 +105,7 @@ struct Last {
 
 /// What carries cloth along with the body, near the body at home.
 #[derive(Debug, Clone)]
-struct Carrier {
+pub(crate) struct Carrier {
     /// The warp `[node]`, in metres.
     warped: Vec<Point3>,
     /// How the body turns the nodes `[node]`.
@@ -113,7 +113,7 @@ struct Carrier {
 }
 
 impl Carrier {
-    fn new(draper: &Draper, body: &PosedBody) -> Result<Self, Error> {
+    pub(crate) fn new(draper: &Draper, body: &PosedBody) -> Result<Self, Error> {
         let cloth = draper.garment().cloth();
         let transforms = blended_transforms(cloth.weights(), body.posed_from_rest());
         Ok(Self {
@@ -123,6 +123,22 @@ impl Carrier {
                 .map(|one: &Isometry3<f32>| one.rotation)
                 .collect(),
         })
+    }
+
+    /// Offsets of nodes from the warp `[node]`, turned back to rest, in metres.
+    pub(crate) fn offsets(&self, nodes: &[Point3]) -> Vec<Vector3> {
+        let places = nodes.iter().zip(&self.warped).zip(&self.turns);
+        places
+            .map(|((place, warped), turn)| turn.inverse() * (place - warped))
+            .collect()
+    }
+
+    /// Nodes moved by a share of `ways` `[node]`, which are turned back to rest.
+    pub(crate) fn moved(&self, nodes: &[Point3], ways: &[Vector3], share: f32) -> Vec<Point3> {
+        let places = nodes.iter().zip(ways).zip(&self.turns);
+        places
+            .map(|((place, way), turn)| place + turn * (way * share))
+            .collect()
     }
 }
 
@@ -292,7 +308,7 @@ impl Last {
 }
 
 /// The farthest that a point has come, in metres.
-fn farthest(from: &[Point3], to: &[Point3]) -> f32 {
+pub(crate) fn farthest(from: &[Point3], to: &[Point3]) -> f32 {
     let squared = from.iter().zip(to).map(|(a, b)| (b - a).norm_squared());
     squared.fold(0.0, f32::max).sqrt()
 }

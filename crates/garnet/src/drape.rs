@@ -2,7 +2,7 @@
 
 pub use garnet_drape::{
     Coverage, CoverageOptions, LayerCount, LayerOptions, LimbOutside, Placed, PlacedBy, Refit,
-    StepLimit, Take, TakeFrame, Tubes, WornGarment, count_layers, dressed, part_layers,
+    Smoothing, StepLimit, Take, TakeFrame, Tubes, WornGarment, count_layers, dressed, part_layers,
 };
 #[cfg(feature = "package")]
 pub use garnet_drape::{FitLines, FitWord, NoFit, Region, RegionFit, fit_map, wearer_tape};

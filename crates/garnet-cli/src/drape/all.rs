@@ -12,7 +12,7 @@ use anyhow::Context;
 use garnet::{
     Drape, Point3, PosedBody,
     data::SceneReport,
-    drape::{Placed, PlacedBy, Take},
+    drape::{Placed, PlacedBy},
     io::largest_distance,
     mesh::edge_stretch,
     package::Moment,
@@ -20,6 +20,7 @@ use garnet::{
 
 use super::{
     args::{Job, Shard},
+    chain::{Chain, Linked},
     followed::Followed,
     hide::Hiding,
     outputs::bodies_folder,
@@ -50,7 +51,9 @@ const WARM_UP: usize = 24;
 pub(super) struct Part {
     /// How many of them come first to warm up, and are not written.
     pub(super) warm_up: usize,
-    /// Where drapes go, those of the warm-up too.
+    /// How many come last, which those before are smoothed with, and are not written.
+    pub(super) after: usize,
+    /// Where drapes go, those that are not written too.
     pub(super) outputs: Vec<PathBuf>,
 }
 
@@ -64,6 +67,7 @@ impl Part {
         let Some(Shard { number, count }) = job.shard else {
             return Ok(Self {
                 warm_up: 0,
+                after: 0,
                 outputs,
             });
         };
@@ -76,16 +80,25 @@ impl Part {
             ));
         }
         let [first, end] = [number - 1, number].map(|part| all * part / count);
-        let warm_up = if is_take(prepared.pose.is_some(), all, job) {
-            WARM_UP.min(first)
+        let (warm_up, after) = if is_take(prepared.pose.is_some(), all, job) {
+            (WARM_UP.min(first), job.smooth.min(all - end))
         } else {
-            0
+            (0, 0)
         };
-        prepared.targets.truncate(end);
+        prepared.targets.truncate(end + after);
         prepared.targets.drain(..first - warm_up);
-        outputs.truncate(end);
+        outputs.truncate(end + after);
         outputs.drain(..first - warm_up);
-        Ok(Self { warm_up, outputs })
+        Ok(Self {
+            warm_up,
+            after,
+            outputs,
+        })
+    }
+
+    /// Whether a target is written.
+    fn holds(&self, number: usize) -> bool {
+        (self.warm_up..self.outputs.len() - self.after).contains(&number)
     }
 }
 
@@ -112,7 +125,7 @@ pub(super) fn drape_all(
 ) -> anyhow::Result<All> {
     let bound = &ready.bound;
     let count = bound.targets.len();
-    let num_written = count - part.warm_up;
+    let num_written = count - part.warm_up - part.after;
     let is_streamed = job.cache.is_some() || job.body_cache.is_some() || job.follows;
     let stop = if is_streamed {
         stop_flag()?
@@ -131,7 +144,7 @@ pub(super) fn drape_all(
     let mut viewing = job.view.as_deref().map(Viewing::new);
     // A part of a motion is one, too, if it has a frame alone.
     let goes_on = is_take(bound.pose.is_some(), count, job);
-    let mut take = goes_on.then(|| Take::new(&ready.draper));
+    let mut chain = goes_on.then(|| Chain::new(&ready.draper, job.smooth));
     let threads = rayon::current_num_threads().min(count);
     let is_shared = threads < 2 || job.repeat > 1;
     let bar = console.progress(count);
@@ -146,14 +159,9 @@ pub(super) fn drape_all(
         console: (count == 1).then_some(console),
     };
     let mut last: Option<(Vec<Point3>, Vec<Point3>)> = None;
-    let take_up = |number: usize, made: Made| -> anyhow::Result<()> {
+    let mut write = |number: usize, finished: Finished| -> anyhow::Result<()> {
         let target = &bound.targets[number];
         bar.set_message(target.path.display().to_string());
-        let finished = match (made, take.as_mut()) {
-            (Made::Finished(finished), _) => *finished,
-            (Made::Draped(draped), Some(take)) => frame.go_on(number, *draped, take)?,
-            (Made::Draped(draped), None) => frame.finished(number, *draped, None)?,
-        };
         let Finished {
             posed,
             drape,
@@ -171,7 +179,7 @@ pub(super) fn drape_all(
             last = Some(now);
         }
         bar.inc(1);
-        if number < part.warm_up {
+        if !part.holds(number) {
             return Ok(());
         }
         if let Some(hiding) = &mut hiding {
@@ -191,13 +199,26 @@ pub(super) fn drape_all(
         drapes.push((output, warnings.collect::<Vec<_>>()));
         Ok(())
     };
+    let mut take_up = |number: usize, made: Made| match (made, chain.as_mut()) {
+        (Made::Finished(finished), _) => write(number, *finished),
+        (Made::Draped(draped), Some(chain)) => {
+            let next = chain.go_on(number, *draped)?;
+            next.map_or(Ok(()), |next| write(next.number, frame.linked(next)?))
+        }
+        (Made::Draped(draped), None) => write(number, frame.finished(number, *draped, None)?),
+    };
     let made = |number: usize| frame.made(number);
-    let done = if is_shared {
-        let mut take_up = take_up;
+    let mut done = if is_shared {
         (0..count).try_for_each(|number| take_up(number, made(number)?))
     } else {
-        in_order(count, threads, made, take_up)
+        in_order(count, threads, made, &mut take_up)
     };
+    while let (Ok(()), Some(chain)) = (&done, chain.as_mut()) {
+        let Some(next) = chain.next_left()? else {
+            break;
+        };
+        done = write(next.number, frame.linked(next)?);
+    }
     bar.finish_and_clear();
     if stop.load(Ordering::Relaxed) {
         return Err(anyhow::Error::new(Interrupted {
@@ -276,9 +297,9 @@ enum Made {
 pub(super) struct Draped {
     pub(super) posed: PosedBody,
     pub(super) drape: Drape,
-    simulated: Option<SceneReport>,
+    pub(super) simulated: Option<SceneReport>,
     pub(super) time: DrapeSeconds,
-    repeated: Option<RepeatedSeconds>,
+    pub(super) repeated: Option<RepeatedSeconds>,
 }
 
 /// A drape with all that is told of it.
@@ -400,19 +421,9 @@ impl Frame<'_> {
         })
     }
 
-    /// A frame, going on from the last one.
-    fn go_on(
-        &self,
-        number: usize,
-        mut draped: Draped,
-        take: &mut Take<'_>,
-    ) -> anyhow::Result<Finished> {
-        let alone = draped.drape.seconds.untangle;
-        let frame = take.go_on(&draped.posed, draped.drape)?;
-        draped.time.untangle += frame.drape.seconds.untangle - alone;
-        let steps = StepsReport::of(&frame);
-        draped.drape = frame.drape;
-        self.finished(number, draped, Some(steps))
+    /// A frame that goes on from the last one.
+    fn linked(&self, next: Linked) -> anyhow::Result<Finished> {
+        self.finished(next.number, next.draped, Some(next.steps))
     }
 
     /// A drape, written where it has a file of its own.
@@ -485,7 +496,7 @@ impl Frame<'_> {
         let fitting = self.ready.fitting.as_ref().ok();
         let (target, output) = (&bound.targets[number], &self.part.outputs[number]);
         let fit = fitting.and_then(|it| it.of((bound, target), &drape.positions, &posed));
-        if number >= self.part.warm_up {
+        if self.part.holds(number) {
             let place = (target, output.as_path());
             let write = || write_files(bound, self.job, place, &drape.positions, &posed);
             let (written, write) = timed(write);

@@ -23,7 +23,7 @@ use crate::{
 };
 
 /// All arguments that a job of `--batch` may have, and the command beside it may not.
-pub(super) const OF_A_JOB: [&str; 36] = [
+pub(super) const OF_A_JOB: [&str; 37] = [
     "output",
     "body_out",
     "hide",
@@ -38,6 +38,7 @@ pub(super) const OF_A_JOB: [&str; 36] = [
     "clearance",
     "no_untangle",
     "frames_alone",
+    "smooth",
     "max_penetration",
     "max_crossing",
     "report",
@@ -137,6 +138,10 @@ pub(crate) struct DrapeArgs {
     /// Drape each frame of a motion as if it were the only one.
     #[arg(long, hide_short_help = true)]
     frames_alone: bool,
+    /// Smooth what is left of jumps between the frames of a motion, over so many frames to either
+    /// side; cloth keeps out of the skin and does not lag behind [default of FRAMES: 3].
+    #[arg(long, value_name = "FRAMES", num_args = 0..=1, default_missing_value = "3", conflicts_with = "frames_alone", value_parser = clap::value_parser!(u8).range(1..=12), allow_negative_numbers = true)]
+    smooth: Option<u8>,
     /// End with 1 if cloth is deeper in the body than this, in millimetres.
     #[arg(long, hide_short_help = true, value_name = "MM", value_parser = millimetres, allow_negative_numbers = true)]
     max_penetration: Option<f32>,
@@ -256,6 +261,7 @@ impl DrapeArgs {
             (self.shard.is_some(), "`--shard`"),
             (self.repeat > 1, "`--repeat`"),
             (self.hide.is_some(), "`--hide`"),
+            (self.smooth.is_some(), "`--smooth`"),
         ];
         if let Some((_, option)) = refused_options.iter().find(|(is_given, _)| *is_given) {
             return Err(refused(
@@ -434,6 +440,8 @@ pub(crate) struct Job {
     pub(crate) folder: Option<PathBuf>,
     /// Whether there may be several drapes.
     is_several: bool,
+    /// Whether these are frames of a motion.
+    is_motion: bool,
     /// Folders that single outputs go to.
     pub(crate) new_folders: Vec<PathBuf>,
     /// What a single output in a folder is named after.
@@ -460,6 +468,8 @@ pub(crate) struct Job {
     pub(crate) repeat: u32,
     /// Whether frames of a motion do not go on from each other.
     pub(crate) frames_alone: bool,
+    /// Over how many frames to either side a motion is smoothed; 0 for none.
+    pub(crate) smooth: usize,
 }
 
 /// How a garment is simulated.
@@ -521,6 +531,13 @@ impl Job {
                 "give several bodies, or a range of frames with `--pose FILE:FIRST:END`",
             ));
         }
+        if args.smooth.is_some() && !job.is_motion {
+            return Err(refused(
+                "`--smooth` is for the frames of a motion",
+                "no range of frames is draped",
+                "name one with `--pose FILE:FIRST:END`, or leave out `--smooth`",
+            ));
+        }
         job.fabric = args.fabric.as_deref().map(fabric::fabric).transpose()?;
         job.options = DrapeOptions::default().with_warp(args.method.warp());
         if let Some(clearance) = args.clearance {
@@ -558,6 +575,7 @@ impl Job {
         job.max_crossing = args.max_crossing;
         job.repeat = args.repeat;
         job.frames_alone = args.frames_alone;
+        job.smooth = args.smooth.map_or(0, usize::from);
         Ok(job)
     }
 
@@ -604,6 +622,7 @@ impl Job {
             cache: None,
             folder: (is_several && cache.is_none()).then(|| output.clone()),
             is_several,
+            is_motion: has_frames,
             body_cache: None,
             hide: None,
             view: None,
@@ -626,6 +645,7 @@ impl Job {
             max_crossing: None,
             repeat: 1,
             frames_alone: true,
+            smooth: 0,
         };
         if !is_several && cache.is_none() {
             job.outputs = vec![job.named(output)?];

@@ -3,6 +3,7 @@
 mod all;
 mod args;
 mod batch;
+mod chain;
 mod choice;
 mod exported;
 mod fit;

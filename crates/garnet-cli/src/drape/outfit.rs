@@ -169,6 +169,7 @@ fn ready_garment(args: super::DrapeArgs, console: &Console) -> anyhow::Result<Ga
     let name = name.unwrap_or_default().to_string_lossy().into_owned();
     let part = Part {
         warm_up: 0,
+        after: 0,
         outputs,
     };
     // There is one target, and so one wearer.

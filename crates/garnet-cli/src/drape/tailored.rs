@@ -78,7 +78,7 @@ pub(super) fn by_wearer(
     let mut groups = Vec::new();
     let ends = starts.iter().skip(1).copied().chain([usize::MAX]);
     let mut left = prepared;
-    let (warm_up, mut outputs) = (part.warm_up, part.outputs);
+    let (warm_up, after, mut outputs) = (part.warm_up, part.after, part.outputs);
     let mut first = 0;
     for end in ends {
         let count = (end - first).min(left.targets.len());
@@ -96,6 +96,7 @@ pub(super) fn by_wearer(
         }
         let part = Part {
             warm_up: if first == 0 { warm_up } else { 0 },
+            after: if end == usize::MAX { after } else { 0 },
             outputs: own,
         };
         groups.push((group, part));
