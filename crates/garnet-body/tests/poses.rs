@@ -10,7 +10,7 @@ use garnet_body::{
     motion::{Ground, Side, lowest_points, put_on_ground},
     poses::{
         BodyAngles, GaitCycle, Outcome, Part, PoseSampler, Poser, SelfContact, SeparationOptions,
-        key_pose, key_poses, turn,
+        key_pose, key_poses, parts_of_vertices, turn,
     },
     shape::{BodyParameters, JOINT_NAMES, ParametricBody},
 };
@@ -367,6 +367,49 @@ fn a_limb_gives_way_smoothly_through_a_motion() {
         jerk(&eased),
         jerk(&given)
     );
+}
+
+#[test]
+fn arms_leave_room_for_cloth_in_a_motion() {
+    let body = body(45.0, 3.0);
+    let contact = SelfContact::new(&body).unwrap();
+    let given = swing(&body, 12.0);
+    let parts = parts_of_vertices(&body).unwrap();
+    // Between the forearm and the trunk, or thigh, in all poses.
+    let smallest = |room: f32| {
+        let options = SeparationOptions {
+            max_depth: 0.005,
+            legs_give_way: false,
+            room,
+            ..SeparationOptions::default()
+        };
+        // Slowly, so that smoothing takes nothing away.
+        let turns = contact.easing(&given, 0.2, &options).unwrap();
+        let mut least = f32::INFINITY;
+        for (pose, turns) in given.iter().zip(&turns) {
+            let mut pose = pose.clone();
+            turn(&mut pose, turns);
+            let skin = body.posed(&pose).unwrap().skin().positions().to_vec();
+            let of = |wanted: fn(&Part) -> bool| {
+                let places = skin.iter().zip(&parts);
+                let places = places.filter(move |(_, part)| wanted(part));
+                places.map(|(place, _)| *place).collect::<Vec<Point3>>()
+            };
+            let arm = of(|part| *part == Part::Forearm(Side::Left));
+            let beside = of(|part| matches!(part, Part::Trunk | Part::Thigh(_)));
+            for place in arm {
+                let apart = beside.iter().map(|other| (other - place).norm());
+                least = apart.fold(least, f32::min);
+            }
+        }
+        least
+    };
+    let [none, some, more] = [0.0, 0.02, 0.03].map(smallest);
+    assert!(none < 0.005, "{none}");
+    assert!(some > 0.02 - 0.005 - FACETS, "{none} {some}");
+    assert!(more > 0.03 - 0.005 - FACETS, "{more}");
+    // Of edges as long as those of the figure, and a little more than two layers.
+    assert!((0.015..0.05).contains(&contact.room_for_cloth()));
 }
 
 #[test]

@@ -15,6 +15,7 @@
 use std::ops::RangeInclusive;
 
 use garnet_knn::Surface;
+use garnet_mesh::{Vector3, vertex_normals};
 use garnet_skin::{Body, Method, Point3, Pose, SkinError};
 use rayon::prelude::*;
 
@@ -26,6 +27,14 @@ const CREASE: f32 = 1.35;
 
 /// Of meshes with twice as many vertices, or more, only every second or so is tested.
 const ENOUGH_VERTICES: usize = 15_000;
+
+/// Room for cloth between an arm and what is beside it, in metres: two layers that keep the
+/// clearance to both sides. Tried: 0 to 40 mm (docs/experiments/063).
+const ROOM: f32 = 0.012;
+
+/// Edges of the skin, in parts of their length, by which coarse skin and cloth bulge between their
+/// corners.
+const BULGE: f64 = 0.5;
 
 /// Lengths of legs of grown bodies, in metres. Depths of others are in proportion.
 const GROWN: RangeInclusive<f32> = 0.55..=1.2;
@@ -110,6 +119,9 @@ struct Pair {
     kind: ContactKind,
     /// Vertices of the tested part, by their number in it.
     vertices: Vec<u32>,
+    /// What share of the room for cloth between the two each of them is to leave; empty if there
+    /// is none between them.
+    rooms: Vec<f32>,
 }
 
 impl SelfContact {
@@ -154,6 +166,22 @@ impl SelfContact {
         leg / leg.clamp(*GROWN.start(), *GROWN.end())
     }
 
+    /// The room that a motion is to leave for cloth between arms and what is beside them, in metres
+    /// of a grown body; more on coarse bodies.
+    pub fn room_for_cloth(&self) -> f32 {
+        let rest = self.body.rest();
+        let corners = rest
+            .faces()
+            .iter()
+            .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let edges = corners.map(|ends| {
+            let [a, b] = ends.map(|end| rest.positions()[end as usize]);
+            f64::from((b - a).norm())
+        });
+        let mean = edges.sum::<f64>() / (3 * rest.num_faces()).max(1) as f64;
+        ROOM + (BULGE * mean) as f32 / self.scale()
+    }
+
     pub(super) fn figure(&self) -> &Figure {
         &self.figure
     }
@@ -176,8 +204,17 @@ impl SelfContact {
     ///
     /// Those of [`garnet_skin::Skeleton::transforms`].
     pub fn report(&self, pose: &Pose) -> Result<ContactReport, SkinError> {
+        self.report_with_room(pose, 0.0)
+    }
+
+    /// The contacts in a pose, of arms with trunk and thighs from `room` metres outside of the skin.
+    pub(super) fn report_with_room(
+        &self,
+        pose: &Pose,
+        room: f32,
+    ) -> Result<ContactReport, SkinError> {
         let positions = self.body.posed_positions(pose, Method::DualQuaternion)?;
-        self.report_of(&positions)
+        self.deepest_at(&positions, room)
     }
 
     /// The contacts at positions `[vertex]` of the body.
@@ -186,10 +223,23 @@ impl SelfContact {
     ///
     /// [`SkinError::TargetCount`] or [`SkinError::Knn`].
     pub fn report_of(&self, positions: &[Point3]) -> Result<ContactReport, SkinError> {
+        self.deepest_at(positions, 0.0)
+    }
+
+    fn deepest_at(&self, positions: &[Point3], room: f32) -> Result<ContactReport, SkinError> {
         let surfaces = self.surfaces_at(positions)?;
+        let out = if room > 0.0 {
+            let mut normals = vertex_normals(positions, self.body.rest().faces());
+            for normal in &mut normals {
+                *normal *= room;
+            }
+            normals
+        } else {
+            Vec::new()
+        };
         let contacts = self.pairs.par_iter().map(|pair| {
             let mut deepest: Option<Contact> = None;
-            self.visit(pair, &surfaces, |contact| {
+            self.visit(pair, &surfaces, &out, |contact| {
                 if deepest.is_none_or(|deepest| deepest.depth < contact.depth) {
                     deepest = Some(contact);
                 }
@@ -208,7 +258,7 @@ impl SelfContact {
         let surfaces = self.surfaces_at(&positions)?;
         let contacts = self.pairs.par_iter().map(|pair| {
             let mut all = Vec::new();
-            self.visit(pair, &surfaces, |contact| all.push(contact));
+            self.visit(pair, &surfaces, &[], |contact| all.push(contact));
             all
         });
         Ok(contacts.collect())
@@ -227,19 +277,41 @@ impl SelfContact {
         Ok(surfaces?)
     }
 
-    /// Visits the vertices of a part inside another one.
-    fn visit(&self, pair: &Pair, surfaces: &[Surface], mut found: impl FnMut(Contact)) {
+    /// Visits the vertices of a part inside another one; where there is room for cloth between the
+    /// two, those that are once they went `out` `[body vertex]`, if that is not empty.
+    fn visit(
+        &self,
+        pair: &Pair,
+        surfaces: &[Surface],
+        out: &[Vector3],
+        mut found: impl FnMut(Contact),
+    ) {
         let (tested, within) = (&self.parts[pair.tested], &self.parts[pair.within]);
         let surface = &surfaces[pair.within];
         let (low, high) = surface.bounds();
         let (other_low, other_high) = surfaces[pair.tested].bounds();
-        if (0..3).any(|axis| low[axis] > other_high[axis] || high[axis] < other_low[axis]) {
+        let rooms = if out.is_empty() {
+            &[]
+        } else {
+            pair.rooms.as_slice()
+        };
+        let reach = out
+            .first()
+            .filter(|_| !rooms.is_empty())
+            .map_or(0.0, Vector3::norm);
+        let is_apart = |axis: usize| {
+            low[axis] > other_high[axis] + reach || high[axis] < other_low[axis] - reach
+        };
+        if (0..3).any(is_apart) {
             return;
         }
         let positions = surfaces[pair.tested].positions();
         let mut hint = u32::MAX;
-        for &vertex in &pair.vertices {
-            let position = positions[vertex as usize];
+        for (number, &vertex) in pair.vertices.iter().enumerate() {
+            let mut position = positions[vertex as usize];
+            if let Some(&share) = rooms.get(number) {
+                position += out[tested.vertices[vertex as usize] as usize] * share;
+            }
             let is_near = (0..3).all(|axis| (low[axis]..=high[axis]).contains(&position[axis]));
             if !is_near || surface.winding_number(position) <= 0 {
                 continue;
@@ -319,10 +391,34 @@ fn pairs_of(
         .into_iter()
         .filter(|(_, vertices)| !vertices.is_empty());
     let pairs = pairs.map(|(kind, vertices)| Pair {
+        rooms: if kind == ContactKind::Contact && has_room(a, b) {
+            let place = |&vertex: &u32| part.mesh.positions()[vertex as usize];
+            vertices
+                .iter()
+                .map(|vertex| room_at(place(vertex), crease))
+                .collect()
+        } else {
+            Vec::new()
+        },
         tested,
         within,
         kind,
         vertices,
     });
     pairs.collect()
+}
+
+/// Whether cloth lies between two parts: arms beside the trunk and the thighs.
+fn has_room(a: Part, b: Part) -> bool {
+    let is_arm = |part| matches!(part, Part::UpperArm(_) | Part::Forearm(_));
+    let is_beside = |part| matches!(part, Part::Trunk | Part::Thigh(_));
+    (is_arm(a) && is_beside(b)) || (is_beside(a) && is_arm(b))
+}
+
+/// What share of the room for cloth there is at a place at rest: none at the rim of the crease of
+/// the joint that the parts share, all of it twice as far from there.
+fn room_at(place: Point3, crease: Option<(Point3, f32)>) -> f32 {
+    crease.map_or(1.0, |(center, radius)| {
+        ((place - center).norm() / radius - 1.0).clamp(0.0, 1.0)
+    })
 }

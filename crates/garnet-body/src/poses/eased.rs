@@ -82,7 +82,7 @@ impl SelfContact {
                 }
                 let mut pose = given.clone();
                 turn(&mut pose, turns);
-                let report = self.report(&pose)?;
+                let report = self.report_with_room(&pose, options.room)?;
                 if options.is_sound(&report) {
                     return Ok(None);
                 }

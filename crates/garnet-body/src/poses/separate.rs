@@ -31,6 +31,9 @@ pub struct SeparationOptions {
     /// differ: all vertices that are too deep count, not the deepest ones alone, and no contact is
     /// pushed farther than to the allowed depth. It takes more corrections.
     pub is_least: bool,
+    /// Room that arms leave to trunk and thighs, for cloth between them, in metres: depths of these
+    /// are measured from so far outside of the skin. It fades towards the armpit.
+    pub room: f32,
 }
 
 impl Default for SeparationOptions {
@@ -42,6 +45,7 @@ impl Default for SeparationOptions {
             max_turn: 0.6,
             legs_give_way: true,
             is_least: false,
+            room: 0.0,
         }
     }
 }
@@ -62,6 +66,7 @@ impl SeparationOptions {
         Self {
             max_depth: scale * self.max_depth,
             max_fold_depth: scale * self.max_fold_depth,
+            room: scale * self.room,
             ..self
         }
     }
@@ -153,7 +158,7 @@ impl SelfContact {
             let report = if options.is_least {
                 Self::report_of_all(&all)
             } else {
-                self.report(&pose)?
+                self.report_with_room(&pose, options.room)?
             };
             let first = *first_depth.get_or_insert(report.depth());
             let largest_turn = largest_turn(&given_pose, &pose);

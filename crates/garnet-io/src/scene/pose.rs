@@ -556,6 +556,7 @@ fn keep_apart(
     let contact = SelfContact::new(body)?;
     let options = SeparationOptions {
         max_depth: TOUCH,
+        room: contact.room_for_cloth(),
         legs_give_way: false,
         ..SeparationOptions::default()
     };
