@@ -23,8 +23,8 @@ const CHUNK: usize = 1024;
 /// Algorithm 1).
 ///
 /// `posed_from_rest` has one rigid transform a joint. Weights of a [`Body`](crate::Body), and of
-/// what is bound to one, blend each joint the short way from its parent: two thighs may be turned by
-/// more than 180 degrees against each other, as long as neither is against the pelvis. Of other
+/// what is bound to one, blend each joint the short way from its parent: two thighs may be turned
+/// by more than 180 degrees against each other, as long as neither is against the pelvis. Of other
 /// weights the sign of every quaternion is fixed against the heaviest joint of the vertex; see
 /// [`DualQuaternion::blend`]. Where the short way changes sides, the vertex does, too.
 ///
