@@ -406,8 +406,9 @@ fn arms_leave_room_for_cloth_in_a_motion() {
     };
     let [none, some, more] = [0.0, 0.02, 0.03].map(smallest);
     assert!(none < 0.005, "{none}");
-    assert!(some > 0.02 - 0.005 - FACETS, "{none} {some}");
-    assert!(more > 0.03 - 0.005 - FACETS, "{more}");
+    // Both sides have facets.
+    assert!(some > 0.02 - 0.005 - 2.0 * FACETS, "{none} {some}");
+    assert!(more > 0.03 - 0.005 - 2.0 * FACETS, "{more}");
     // Of edges as long as those of the figure, and a little more than two layers.
     assert!((0.015..0.05).contains(&contact.room_for_cloth()));
 }

@@ -207,7 +207,8 @@ impl SelfContact {
         self.report_with_room(pose, 0.0)
     }
 
-    /// The contacts in a pose, of arms with trunk and thighs from `room` metres outside of the skin.
+    /// The contacts in a pose, of arms with trunk and thighs from `room` metres outside of the
+    /// skin.
     pub(super) fn report_with_room(
         &self,
         pose: &Pose,
