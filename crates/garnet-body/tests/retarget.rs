@@ -6,7 +6,8 @@ mod common;
 
 use common::{CMU, bone, pose, renamed, skeleton, without_limbs};
 use garnet_body::motion::{
-    Motion, Retarget, RetargetError, RetargetOptions, Role, Side, StartAt, world_rotations,
+    Motion, ReadOptions, Retarget, RetargetError, RetargetOptions, Role, Side, StartAt,
+    world_rotations,
 };
 use garnet_body::shape::JOINT_NAMES;
 use garnet_skin::{Joint, Point3, Pose, Skeleton, Vector3};
@@ -319,6 +320,53 @@ fn missing_joints_are_named_unless_they_do_no_harm() {
             .to_string()
             .contains("the motion has no joint that is named like")
     );
+}
+
+#[test]
+fn a_zero_pose_that_is_no_figure_is_refused() {
+    let target = skeleton(45.0, 3.0);
+    let options = RetargetOptions::default();
+    // All bones lie along one axis, as some recorders have it.
+    let standing = skeleton(0.0, 0.0);
+    let mut joints = standing.joints().to_vec();
+    for joint in 1..joints.len() {
+        let parent = joints[joint].parent.unwrap();
+        let [from, to] = [parent, joint].map(|joint| standing.joints()[joint].rest_position);
+        let along = Vector3::new((to - from).norm(), 0.0, 0.0);
+        joints[joint].rest_position = joints[parent].rest_position + along;
+    }
+    let folded = motion(&Skeleton::new(joints).unwrap(), vec![Pose::rest(22)]);
+    let error = Retarget::new(&folded, &target, &options).unwrap_err();
+    assert_eq!(error, RetargetError::Folded);
+    // Who sits at rest is a figure.
+    let sitting = motion(&skeleton(60.0, 85.0), vec![Pose::rest(22)]);
+    assert!(Retarget::new(&sitting, &target, &options).is_ok());
+}
+
+#[test]
+fn a_figure_that_stands_along_another_axis_in_the_frames_is_told() {
+    let source = skeleton(20.0, 3.0);
+    let lying = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 1.5);
+    let mut along_z = Pose::rest(22);
+    along_z.rotations[0] = lying;
+    let notes = |frames: Vec<Pose>, options: &ReadOptions| {
+        let motion = Motion::in_metres(&source, frames, options).unwrap();
+        motion
+            .notes
+            .iter()
+            .filter(|note| note.contains("--pose-up"))
+            .count()
+    };
+    let read = ReadOptions::default();
+    assert_eq!(notes(vec![Pose::rest(22)], &read), 0);
+    assert_eq!(notes(vec![along_z.clone(); 3], &read), 1);
+    // Half of the frames each way tell nothing; what is named is not doubted.
+    assert_eq!(notes(vec![along_z.clone(), Pose::rest(22)], &read), 0);
+    let named = ReadOptions {
+        up: Some(garnet_mesh::UpAxis::Y),
+        ..read
+    };
+    assert_eq!(notes(vec![along_z], &named), 0);
 }
 
 #[test]

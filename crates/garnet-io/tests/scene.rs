@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use garnet_io::{
-    Aim, Misplaced, ObjFile, Scene, SceneError, SceneFiles, SceneProblem, is_rig, read_mesh,
-    write_obj, write_rig_npz,
+    Aim, Misplaced, ObjFile, PoseNote, Scene, SceneError, SceneFiles, SceneProblem, is_rig,
+    read_mesh, write_obj, write_rig_npz,
 };
 use garnet_mesh::{
     TriMesh, Unit, UpAxis,
@@ -189,6 +189,33 @@ fn a_rest_body_in_another_pose_than_its_rig_is_told_and_posed_from_that_of_the_r
     {
         assert!((found - expected).norm() < 1e-3, "{found} {expected}");
     }
+}
+
+#[test]
+fn joints_go_along_with_a_rest_body_of_another_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = files(folder.path(), &shirt());
+    let grown = changed(body().rest(), |point| {
+        Point3::new(1.1 * point.x, 1.2 * point.y, 1.1 * point.z)
+    });
+    write_obj(folder.path().join("grown.obj"), &grown).unwrap();
+    files.rest_body = Some(folder.path().join("grown.obj"));
+    files.rig = Some(folder.path().join("body.rig.npz"));
+    let scene = Scene::load(&files).unwrap();
+    let told = |note: &PoseNote| note.to_string().contains("another shape than its rig");
+    assert_eq!(scene.notes.iter().filter(|note| told(note)).count(), 1);
+    let heights = |body: &Body| -> Vec<f32> {
+        let joints = body.skeleton().joints().iter();
+        joints.map(|joint| joint.rest_position.y).collect()
+    };
+    for (found, rig) in heights(&scene.body).iter().zip(heights(&body())) {
+        assert!((found - 1.2 * rig).abs() < 0.02, "{found} of {rig}");
+    }
+    // The same body is left as it is, and nothing is told.
+    files.rest_body = Some(folder.path().join("body.obj"));
+    let scene = Scene::load(&files).unwrap();
+    assert!(!scene.notes.iter().any(told));
+    assert_eq!(heights(&scene.body), heights(&body()));
 }
 
 #[test]

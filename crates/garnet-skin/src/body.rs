@@ -7,6 +7,7 @@ use garnet_mesh::{TriMesh, Vector3, is_inside_out, outward_faces, vertex_normals
 use nalgebra::Isometry3;
 
 use crate::caps::Caps;
+use crate::shape::reshaped_joints;
 use crate::{
     Method, Point3, Pose, Skeleton, SkinError, SkinWeights, Weld, skin_dual_quaternion, skin_linear,
 };
@@ -173,6 +174,42 @@ impl Body {
             num_turned: outward.num_turned,
             num_doubles: outward.doubles.len(),
         })
+    }
+
+    /// The same body in the shape of other positions `[vertex]`, in about the same pose: each joint
+    /// goes along with the skin round it, moved and grown as that was.
+    ///
+    /// # Errors
+    ///
+    /// [`SkinError::TargetCount`] or [`SkinError::NonFiniteTarget`].
+    ///
+    /// # Panics
+    ///
+    /// Never: the positions were checked.
+    pub fn reshaped(&self, positions: &[Point3]) -> Result<Self, SkinError> {
+        let expected = self.rest.num_vertices();
+        if positions.len() != expected {
+            return Err(SkinError::TargetCount {
+                found: positions.len(),
+                expected,
+            });
+        }
+        if let Some(vertex) = positions
+            .iter()
+            .position(|place| !place.coords.iter().all(|value| value.is_finite()))
+        {
+            return Err(SkinError::NonFiniteTarget { vertex });
+        }
+        let places = reshaped_joints(
+            &self.skeleton,
+            &self.weights,
+            self.rest.positions(),
+            positions,
+        );
+        let skeleton = self.skeleton.placed(|joint, _| places[joint])?;
+        let rest = self.rest.with_positions(positions.to_vec());
+        let rest = rest.expect("positions are as many as vertices, and finite");
+        Self::new(rest, skeleton, self.weights.clone())
     }
 
     /// Those of `values` `[vertex]` whose vertices are named by a face: the others are no part of

@@ -9,7 +9,7 @@ use garnet_mesh::{Point3, Vector3};
 use nalgebra::{Isometry3, Matrix3};
 use rayon::prelude::*;
 
-use crate::{Method, SkinWeights, blended_transforms};
+use crate::{Method, Skeleton, SkinWeights, blended_transforms};
 
 /// Below this determinant a blend of rotations has collapsed and is not inverted.
 const MIN_DETERMINANT: f32 = 0.2;
@@ -54,6 +54,87 @@ fn unposed_linear(
         return None;
     }
     Some((linear.try_inverse()? * (target - translation).coords).into())
+}
+
+/// Where the joints `[joint]` of a skeleton are in a body of another shape, whose vertices were at
+/// `rest` and are at `shaped` `[vertex]`.
+///
+/// A joint goes along with the skin that bends there: that which moves with both sides of it. What
+/// no skin bends at goes along with its parent, a root with the skin of its own or the whole.
+pub(crate) fn reshaped_joints(
+    skeleton: &Skeleton,
+    weights: &SkinWeights,
+    rest: &[Point3],
+    shaped: &[Point3],
+) -> Vec<Point3> {
+    let joints = skeleton.joints();
+    let mut at_joint = vec![Spread::default(); joints.len()];
+    let mut of_joint = vec![Spread::default(); joints.len()];
+    let mut of_all = Spread::default();
+    let mut below = vec![0.0_f64; joints.len()];
+    for (vertex, (from, to)) in rest.iter().zip(shaped).enumerate() {
+        below.fill(0.0);
+        for (joint, weight) in weights.vertex(vertex) {
+            of_joint[joint].add(from, to, f64::from(weight));
+            let mut next = Some(joint);
+            while let Some(joint) = next {
+                below[joint] += f64::from(weight);
+                next = joints[joint].parent;
+            }
+        }
+        for (spread, &mass) in at_joint.iter_mut().zip(&below) {
+            spread.add(from, to, mass * (1.0 - mass).max(0.0));
+        }
+        of_all.add(from, to, 1.0);
+    }
+    let mut used = vec![Spread::default(); joints.len()];
+    for &joint in skeleton.parents_first() {
+        let parent = joints[joint].parent.map(|parent| used[parent]);
+        let known = [at_joint[joint], parent.unwrap_or(of_joint[joint])];
+        let found = known.into_iter().find(|spread| spread.weight > MIN_BENDING);
+        used[joint] = found.unwrap_or(of_all);
+    }
+    let places = joints.iter().zip(&used);
+    places
+        .map(|(joint, spread)| spread.carried(&joint.rest_position))
+        .collect()
+}
+
+/// Less skin than this, in vertices, does not tell where a joint is.
+const MIN_BENDING: f64 = 0.5;
+
+/// Weighted sums over vertices before and after a change of shape.
+#[derive(Debug, Clone, Copy, Default)]
+struct Spread {
+    weight: f64,
+    sums: [nalgebra::Vector3<f64>; 2],
+    squares: [f64; 2],
+}
+
+impl Spread {
+    fn add(&mut self, from: &Point3, to: &Point3, weight: f64) {
+        self.weight += weight;
+        for (side, place) in [from, to].into_iter().enumerate() {
+            let place = place.coords.cast::<f64>();
+            self.sums[side] += weight * place;
+            self.squares[side] += weight * place.norm_squared();
+        }
+    }
+
+    /// A point moved like the middle of the vertices, and grown with their distance from it.
+    fn carried(&self, point: &Point3) -> Point3 {
+        if self.weight <= 0.0 {
+            return *point;
+        }
+        let [from, to] = self.sums.map(|sum| sum / self.weight);
+        let [before, after] = [(from, 0), (to, 1)].map(|(middle, side)| {
+            let mean = self.squares[side] / self.weight - middle.norm_squared();
+            mean.max(0.0).sqrt()
+        });
+        let grown = if before > 0.0 { after / before } else { 1.0 };
+        let moved = to + grown * (point.coords.cast::<f64>() - from);
+        Point3::from(moved.cast::<f32>())
+    }
 }
 
 /// The offsets of the closest skin `[node]`, of offsets `[body_vertex]`.

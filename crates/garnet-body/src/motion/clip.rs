@@ -4,7 +4,11 @@ use garnet_mesh::UpAxis;
 use garnet_skin::{Joint, Point3, Pose, Skeleton, SkinError, Vector3};
 use nalgebra::UnitQuaternion;
 
-use super::{Figure, error::THE_MOTION, rotation::Direction};
+use super::{
+    Figure, Role, Side,
+    error::THE_MOTION,
+    rotation::{Direction, unit},
+};
 
 /// How to read a motion file; the default detects both.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -75,6 +79,13 @@ impl Motion {
             let is_z_up = upward.z.abs() > upward.y.abs();
             let up = if is_z_up { UpAxis::Z } else { UpAxis::Y };
             notes.push(format!("{up} is read as the up axis"));
+            let in_frames = figure.as_ref().and_then(|figure| stands_along(figure, skeleton, &frames));
+            if let Some(other) = in_frames.filter(|other| *other != up) {
+                notes.push(format!(
+                    "at rest the figure stands along {up}, in the frames along {other}: if it is to \
+                     stand there, too, `--pose-up {other}` reads it so"
+                ));
+            }
             up
         });
         let to_y_up = match up {
@@ -104,6 +115,36 @@ impl Motion {
             frame_time: None,
             notes,
         })
+    }
+}
+
+/// About so many frames tell along which axis a figure stands.
+const FRAMES_LOOKED_AT: usize = 50;
+
+/// The mean of the ways up must be at least so long along an axis.
+const LEAST_UPRIGHT: f64 = 0.5;
+
+/// The axis along which the figure stands in the frames: that of the mean of the unit vectors from
+/// the ankles to the head; none if it keeps to none.
+fn stands_along(figure: &Figure, skeleton: &Skeleton, frames: &[Pose]) -> Option<UpAxis> {
+    let head = figure.joint(Role::Head)?;
+    let [left, right] = Side::BOTH.map(|side| figure.joint(Role::Ankle(side)));
+    let (left, right) = (left?, right?);
+    let step = frames.len().div_ceil(FRAMES_LOOKED_AT).max(1);
+    let upward = frames.iter().step_by(step).filter_map(|pose| {
+        let transforms = skeleton.transforms(pose).ok()?;
+        let place = |joint: usize| -> Direction {
+            let place = transforms[joint] * skeleton.joints()[joint].rest_position;
+            place.coords.cast()
+        };
+        unit(&(place(head) - 0.5 * (place(left) + place(right))))
+    });
+    let upward: Vec<Direction> = upward.collect();
+    let mean = upward.iter().sum::<Direction>() / upward.len().max(1) as f64;
+    match (mean.y.abs() > mean.z.abs(), mean.y, mean.z) {
+        (true, y, _) if y > LEAST_UPRIGHT => Some(UpAxis::Y),
+        (false, _, z) if z > LEAST_UPRIGHT => Some(UpAxis::Z),
+        _ => None,
     }
 }
 

@@ -38,6 +38,12 @@ pub enum RetargetError {
         /// `the motion` or `the body`.
         whose: &'static str,
     },
+    /// With all angles zero, legs and trunk point the same way: how joints are turned at rest is
+    /// not told.
+    #[error(
+        "the zero pose of the motion is no standing figure: its legs and its trunk point the same way"
+    )]
+    Folded,
     /// A frame is not there.
     #[error("frame {frame} was asked for, but there are {num_frames} (counted from 0)")]
     FrameOutOfRange {
@@ -102,6 +108,7 @@ impl RetargetError {
             | Self::NoFrames { .. }
             | Self::NoFrameTime { .. }
             | Self::StepOfSamples { .. }
+            | Self::Folded
             | Self::Skin(_) => false,
         }
     }

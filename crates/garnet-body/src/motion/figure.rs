@@ -32,6 +32,10 @@ pub struct Figure {
     leg_length: f64,
 }
 
+/// Legs and trunk of a figure that stands or sits at rest point apart by more than this, in
+/// radians.
+const LEAST_OPENED: f64 = 1.2;
+
 impl Figure {
     /// Finds the figure in `skeleton`; `whose` (`the motion`, `the body`) is for the error.
     ///
@@ -155,6 +159,20 @@ impl Figure {
     /// Thigh and shank, the mean of both sides, in metres.
     pub fn leg_length(&self) -> f64 {
         self.leg_length
+    }
+
+    /// Whether legs and trunk point about the same way at rest: no figure that stands.
+    pub(crate) fn is_folded(&self) -> bool {
+        let middle = |role: fn(Side) -> Role| {
+            let [left, right] = Side::BOTH.map(|side| self.joint(role(side)));
+            Some(0.5 * (self.position(left?) + self.position(right?)))
+        };
+        let angle = || {
+            let legs = unit(&(middle(Role::Ankle)? - middle(Role::Hip)?))?;
+            let head = self.position(self.joint(Role::Head)?);
+            Some(legs.angle(&unit(&(head - self.position(self.pelvis())))?))
+        };
+        angle().is_some_and(|angle| angle < LEAST_OPENED)
     }
 
     /// Turns the body's axes (x to its left, y up, z to its front) into the axes of the rest pose.

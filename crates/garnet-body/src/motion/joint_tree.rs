@@ -75,6 +75,9 @@ impl<'a> Tree<'a> {
         for side in Side::BOTH {
             self.mirror(side, roles);
         }
+        for limb in [leg as fn(Side) -> Limb, arm] {
+            self.complete_pair(limb, roles);
+        }
         self.find_limbs(roles);
         if roles[Role::Head.index()].is_none() {
             roles[Role::Head.index()] = self.head(roles);
@@ -207,6 +210,53 @@ impl<'a> Tree<'a> {
         }
     }
 
+    /// Finds what is missing of arms or legs of which some joints are known: the longest chains that
+    /// mirror each other and go through these.
+    fn complete_pair(&self, limb: fn(Side) -> Limb, roles: &mut Roles) {
+        let known = Side::BOTH.map(|side| limb(side).map(|role| roles[role.index()]));
+        let num_known = known.as_flattened().iter().flatten().count();
+        if num_known == 0 || num_known == known.as_flattened().len() {
+            return;
+        }
+        let fits = |joints: &[Option<usize>; 3], chain: &[usize]| {
+            let Some(found) = self.limb_of(chain) else {
+                return false;
+            };
+            let mut pairs = joints.iter().zip(found);
+            pairs.all(|(known, found)| known.is_none_or(|known| known == found))
+        };
+        let pairs = self.pairs().into_iter().flat_map(|pair| {
+            let Pair {
+                stem,
+                chains: [a, b],
+                length,
+            } = pair;
+            [[a.clone(), b.clone()], [b, a]].map(|chains| Pair {
+                stem,
+                chains,
+                length,
+            })
+        });
+        let found = pairs
+            .filter(|pair| {
+                let mut sides = known.iter().zip(&pair.chains);
+                sides.all(|(joints, chain)| fits(joints, chain))
+            })
+            .max_by(|a, b| a.length.total_cmp(&b.length));
+        let Some(pair) = found else { return };
+        for ((side, known), chain) in Side::BOTH.into_iter().zip(&known).zip(&pair.chains) {
+            let missing = known.iter().any(Option::is_none);
+            let is_free =
+                |joint: &usize| known.contains(&Some(*joint)) || !roles.contains(&Some(*joint));
+            let found = self
+                .limb_of(chain)
+                .filter(|found| found.iter().all(is_free));
+            if missing && found.is_some() {
+                self.name_chain(chain, limb(side), side, roles);
+            }
+        }
+    }
+
     /// Finds arms or legs of which no joint is known: long chains that mirror each other.
     fn find_limbs(&self, roles: &mut Roles) {
         let is_unknown = |limb: fn(Side) -> Limb, roles: &Roles| {
@@ -334,13 +384,16 @@ impl<'a> Tree<'a> {
             roles[role.index()] = Some(joint);
         }
         let place = |joint: usize| chain.iter().position(|&other| other == joint);
-        if let Role::Shoulder(_) = limb[0] {
+        let (role, next) = if let Role::Shoulder(_) = limb[0] {
             let before = place(found[0]).and_then(|place| place.checked_sub(1));
-            roles[Role::Collar(side).index()] = before.map(|place| chain[place]);
+            (Role::Collar(side), before.map(|place| chain[place]))
         } else {
             let after = place(found[2]).and_then(|place| chain.get(place + 1));
-            roles[Role::Foot(side).index()] = after.copied();
-        }
+            (Role::Foot(side), after.copied())
+        };
+        let next = next.filter(|joint| !roles.contains(&Some(*joint)));
+        let own = &mut roles[role.index()];
+        *own = own.or(next);
     }
 
     /// Chains of three joints and more that hang on one joint as mirror images of each other.
@@ -561,6 +614,29 @@ mod tests {
             format!("bone_{}{end}", sum * 7919 % 977)
         });
         check(&skeleton, &[]);
+    }
+
+    #[test]
+    fn a_single_known_joint_of_a_limb_tells_the_rest() {
+        for known in [
+            "left_hip",
+            "left_knee",
+            "right_ankle",
+            "left_shoulder",
+            "right_elbow",
+            "left_wrist",
+            "head",
+        ] {
+            let skeleton = figure(|name| {
+                if name == known || name.ends_with("_end") {
+                    return name.to_owned();
+                }
+                let sum: u32 = name.bytes().map(u32::from).sum();
+                format!("bone_{}", sum * 7919 % 977)
+            });
+            let at_ends = Side::BOTH.map(|side| [Role::Collar(side), Role::Foot(side)]);
+            check(&skeleton, at_ends.as_flattened());
+        }
     }
 
     #[test]

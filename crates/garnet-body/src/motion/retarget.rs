@@ -77,13 +77,17 @@ impl<'a> Retarget<'a> {
     /// # Errors
     ///
     /// [`RetargetError::MissingJoints`] if one of them is no human figure: collarbones, balls of
-    /// the feet, fingers and toes may be missing.
+    /// the feet, fingers and toes may be missing. [`RetargetError::Folded`] if the motion does not
+    /// tell how its joints are turned at rest.
     pub fn new(
         motion: &'a Motion,
         target: &'a Skeleton,
         options: &RetargetOptions,
     ) -> Result<Self, RetargetError> {
         let source_figure = Figure::new(&motion.skeleton, THE_MOTION)?;
+        if source_figure.is_folded() {
+            return Err(RetargetError::Folded);
+        }
         let target_figure = Figure::new(target, "the body")?;
         let trunk_alignment =
             source_figure.rest_from_body() * target_figure.rest_from_body().inverse();

@@ -1,8 +1,10 @@
 //! The tape around a built-in body at rest, laid wherever one likes.
 
+use std::borrow::Cow;
+
 use garnet_mesh::Point3;
 use garnet_skin::{Body, PosedBody};
-use nalgebra::Point3 as Point;
+use nalgebra::{Isometry3, Point3 as Point, Translation3, UnitQuaternion};
 
 use super::body::shared;
 use super::primitives::Vec3;
@@ -24,6 +26,9 @@ use super::{Measure, NUM_JOINTS};
 /// ```
 #[derive(Debug, Clone)]
 pub struct Tape {
+    /// From the world to the frame in which the body is measured: x to its left, y up from its
+    /// soles.
+    own_from_world: Isometry3<f64>,
     positions: Vec<Vec3>,
     joints: Vec<Vec3>,
     stature: f64,
@@ -76,8 +81,29 @@ fn lowest(positions: &[Vec3]) -> f64 {
         .fold(f64::MAX, f64::min)
 }
 
+/// A body whose soles are as near to the ground as this, whose hips are as near to the middle, and
+/// which is turned by less, stands where the built-in bodies do; in metres, and as a tangent.
+const AT_HOME: f64 = 1e-3;
+
+/// From the world to the frame of a body at rest that stands or faces elsewhere: x to its left, y
+/// up from its soles.
+fn own_frame(positions: &[Vec3], joints: &[Vec3]) -> Isometry3<f64> {
+    let [left, right] = ["left_hip", "right_hip"].map(|name| joints[tape::index(name)]);
+    let (across, floor) = (left - right, lowest(positions));
+    let middle = (left + right) / 2.0;
+    let is_turned = across.x <= 0.0 || across.z.abs() > AT_HOME * across.x;
+    if !is_turned && floor.abs() < AT_HOME && middle.x.abs() < AT_HOME {
+        return Isometry3::identity();
+    }
+    // A turn about y by an angle takes x to (cos, 0, -sin).
+    let turn = UnitQuaternion::from_axis_angle(&Vec3::y_axis(), across.z.atan2(across.x));
+    let origin = Vec3::new(middle.x, floor, middle.z);
+    Isometry3::from_parts(Translation3::from(turn * -origin), turn)
+}
+
 impl TapePlane {
-    /// The point of the axis of the limb or trunk that lies in it, in metres.
+    /// The point of the axis of the limb or trunk that lies in it, in metres, in the
+    /// [frame of the body](Tape::own_places).
     pub fn center(&self) -> Point<f64> {
         self.center.into()
     }
@@ -107,8 +133,22 @@ impl Tape {
             return None;
         }
         let joints = body.skeleton().joints().iter();
-        let joints = joints.map(|joint| joint.rest_position.coords.cast());
-        Some(Self::new(body.rest().positions(), joints.collect(), None))
+        let joints: Vec<Vec3> = joints
+            .map(|joint| joint.rest_position.coords.cast())
+            .collect();
+        let positions = tape::doubled(body.rest().positions());
+        let own_from_world = own_frame(&positions, &joints);
+        Some(Self::new(own_from_world, positions, joints, None))
+    }
+
+    /// The points in the frame of planes and heights: x to the left of the body, y up from its
+    /// soles. Those of a body that stands there are given back as they are.
+    pub fn own_places<'a>(&self, points: &'a [Point3]) -> Cow<'a, [Point3]> {
+        if self.own_from_world == Isometry3::identity() {
+            return Cow::Borrowed(points);
+        }
+        let own = |point: &Point3| (self.own_from_world * point.cast::<f64>()).cast();
+        Cow::Owned(points.iter().map(own).collect())
     }
 
     /// Of who stands in `posed`: `body` is the built-in body in any shape at rest, `posed` the same
@@ -122,21 +162,32 @@ impl Tape {
         let (places, joints) = at_rest(body, posed)?;
         let joints = joints.iter().map(|joint| joint.coords.cast());
         Some(Self::new(
-            &places,
+            own.own_from_world,
+            tape::doubled(&places),
             joints.collect(),
             Some(lowest(&own.positions)),
         ))
     }
 
     /// With its soles at `floor`, if they are not where they are.
-    fn new(positions: &[Point3], joints: Vec<Vec3>, floor: Option<f64>) -> Self {
-        let positions = tape::doubled(positions);
+    fn new(
+        own_from_world: Isometry3<f64>,
+        mut positions: Vec<Vec3>,
+        mut joints: Vec<Vec3>,
+        floor: Option<f64>,
+    ) -> Self {
+        if own_from_world != Isometry3::identity() {
+            for place in positions.iter_mut().chain(&mut joints) {
+                *place = (own_from_world * Point::from(*place)).coords;
+            }
+        }
         let highest = positions
             .iter()
             .map(|point| point.y)
             .fold(f64::MIN, f64::max);
         let stature = floor.map_or(highest, |floor| highest - lowest(&positions) + floor);
         Self {
+            own_from_world,
             positions,
             joints,
             stature,
@@ -224,6 +275,38 @@ mod tests {
                 "{measure}"
             );
         }
+    }
+
+    #[test]
+    fn a_body_that_stands_and_faces_elsewhere_has_the_same_girths() {
+        let built = ParametricBody::build(&Population::new(5).sample(3)).unwrap();
+        let own = Tape::around(built.body()).unwrap();
+        let turn = UnitQuaternion::from_axis_angle(&Vec3::y_axis(), 2.2);
+        let away = Isometry3::from_parts(Translation3::new(3.0, -1.1, 0.7), turn);
+        let away: Isometry3<f32> = away.cast();
+        let moved = built.body().rest().positions().iter();
+        let mesh = built.body().rest();
+        let mesh = mesh.with_positions(moved.map(|place| away * place).collect());
+        let skeleton = built.body().skeleton();
+        let body = Body::new(
+            mesh.unwrap(),
+            skeleton
+                .placed(|_, joint| away * joint.rest_position)
+                .unwrap(),
+            built.body().weights().clone(),
+        );
+        let tape = Tape::around(&body.unwrap()).unwrap();
+        for measure in Measure::GIRTHS {
+            let [found, truth] = [&tape, &own].map(|tape| tape.girth(&tape.plane(measure)));
+            assert!(
+                (found / truth - 1.0).abs() < 1e-3,
+                "{measure}: {found}, {truth}"
+            );
+        }
+        // Points go along into the frame of the body.
+        let points = [away * Point3::new(0.2, 1.0, 0.0)];
+        let places = tape.own_places(&points);
+        assert!((places[0] - Point3::new(0.2, 1.0, 0.0)).xy().norm() < 1e-3);
     }
 
     #[test]

@@ -35,6 +35,10 @@ pub(super) fn for_retarget(error: &RetargetError) -> Option<&'static str> {
         RetargetError::FrameOutOfRange { .. } | RetargetError::NoFrames { .. } => {
             Some("`garnet info` tells how many frames a motion has")
         }
+        RetargetError::Folded => Some(
+            "export the motion anew with a rest pose that stands, as a T-pose: some recorders lay \
+             every bone along one axis",
+        ),
         RetargetError::NoFrameTime { .. } => Some("count in frames, and leave out `--fps`"),
         RetargetError::StepOfSamples { .. } => Some("leave out the step, or `--fps`"),
         RetargetError::MissingJoints { .. } if error.is_of_body() => Some(

@@ -57,7 +57,7 @@ impl FitLines {
     /// [`NoFit`] for garments on other bodies, and those that go round no region.
     pub fn new(garment: &BoundGarment, rest: Option<&RestShape>) -> Result<Self, NoFit> {
         let tape = Tape::around(garment.body()).ok_or(NoFit::Stranger)?;
-        let cut = Cut::new(garment, rest);
+        let cut = Cut::new(garment, rest, &tape);
         let found = Region::ALL.into_iter();
         let lines: Vec<RegionLine> = found
             .filter_map(|region| line_of(&cut, &tape, region))

@@ -39,14 +39,14 @@ pub fn fit_map(
     wearer: &Tape,
 ) -> Result<Vec<f32>, NoFit> {
     let own = Tape::around(garment.body()).ok_or(NoFit::Stranger)?;
-    let cut = Cut::new(garment, rest);
+    let cut = Cut::new(garment, rest, &own);
     let trunk = of_trunk(&cut, &own, wearer);
     let limbs = Limb::ALL.map(|limb| limb.levels(&cut, &own, wearer));
     if trunk.is_empty() && limbs.iter().all(Vec::is_empty) {
         return Err(NoFit::NoRegion);
     }
     let cloth = garment.cloth();
-    let nodes = cloth.rest_nodes().iter().enumerate();
+    let nodes = cut.nodes().iter().enumerate();
     let levels = nodes.map(|(node, place)| {
         let joint = cloth.weights().heaviest(node);
         let limb = Limb::ALL.iter().position(|limb| limb.has(joint));
@@ -132,7 +132,7 @@ fn of_trunk(cut: &Cut<'_>, own: &Tape, wearer: &Tape) -> Vec<(f64, f64)> {
         [Region::Chest, Region::Waist, Region::Hip].map(|region| height(tape, region))
     };
     let [of_own, of_wearer] = [own, wearer].map(marks);
-    let heights = cut.garment().cloth().rest_nodes().iter();
+    let heights = cut.nodes().iter();
     let lowest = heights
         .map(|place| f64::from(place.y))
         .fold(f64::MAX, f64::min);

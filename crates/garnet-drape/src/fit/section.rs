@@ -1,5 +1,7 @@
 //! The line round a garment in a plane: closed, round one part of the body and no other.
 
+use std::borrow::Cow;
+
 use garnet_body::shape::{Tape, TapePlane, Tube};
 use garnet_mesh::{MeshLoop, Point3, plane_loops};
 use garnet_sim::RestShape;
@@ -11,6 +13,8 @@ use crate::BoundGarment;
 #[derive(Debug)]
 pub(super) struct Cut<'a> {
     garment: &'a BoundGarment,
+    /// Positions on its body `[node]`, in the frame of the tape.
+    nodes: Cow<'a, [Point3]>,
     /// Faces of the mesh between nodes `[face]`; some may be lines.
     faces: Vec<[u32; 3]>,
     /// `None`: as it lies on its body.
@@ -27,7 +31,8 @@ pub(super) struct Line {
 }
 
 impl<'a> Cut<'a> {
-    pub(super) fn new(garment: &'a BoundGarment, rest: Option<&'a RestShape>) -> Self {
+    /// `tape` is that round the body on which the garment lies.
+    pub(super) fn new(garment: &'a BoundGarment, rest: Option<&'a RestShape>, tape: &Tape) -> Self {
         let weld = garment.cloth().weld();
         let node = |vertex: u32| weld.node_of_vertex()[vertex as usize];
         let faces = garment.mesh().faces().iter();
@@ -48,14 +53,15 @@ impl<'a> Cut<'a> {
         };
         Self {
             garment,
+            nodes: tape.own_places(garment.cloth().rest_nodes()),
             faces,
             flat,
             worn,
         }
     }
 
-    pub(super) fn garment(&self) -> &'a BoundGarment {
-        self.garment
+    pub(super) fn nodes(&self) -> &[Point3] {
+        &self.nodes
     }
 
     pub(super) fn into_faces(self) -> Vec<[u32; 3]> {
@@ -86,7 +92,7 @@ impl<'a> Cut<'a> {
             .iter()
             .filter_map(|&tube| tape.middle_in(tube, plane));
         let others: Vec<Point<f64>> = others.collect();
-        let nodes = self.garment.cloth().rest_nodes();
+        let nodes = &*self.nodes;
         let loops = plane_loops(&self.faces, nodes, &plane.center(), &plane.normal());
         let lines = loops.into_iter().filter_map(|curve| {
             let points = curve.points(&self.faces, nodes);

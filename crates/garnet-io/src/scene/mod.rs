@@ -315,11 +315,7 @@ impl Scene {
             garment: files.garment.clone(),
             alignment,
         }));
-        notes.extend(body.posed_by.map(|degrees| PoseNote::RestPosed {
-            path: taken.path.clone(),
-            rig: rig_path.clone(),
-            degrees,
-        }));
+        notes.extend(body.notes(&taken.path, &rig_path));
         let RestBodies { rest, zero, .. } = body;
         let zero = zero.map(Arc::new);
         let (targets, of_poses, frame_time) = match &files.pose {

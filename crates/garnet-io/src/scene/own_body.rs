@@ -115,6 +115,7 @@ fn in_metres(rig: Rig, taken: &RestMesh, rig_path: &Path) -> Result<(OwnBody, Fr
         bodies: Vec::new(),
     };
     let bodies = rest_body_of(rig, taken, &frames, rig_path)?;
+    let notes = bodies.notes(&taken.path, rig_path);
     // Poses are those of the pose zero of the rig.
     let (body, shown) = match bodies.zero {
         None => (bodies.rest, None),
@@ -124,17 +125,12 @@ fn in_metres(rig: Rig, taken: &RestMesh, rig_path: &Path) -> Result<(OwnBody, Fr
             (zero.body, Some((positions, pose)))
         }
     };
-    let note = bodies.posed_by.map(|degrees| PoseNote::RestPosed {
-        path: taken.path.clone(),
-        rig: rig_path.to_path_buf(),
-        degrees,
-    });
     let own = OwnBody {
         body,
         file: None,
         frame,
         shown,
-        notes: note.into_iter().collect(),
+        notes,
     };
     Ok((own, frame))
 }

@@ -124,6 +124,15 @@ pub enum PoseNote {
         /// The largest turn of a joint, in degrees.
         degrees: f32,
     },
+    /// The rest body has another shape than the mesh of its rig.
+    RestShaped {
+        /// The rest body.
+        path: PathBuf,
+        /// The rig.
+        rig: PathBuf,
+        /// How far both are apart at most, in metres.
+        distance: f32,
+    },
     /// What the reader of a motion file says.
     Motion(String),
     /// Arms were kept out of other parts of the body.
@@ -170,6 +179,18 @@ impl fmt::Display for PoseNote {
                  degrees): its pose is recovered, and poses start from that of the rig",
                 path.display(),
                 rig.display()
+            ),
+            Self::RestShaped {
+                path,
+                rig,
+                distance,
+            } => write!(
+                formatter,
+                "`{}` has another shape than its rig `{}` (by up to {:.0} mm): its joints are moved \
+                 with the skin round them",
+                path.display(),
+                rig.display(),
+                1e3 * distance
             ),
             Self::Motion(text) => formatter.write_str(text),
             Self::ArmsTurned {

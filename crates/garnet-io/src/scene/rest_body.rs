@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use garnet_mesh::{Bounds, Kinship, Point3, TriMesh, Unit, UpAxis, Vector3, kinship};
-use garnet_skin::{Body, Joint, Method, Pose, Rig, Skeleton, SkinError};
+use garnet_skin::{Body, Joint, Method, Pose, PosedBody, Rig, Skeleton, SkinError};
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 
 use super::{
-    SceneError, SceneProblem,
+    PoseNote, SceneError, SceneProblem,
     frame::{Frame, detected_up, shorter},
     rest_mesh::{Frames, RestMesh, other_topology},
 };
@@ -19,7 +19,27 @@ pub(super) struct RestBodies {
     pub(super) zero: Option<Zero>,
     /// The largest turn of a joint from the rig to the rest body, in degrees, if that pose had to
     /// be recovered.
-    pub(super) posed_by: Option<f32>,
+    posed_by: Option<f32>,
+    /// How far the rest body is from the mesh of its rig at most, in metres, if it has another
+    /// shape.
+    shaped_by: Option<f32>,
+}
+
+impl RestBodies {
+    /// What was taken for granted of a rest body at `path`.
+    pub(super) fn notes(&self, path: &Path, rig: &Path) -> Vec<PoseNote> {
+        let posed = self.posed_by.map(|degrees| PoseNote::RestPosed {
+            path: path.to_path_buf(),
+            rig: rig.to_path_buf(),
+            degrees,
+        });
+        let shaped = self.shaped_by.map(|distance| PoseNote::RestShaped {
+            path: path.to_path_buf(),
+            rig: rig.to_path_buf(),
+            distance,
+        });
+        posed.into_iter().chain(shaped).collect()
+    }
 }
 
 /// A body in the pose zero of its rig, and the way from there to the rest body.
@@ -75,10 +95,20 @@ pub(super) fn rest_body_of(
             let mesh = if taken.is_obj {
                 mesh
             } else {
-                mesh.with_positions(positions)
+                mesh.with_positions(positions.clone())
                     .map_err(|error| unfit(error.into()))?
             };
-            let skeleton = moved(&skeleton, &rest_from_zero).map_err(of_skin)?;
+            let distance = distance_of_skin(&zero, &positions, mesh.positions());
+            let is_fit = mesh.num_vertices() == positions.len();
+            let shaped_by = (is_fit && distance > SHAPED).then_some(distance);
+            let zero = match shaped_by {
+                Some(_) => {
+                    let fitted = zero.fitted_by(mesh.positions(), rest_from_zero.clone());
+                    shaped(&zero, &fitted.map_err(of_skin)?).map_err(of_skin)?
+                }
+                None => zero,
+            };
+            let skeleton = moved(zero.skeleton(), &rest_from_zero).map_err(of_skin)?;
             let rest = Body::new(mesh, skeleton, rig.weights).map_err(of_skin)?;
             return Ok(RestBodies {
                 rest,
@@ -87,18 +117,30 @@ pub(super) fn rest_body_of(
                     rest_from_zero,
                 }),
                 posed_by: None,
+                shaped_by,
             });
         }
     }
     if let Some(zero_mesh) = rest_mesh.filter(|_| taken.is_obj) {
-        let zero = Body::new(zero_mesh, skeleton.clone(), rig.weights.clone());
-        let found = recovered(&zero.map_err(of_skin)?, &mesh).map_err(of_skin)?;
-        if let Some((zero, degrees)) = found {
-            let skeleton = moved(&skeleton, &zero.rest_from_zero).map_err(of_skin)?;
+        let own = Body::new(zero_mesh, skeleton.clone(), rig.weights.clone());
+        let own = own.map_err(of_skin)?;
+        let distance = distance_of_skin(&own, own.rest().positions(), mesh.positions());
+        let found = recovered(&own, &mesh, distance).map_err(of_skin)?;
+        if let Some((zero, degrees, left)) = found {
+            let skeleton = moved(zero.body.skeleton(), &zero.rest_from_zero).map_err(of_skin)?;
             return Ok(RestBodies {
                 rest: Body::new(mesh, skeleton, rig.weights).map_err(of_skin)?,
                 zero: Some(zero),
                 posed_by: Some(degrees),
+                shaped_by: (left > SHAPED).then_some(left),
+            });
+        }
+        if distance > SHAPED && own.rest().num_vertices() == mesh.num_vertices() {
+            return Ok(RestBodies {
+                rest: own.reshaped(mesh.positions()).map_err(of_skin)?,
+                zero: None,
+                posed_by: None,
+                shaped_by: Some(distance),
             });
         }
     }
@@ -107,7 +149,26 @@ pub(super) fn rest_body_of(
         rest,
         zero: None,
         posed_by: None,
+        shaped_by: None,
     })
+}
+
+/// A rest body that is farther from the mesh of its rig has another shape, in metres.
+const SHAPED: f32 = 5e-3;
+
+/// The largest distance between two places of the skin of a body.
+fn distance_of_skin(body: &Body, a: &[Point3], b: &[Point3]) -> f32 {
+    largest_distance(body.of_skin(a), body.of_skin(b))
+}
+
+/// A body in the shape of what was fitted to it.
+fn shaped(body: &Body, fitted: &PosedBody) -> Result<Body, SkinError> {
+    let Some(offsets) = fitted.shape_offsets() else {
+        return Ok(body.clone());
+    };
+    let places = body.rest().positions().iter().zip(offsets);
+    let places: Vec<Point3> = places.map(|(place, offset)| place + offset).collect();
+    body.reshaped(&places)
 }
 
 /// A rest body this far from its rig may be in another pose, in metres.
@@ -119,15 +180,22 @@ const MIN_TURN: f32 = 3.0;
 /// A pose leaves less than this part of the distance from the rig to the rest body.
 const MAX_LEFT: f32 = 0.5;
 
-/// The rest body in the pose of its rig, and the largest turn of a joint between both in degrees,
-/// if it is in another pose: what the pose does not explain is its shape, and stays.
-fn recovered(rig: &Body, mesh: &TriMesh) -> Result<Option<(Zero, f32)>, SkinError> {
-    if mesh.num_vertices() != rig.rest().num_vertices() {
-        return Ok(None);
-    }
-    let own = || rig.of_skin(rig.rest().positions());
-    let distance = largest_distance(own(), rig.of_skin(mesh.positions()));
-    if distance < POSED {
+/// Between bodies of two shapes in one pose, long bones turn by less, in degrees. A higher value
+/// takes more poses for shapes.
+const MIN_BENT: f32 = 12.0;
+
+/// A long bone has this part of the size of the skeleton.
+const LONG_BONE: f32 = 0.08;
+
+/// The rest body in the pose of its rig, the largest turn of a joint between both in degrees, and
+/// how far the pose leaves the mesh of the rig from the rest body, in metres, if that is in another
+/// pose: what the pose does not explain is its shape, and stays.
+fn recovered(
+    rig: &Body,
+    mesh: &TriMesh,
+    distance: f32,
+) -> Result<Option<(Zero, f32, f32)>, SkinError> {
+    if mesh.num_vertices() != rig.rest().num_vertices() || distance < POSED {
         return Ok(None);
     }
     let fitted = rig.fitted(mesh.positions())?;
@@ -135,27 +203,41 @@ fn recovered(rig: &Body, mesh: &TriMesh) -> Result<Option<(Zero, f32)>, SkinErro
     let pose = Pose::from_transforms(rig.skeleton(), &rest_from_zero)?.pose;
     let turns = pose.rotations.iter().map(UnitQuaternion::angle);
     let degrees = turns.fold(0.0, f32::max).to_degrees();
-    if degrees < MIN_TURN || fitted.max_residual() > MAX_LEFT * distance {
+    let left = fitted.max_residual();
+    if degrees < MIN_TURN || left > MAX_LEFT * distance {
         return Ok(None);
     }
-    let body = match fitted.shape_offsets() {
-        Some(offsets) => {
-            let places = rig.rest().positions().iter().zip(offsets);
-            let positions = places.map(|(place, offset)| place + offset).collect();
-            match rig.rest().with_positions(positions) {
-                Ok(mesh) => Body::new(mesh, rig.skeleton().clone(), rig.weights().clone())?,
-                Err(_) => rig.clone(),
-            }
+    // Turns of joints explain part of another size, too.
+    if left > SHAPED {
+        let reshaped = rig.reshaped(mesh.positions())?;
+        if bent_by(rig.skeleton(), reshaped.skeleton()) < MIN_BENT {
+            return Ok(None);
         }
-        None => rig.clone(),
+    }
+    let zero = Zero {
+        body: shaped(rig, &fitted)?,
+        rest_from_zero,
     };
-    Ok(Some((
-        Zero {
-            body,
-            rest_from_zero,
-        },
-        degrees,
-    )))
+    Ok(Some((zero, degrees, left)))
+}
+
+/// The largest angle between the bones of two bodies, in degrees; short ones tell nothing.
+fn bent_by(a: &Skeleton, b: &Skeleton) -> f32 {
+    let bones = |skeleton: &Skeleton| -> Vec<Vector3> {
+        let joints = skeleton.joints();
+        let bone = |joint: &Joint| {
+            let from = joint.parent.map_or(joint, |parent| &joints[parent]);
+            joint.rest_position - from.rest_position
+        };
+        joints.iter().map(bone).collect()
+    };
+    let places: Vec<Point3> = a.joints().iter().map(|joint| joint.rest_position).collect();
+    let size = Bounds::of(&places).map_or(0.0, |bounds| bounds.diagonal());
+    let (a, b) = (bones(a), bones(b));
+    let is_long = |(a, b): &(&Vector3, &Vector3)| a.norm().min(b.norm()) > LONG_BONE * size;
+    let pairs = a.iter().zip(&b).filter(is_long);
+    let angles = pairs.map(|(a, b)| a.angle(b));
+    angles.fold(0.0, f32::max).to_degrees()
 }
 
 /// A rig that is not of the rest body.
