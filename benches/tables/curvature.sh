@@ -24,7 +24,7 @@ train() {
   cat > "$name.toml"
   rm -rf "$garment/training/$name"
   "$garnet" train "$garment" "$garment-data" --kind "$kind" --variant "$name" --config "$name.toml" \
-    --default pose-space --no-progress > "$name.log" 2>&1 || tail -1 "$name.log"
+    --no-progress > "$name.log" 2>&1 || grep -q diverged "$name.log"
   touch "$name.done"
 }
 
@@ -62,8 +62,8 @@ for log in "$garment"/training/*-s?/log.json; do
   name=$(basename "$(dirname "$log")")
   jq -r --arg name "$name" '
     ($name | capture("(?<loss>.*)-(?<weight>[0-9]+)-s(?<seed>.)")) as $n
-    | [.epochs[] | .valid.distance * 1000] as $d | .epochs[-1].valid as $end
+    | [.epochs[] | .valid.distance * 1000] as $far | .epochs[-1].valid as $last
     | def r(k): . * k | round / k;
-    "| \($n.loss) | \($n.weight) | \($n.seed) | \($d[0] | r(100)) | \($d | max | r(100)) | \($d[-1] | r(100)) | \($end.mean_curvature | r(10)) | \($end.rayleigh * 1e4 | r(100))e-4 | \([.epochs[].skipped] | add) |"
+    "| \($n.loss) | \($n.weight) | \($n.seed) | \($far[0] | r(100)) | \($far | max | r(100)) | \($far[-1] | r(100)) | \($last.mean_curvature | r(10)) | \($last.rayleigh * 1e4 | r(100))e-4 | \([.epochs[].skipped] | add) |"
   ' "$log"
 done

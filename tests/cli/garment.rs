@@ -331,6 +331,10 @@ fn the_size_of_a_wearer_is_found_and_the_next_one_told() {
         &fixture,
         "body --sex male --stature 190 --bmi 39 -o large.obj -q",
     );
+    let output = fixture.garnet("garment tshirt --vertices 700 --size auto -o again --json");
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["size"], "m");
+    assert!(report["second_size"].is_string(), "{report}");
     let text = done(
         &fixture,
         "garment jeans --vertices 700 --size auto --body large.obj -o wide",

@@ -19,6 +19,8 @@ use crate::{
 #[pyclass(frozen, module = "garnet")]
 pub(crate) struct Drape {
     inner: garnet::Drape,
+    /// Whether the body has another shape than that on which the garment lies.
+    pub(crate) has_other_shape: bool,
     /// How long it took to fit the body to the target, in seconds.
     fit: f64,
 }
@@ -157,8 +159,15 @@ pub(crate) fn drape_on(
     body: &Arc<garnet::Body>,
     target: &Bound<'_, PyAny>,
 ) -> PyResult<Drape> {
-    let (inner, fit) = with_target(py, body, target, |posed| draper.drape(posed))?;
-    Ok(Drape { inner, fit })
+    let ((inner, has_other_shape), fit) = with_target(py, body, target, |posed| {
+        let has_other_shape = posed.shape_offsets().is_some();
+        Ok((draper.drape(posed)?, has_other_shape))
+    })?;
+    Ok(Drape {
+        inner,
+        has_other_shape,
+        fit,
+    })
 }
 
 /// Calls `work` without the interpreter, on a target: a posed body, or the vertices of one. Tells

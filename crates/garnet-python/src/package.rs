@@ -2,13 +2,14 @@
 
 use std::{
     collections::BTreeMap,
+    ffi::CStr,
     path::PathBuf,
     sync::{Arc, Mutex, PoisonError},
 };
 
 use garnet::Draper;
 use numpy::PyArray2;
-use pyo3::{prelude::*, types::PyDict};
+use pyo3::{exceptions::PyUserWarning, prelude::*, types::PyDict};
 
 use crate::{
     arrays,
@@ -18,6 +19,10 @@ use crate::{
     judge::judge,
     options::Options,
 };
+
+/// What is told of garments that the command would cut anew.
+const NOT_CUT: &CStr = c"the garment is made to measure, and is not cut for this body: it is as long \
+and as wide as for the package's own; `garnet drape` cuts it for each wearer";
 
 /// Package(folder)
 ///
@@ -51,8 +56,9 @@ impl Package {
     /// are inside the skin. settle: frames of a sixtieth of a second for which the cloth is
     /// simulated; by default what the variant says.
     ///
-    /// Raises ValueError for arguments that are out of range, GarnetError for a garment that cannot
-    /// be draped.
+    /// Warns (UserWarning) of a garment that is made to measure on a body of another shape: it is
+    /// not cut for it. Raises ValueError for arguments that are out of range, GarnetError for a
+    /// garment that cannot be draped.
     #[pyo3(signature = (target, *, method=None, clearance=None, untangle=true, settle=None))]
     fn drape(
         &self,
@@ -147,7 +153,12 @@ impl Package {
     ) -> PyResult<Drape> {
         let draper = py.detach(|| self.draper(options)).map_err(failed)?;
         let body = self.inner.garment().shared_body();
-        drape_on(py, &options.applied(&draper)?, body, target)
+        let drape = drape_on(py, &options.applied(&draper)?, body, target)?;
+        if drape.has_other_shape && self.is_made_to_measure() {
+            let category = py.get_type::<PyUserWarning>();
+            PyErr::warn(py, &category, NOT_CUT, 1)?;
+        }
+        Ok(drape)
     }
 
     fn draper(&self, options: &Options) -> Result<Arc<Draper>, garnet::Error> {

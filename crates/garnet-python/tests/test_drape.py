@@ -4,6 +4,7 @@ import re
 import subprocess
 import threading
 import time
+import warnings
 
 import garnet
 import numpy as np
@@ -55,6 +56,16 @@ def test_a_built_in_body_of_another_shape_wears_the_shirt(shirt):
     # The vertices alone say the same.
     again = garnet.drape(shirt, target.vertices, method="fast")
     assert np.array_equal(drape.vertices, again)
+
+
+def test_garments_made_to_measure_tell_that_they_are_not_cut():
+    jeans = garnet.Package(MODELS / "jeans")
+    man = garnet.Body.built_in(0.0, stature=1.92)
+    with pytest.warns(UserWarning, match="made to measure"):
+        garnet.drape(jeans, man.posed("squat"), method="warp")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        garnet.drape(jeans, jeans.body.posed("squat"), method="warp")
 
 
 def test_a_garment_of_arrays_is_draped(arm):

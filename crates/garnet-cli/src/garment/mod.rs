@@ -36,6 +36,8 @@ use crate::{
 struct Made {
     package: GarmentPackage,
     warnings: Vec<WarningReport>,
+    /// The size, and the one that comes next, if it was chosen.
+    sizes: [Option<Size>; 2],
     /// What was taken for granted.
     notes: Vec<String>,
 }
@@ -67,7 +69,7 @@ pub(crate) fn run(args: &GarmentArgs, console: &Console) -> anyhow::Result<ExitS
     for note in &made.notes {
         console.summary(&format_args!("note: {note}"));
     }
-    let report = GarmentReport::new(&made.package, &written?, made.warnings, start.elapsed());
+    let report = GarmentReport::new(&made.package, &written?, made.warnings, made.sizes, start.elapsed());
     if console.is_json() {
         print_document(&report)?;
     }
@@ -143,12 +145,12 @@ fn cut(args: &PatternArgs) -> anyhow::Result<Made> {
         .transpose()?
         .ok_or_else(|| wearer::unknown(common.body.as_deref(), body.rest()))?;
     let tailor = Tailor::new(args.parameters.clone(), common.vertices, fabric)?;
-    let (size, notes) = match common.size {
+    let (sizes, notes) = match common.size {
         Some(SizeChoice::Auto) => chosen_size(&args.parameters, &wearer.measures),
-        Some(SizeChoice::Named(size)) => (Some(size), Vec::new()),
-        None => (None, Vec::new()),
+        Some(SizeChoice::Named(size)) => ([Some(size), None], Vec::new()),
+        None => ([None; 2], Vec::new()),
     };
-    let tailor = tailor.with_size(size);
+    let tailor = tailor.with_size(sizes[0]);
     let worn = tailor.dress(&body, &wearer, &AtomicBool::new(false))?;
     let name = common
         .name
@@ -159,19 +161,20 @@ fn cut(args: &PatternArgs) -> anyhow::Result<Made> {
     Ok(Made {
         package,
         warnings,
+        sizes,
         notes,
     })
 }
 
-/// The size that fits best, and what is told of it.
-fn chosen_size(parameters: &Parameters, wearer: &Measures) -> (Option<Size>, Vec<String>) {
+/// The size that fits best, the one that comes next, and what is told of them.
+fn chosen_size(parameters: &Parameters, wearer: &Measures) -> ([Option<Size>; 2], Vec<String>) {
     let sizes = match parameters.garment() {
         GarmentKind::Jeans => Size::trousers(),
         _ => Size::ALL.to_vec(),
     };
     let sizes = parameters.by_fit(&sizes, wearer);
     let [first, second, ..] = sizes[..] else {
-        return (None, Vec::new());
+        return ([None; 2], Vec::new());
     };
     let is_fitting = |size: Size| parameters.fit(&size.measures(), wearer).fits();
     let nearest = "its ease is nearest to that of the pattern";
@@ -182,5 +185,5 @@ fn chosen_size(parameters: &Parameters, wearer: &Measures) -> (Option<Size>, Vec
         }
         (false, _) => format!("no size fits: {first} is taken, {nearest}; {second} comes next"),
     };
-    (Some(first), vec![text])
+    ([Some(first), Some(second)], vec![text])
 }

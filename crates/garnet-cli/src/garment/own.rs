@@ -91,6 +91,7 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
     Ok(Made {
         package,
         warnings,
+        sizes: [None; 2],
         notes,
     })
 }

@@ -2,7 +2,7 @@
 
 use std::{fmt, path::PathBuf, time::Duration};
 
-use garnet::{package::GarmentPackage, untangle::penetration};
+use garnet::{package::GarmentPackage, pattern::Size, untangle::penetration};
 use serde::Serialize;
 
 use crate::drape::WarningReport;
@@ -16,6 +16,10 @@ pub(crate) struct GarmentReport {
     vertices: usize,
     triangles: usize,
     fabric: String,
+    /// The size that it was cut in, `m` or `32x34`; null if it was made to measure.
+    size: Option<String>,
+    /// The size that comes next, if the size was chosen.
+    second_size: Option<String>,
     /// Vertices of the template inside the rest body.
     inside: usize,
     deepest_m: f32,
@@ -29,8 +33,10 @@ impl GarmentReport {
         package: &GarmentPackage,
         written: &[PathBuf],
         warnings: Vec<WarningReport>,
+        sizes: [Option<Size>; 2],
         time: Duration,
     ) -> Self {
+        let [size, second_size] = sizes.map(|size| size.map(|size| size.to_string()));
         let found = penetration(package.mesh.positions(), package.body.skin());
         Self {
             schema: "garnet.garment/1",
@@ -42,6 +48,8 @@ impl GarmentReport {
             vertices: package.mesh.num_vertices(),
             triangles: package.mesh.num_faces(),
             fabric: package.manifest.fabric.name.clone(),
+            size,
+            second_size,
             inside: found.inside,
             deepest_m: found.deepest,
             warnings,
