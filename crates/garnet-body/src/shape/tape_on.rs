@@ -317,7 +317,7 @@ mod tests {
             let person = ParametricBody::build(&population.sample(number)).unwrap();
             let mut pose = Pose::rest(NUM_JOINTS);
             pose.rotations[tape::index("left_hip")] =
-                nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::x_axis(), -0.5);
+                UnitQuaternion::from_axis_angle(&nalgebra::Vector3::x_axis(), -0.5);
             let posed = person.body().posed(&pose).unwrap();
             let fitted = rest.body().fitted(posed.skin().positions()).unwrap();
             assert!(fitted.shape_offsets().is_some());

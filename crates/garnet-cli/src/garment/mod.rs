@@ -69,7 +69,13 @@ pub(crate) fn run(args: &GarmentArgs, console: &Console) -> anyhow::Result<ExitS
     for note in &made.notes {
         console.summary(&format_args!("note: {note}"));
     }
-    let report = GarmentReport::new(&made.package, &written?, made.warnings, made.sizes, start.elapsed());
+    let report = GarmentReport::new(
+        &made.package,
+        &written?,
+        made.warnings,
+        made.sizes,
+        start.elapsed(),
+    );
     if console.is_json() {
         print_document(&report)?;
     }

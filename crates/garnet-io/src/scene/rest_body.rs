@@ -98,51 +98,12 @@ pub(super) fn rest_body_of(
                 mesh.with_positions(positions.clone())
                     .map_err(|error| unfit(error.into()))?
             };
-            let distance = distance_of_skin(&zero, &positions, mesh.positions());
-            let is_fit = mesh.num_vertices() == positions.len();
-            let shaped_by = (is_fit && distance > SHAPED).then_some(distance);
-            let zero = match shaped_by {
-                Some(_) => {
-                    let fitted = zero.fitted_by(mesh.positions(), rest_from_zero.clone());
-                    shaped(&zero, &fitted.map_err(of_skin)?).map_err(of_skin)?
-                }
-                None => zero,
-            };
-            let skeleton = moved(zero.skeleton(), &rest_from_zero).map_err(of_skin)?;
-            let rest = Body::new(mesh, skeleton, rig.weights).map_err(of_skin)?;
-            return Ok(RestBodies {
-                rest,
-                zero: Some(Zero {
-                    body: zero,
-                    rest_from_zero,
-                }),
-                posed_by: None,
-                shaped_by,
-            });
+            return of_shown(zero, rest_from_zero, &positions, mesh).map_err(of_skin);
         }
     }
     if let Some(zero_mesh) = rest_mesh.filter(|_| taken.is_obj) {
-        let own = Body::new(zero_mesh, skeleton.clone(), rig.weights.clone());
-        let own = own.map_err(of_skin)?;
-        let distance = distance_of_skin(&own, own.rest().positions(), mesh.positions());
-        let found = recovered(&own, &mesh, distance).map_err(of_skin)?;
-        if let Some((zero, degrees, left)) = found {
-            let skeleton = moved(zero.body.skeleton(), &zero.rest_from_zero).map_err(of_skin)?;
-            return Ok(RestBodies {
-                rest: Body::new(mesh, skeleton, rig.weights).map_err(of_skin)?,
-                zero: Some(zero),
-                posed_by: Some(degrees),
-                shaped_by: (left > SHAPED).then_some(left),
-            });
-        }
-        if distance > SHAPED && own.rest().num_vertices() == mesh.num_vertices() {
-            return Ok(RestBodies {
-                rest: own.reshaped(mesh.positions()).map_err(of_skin)?,
-                zero: None,
-                posed_by: None,
-                shaped_by: Some(distance),
-            });
-        }
+        let own = Body::new(zero_mesh, skeleton, rig.weights).map_err(of_skin)?;
+        return of_rig(&own, mesh).map_err(of_skin);
     }
     let rest = Body::new(mesh, skeleton, rig.weights).map_err(of_skin)?;
     Ok(RestBodies {
@@ -150,6 +111,62 @@ pub(super) fn rest_body_of(
         zero: None,
         posed_by: None,
         shaped_by: None,
+    })
+}
+
+/// The body of a rig that shows a pose, in which its skin is at `positions` `[vertex]`, with the
+/// mesh at rest in that pose.
+fn of_shown(
+    zero: Body,
+    rest_from_zero: Vec<Isometry3<f32>>,
+    positions: &[Point3],
+    mesh: TriMesh,
+) -> Result<RestBodies, SkinError> {
+    let distance = distance_of_skin(&zero, positions, mesh.positions());
+    let is_fit = mesh.num_vertices() == positions.len();
+    let shaped_by = (is_fit && distance > SHAPED).then_some(distance);
+    let zero = match shaped_by {
+        Some(_) => shaped(
+            &zero,
+            &zero.fitted_by(mesh.positions(), rest_from_zero.clone())?,
+        )?,
+        None => zero,
+    };
+    let skeleton = moved(zero.skeleton(), &rest_from_zero)?;
+    Ok(RestBodies {
+        rest: Body::new(mesh, skeleton, zero.weights().clone())?,
+        zero: Some(Zero {
+            body: zero,
+            rest_from_zero,
+        }),
+        posed_by: None,
+        shaped_by,
+    })
+}
+
+/// The body of a rig with a mesh of its own at rest, in another pose or shape.
+fn of_rig(own: &Body, mesh: TriMesh) -> Result<RestBodies, SkinError> {
+    let distance = distance_of_skin(own, own.rest().positions(), mesh.positions());
+    if let Some((zero, degrees, left)) = recovered(own, &mesh, distance)? {
+        let skeleton = moved(zero.body.skeleton(), &zero.rest_from_zero)?;
+        return Ok(RestBodies {
+            rest: Body::new(mesh, skeleton, own.weights().clone())?,
+            zero: Some(zero),
+            posed_by: Some(degrees),
+            shaped_by: (left > SHAPED).then_some(left),
+        });
+    }
+    let is_fit = own.rest().num_vertices() == mesh.num_vertices();
+    let shaped_by = (is_fit && distance > SHAPED).then_some(distance);
+    let rest = match shaped_by {
+        Some(_) => own.reshaped(mesh.positions())?,
+        None => Body::new(mesh, own.skeleton().clone(), own.weights().clone())?,
+    };
+    Ok(RestBodies {
+        rest,
+        zero: None,
+        posed_by: None,
+        shaped_by,
     })
 }
 
