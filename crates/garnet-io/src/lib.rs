@@ -47,7 +47,8 @@ pub use rig_npz::{WriteRigError, read_rig_npz, rig_npz, write_rig_npz};
 pub use scene::{
     Aim, Frame, MotionOptions, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource,
     Posing, RestSource, RigRest, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem,
-    SceneUnits, Target, is_rig, largest_distance, read_mesh, read_mesh_of, rig_beside,
+    SceneUnits, ShownMesh, Target, is_rig, largest_distance, read_mesh, read_mesh_of,
+    read_shown_mesh, rig_beside,
 };
 pub use scene_json::SceneJson;
 pub use units::{guess_body_unit, guess_garment_units, guess_up_axis};

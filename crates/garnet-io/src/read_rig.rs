@@ -56,10 +56,7 @@ pub struct ReadRig {
 impl ReadRig {
     /// What was joined and left out, for the user to read; nothing where there is but one mesh.
     pub fn note(&self, path: &Path) -> Option<PartsNote> {
-        (self.parts.len() > 1).then(|| PartsNote {
-            path: path.to_path_buf(),
-            parts: self.parts.clone(),
-        })
+        PartsNote::of(path, self.parts.clone())
     }
 }
 
@@ -70,6 +67,14 @@ pub struct PartsNote {
     pub path: PathBuf,
     /// Its meshes.
     pub parts: Vec<RigPart>,
+}
+
+impl PartsNote {
+    /// A note of the meshes of a file; none of a single mesh.
+    pub(crate) fn of(path: &Path, parts: Vec<RigPart>) -> Option<Self> {
+        let path = path.to_path_buf();
+        (parts.len() > 1).then_some(Self { path, parts })
+    }
 }
 
 impl fmt::Display for PartsNote {
@@ -87,12 +92,15 @@ impl fmt::Display for PartsNote {
             let reason = part.left_out.map_or("", gltf::LeftOut::name);
             format!("`{}` ({reason})", part.name)
         };
+        let can_choose = out
+            .iter()
+            .any(|part| part.left_out != Some(gltf::LeftOut::NoFaces));
         let out: Vec<String> = out.into_iter().map(told).collect();
-        write!(
-            formatter,
-            "; left out: {}; `--mesh NAME` chooses",
-            out.join(", ")
-        )
+        write!(formatter, "; left out: {}", out.join(", "))?;
+        if can_choose {
+            formatter.write_str("; `--mesh NAME` chooses")?;
+        }
+        Ok(())
     }
 }
 

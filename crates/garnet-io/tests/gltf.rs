@@ -7,7 +7,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use garnet_io::{LeftOut, RigOptions, RigPart, read_mesh, read_rig, read_rig_with};
+use garnet_io::{
+    LeftOut, RigOptions, RigPart, read_mesh, read_rig, read_rig_with, read_shown_mesh,
+};
 use garnet_skin::Point3;
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -305,6 +307,109 @@ fn all_meshes_on_a_skeleton_are_the_body_but_what_is_called_otherwise() {
     );
 }
 
+/// The file with a strip of its eight vertices in place of its triangles, and some more corners.
+fn stripped(mode: u32, corners: &[u16]) -> (Value, Vec<u8>) {
+    let (mut json, mut binary) = file();
+    let start = binary.len();
+    binary.extend(corners.iter().flat_map(|corner| corner.to_le_bytes()));
+    json["buffers"][0]["byteLength"] = json!(binary.len());
+    let views = json["bufferViews"].as_array_mut().unwrap();
+    let num_bytes = 2 * corners.len();
+    views.push(json!({"buffer": 0, "byteOffset": start, "byteLength": num_bytes}));
+    let view = views.len() - 1;
+    json["accessors"][1]["bufferView"] = json!(view);
+    json["accessors"][1]["count"] = json!(corners.len());
+    json["meshes"][0]["primitives"][0]["mode"] = json!(mode);
+    (json, binary)
+}
+
+/// The same faces whatever corner comes first.
+fn turned(faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let first = |&[a, b, c]: &[u32; 3]| match a.min(b).min(c) {
+        least if least == a => [a, b, c],
+        least if least == b => [b, c, a],
+        _ => [c, a, b],
+    };
+    faces.iter().map(first).collect()
+}
+
+/// Mode, corners and expected faces.
+type Case<'a> = (u32, &'a [u16], &'a [[u32; 3]]);
+
+#[test]
+fn strips_and_fans_are_their_triangles_with_and_without_a_skin() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = strip().rest.unwrap().faces().to_vec();
+    let fan = vec![[0, 1, 3], [0, 3, 5], [0, 5, 4], [0, 4, 2]];
+    let cases: [Case<'_>; 4] = [
+        (5, &[0, 1, 2, 3, 4, 5, 6, 7], &whole),
+        // A strip that goes on after corners twice, and one that starts anew.
+        (5, &[0, 1, 2, 3, 4, 5, 5, 4, 4, 5, 6, 7], &whole),
+        (5, &[0, 1, 2, 3, 4, 5, 65_535, 4, 5, 6, 7], &whole),
+        (6, &[0, 1, 3, 5, 4, 2], &fan),
+    ];
+    for (mode, corners, expected) in cases {
+        let (mut json, binary) = stripped(mode, corners);
+        let path = written(folder.path(), &glb(&json, &binary));
+        let rig = read_rig(&path).unwrap();
+        let found = rig.rest.unwrap();
+        assert_eq!(turned(found.faces()), turned(expected), "{corners:?}");
+        json["skins"] = json!([]);
+        json["nodes"][0]["skin"] = Value::Null;
+        let path = written(folder.path(), &glb(&json, &binary));
+        let found = read_mesh(&path).unwrap().triangles();
+        assert_eq!(turned(&found), turned(expected), "{corners:?}");
+    }
+    // Without indices the vertices are the corners.
+    let (mut json, binary) = stripped(5, &[]);
+    json["meshes"][0]["primitives"][0]["indices"] = Value::Null;
+    let rig = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap();
+    assert_eq!(turned(rig.rest.unwrap().faces()), turned(&whole));
+    let (json, binary) = stripped(5, &[0, 1, 2, 9]);
+    let error = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap_err();
+    assert!(
+        chain(&error).contains("names vertex 9"),
+        "{}",
+        chain(&error)
+    );
+}
+
+#[test]
+fn points_and_lines_are_left_out_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    for mode in 0..4 {
+        let (mut json, binary) = file();
+        let triangles = json["meshes"][0]["primitives"][0].clone();
+        // Guides of hair need no weights.
+        let lines = json!({"attributes": {"POSITION": 0}, "mode": mode});
+        json["meshes"] = json!([{"primitives": [lines, triangles]}, {"primitives": [lines]}]);
+        let nodes = json["nodes"].as_array_mut().unwrap();
+        nodes[0]["name"] = json!("Body");
+        nodes.push(json!({"mesh": 1, "skin": 0, "name": "Guides"}));
+        let path = written(folder.path(), &glb(&json, &binary));
+        let read = read_rig_with(&path, &RigOptions::default()).unwrap();
+        let note = read.note(&path).unwrap().to_string();
+        assert_eq!(read.rig.rest.unwrap().num_faces(), 6);
+        let told =
+            "the body is `Body`; left out: `Body` (points or lines), `Guides` (points or lines)";
+        assert!(note.ends_with(told), "{note}");
+
+        json["skins"] = json!([]);
+        for node in json["nodes"].as_array_mut().unwrap() {
+            node["skin"] = Value::Null;
+        }
+        let path = written(folder.path(), &glb(&json, &binary));
+        let shown = read_shown_mesh(&path, &RigOptions::default()).unwrap();
+        assert_eq!(shown.file.num_polygons(), 6);
+        let note = shown.note.unwrap().to_string();
+        assert!(note.ends_with(told), "{note}");
+        json["meshes"][0] = json["meshes"][1].clone();
+        let path = written(folder.path(), &glb(&json, &binary));
+        let error = chain(&read_mesh(&path).unwrap_err());
+        assert!(error.contains("without a triangle"), "{error}");
+    }
+}
+
 #[test]
 fn default_weights_of_morph_targets_are_applied_and_those_of_the_node_come_first() {
     let folder = tempfile::tempdir().unwrap();
@@ -443,7 +548,7 @@ fn impossible_files_are_refused_with_the_reason() {
         ),
         (
             |json| json["meshes"][0]["primitives"][0]["mode"] = json!(1),
-            "not made of triangles",
+            "its meshes are made of points or lines, without a triangle",
         ),
         (
             |json| json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),

@@ -7,14 +7,17 @@ use garnet::{
     Rig, TriMesh,
     body::shape::{Recognized, recognized},
     io::{
-        Frame, ObjFile, guess_body_unit, guess_garment_units, guess_up_axis, is_rig, read_mesh,
-        read_rig, rig_beside,
+        Frame, ObjFile, RigOptions, guess_body_unit, guess_garment_units, guess_up_axis, is_rig,
+        read_rig, read_shown_mesh, rig_beside,
     },
     mesh::{Bounds, MeshDiagnosis, diagnose, is_inside_out},
 };
 use serde::Serialize;
 
-use super::{rig::tape, table::Table};
+use super::{
+    rig::{PartInfo, tape},
+    table::Table,
+};
 
 /// What is in a mesh and what is unusual about it. Lengths are in the unit of the file.
 #[derive(Debug, Serialize)]
@@ -51,6 +54,9 @@ pub(crate) struct MeshInfo {
     duplicate_faces: usize,
     non_manifold_edges: usize,
     inconsistent_edges: usize,
+    /// Meshes of a GLB that are left out, and why.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    left_out: Vec<PartInfo>,
     /// Whether most faces look inwards; of a mesh with rims that says little.
     is_inside_out: bool,
     /// Tape measures at rest, in centimetres, if it is a built-in body at rest.
@@ -68,11 +74,14 @@ fn built_in(mesh: &TriMesh) -> Option<Rig> {
 
 impl MeshInfo {
     pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
-        let file = if is_rig(path) {
-            read_mesh(path)?
+        let (file, note) = if is_rig(path) {
+            let shown = read_shown_mesh(path, &RigOptions::default())?;
+            (shown.file, shown.note)
         } else {
-            ObjFile::read(path)?
+            (ObjFile::read(path)?, None)
         };
+        let parts = note.iter().flat_map(|note| &note.parts);
+        let left_out = parts.filter(|part| part.left_out.is_some());
         let mesh = file.mesh();
         let mesh = mesh.with_context(|| format!("cannot read `{}`", path.display()))?;
         let rig = rig_beside(path);
@@ -82,6 +91,7 @@ impl MeshInfo {
             built_in(&mesh)
         };
         Ok(Self {
+            left_out: left_out.map(PartInfo::new).collect(),
             tape_cm: rig.as_ref().and_then(tape),
             is_inside_out: is_inside_out(mesh.positions(), mesh.faces()),
             ..Self::new(&file, &diagnose(&mesh))
@@ -121,6 +131,7 @@ impl MeshInfo {
             duplicate_faces: found.duplicate_faces.len(),
             non_manifold_edges: found.non_manifold_edges.len(),
             inconsistent_edges: found.inconsistent_edges.len(),
+            left_out: Vec::new(),
             is_inside_out: false,
             tape_cm: None,
         }
@@ -194,6 +205,9 @@ impl MeshInfo {
             table.row("unusual", "nothing");
         } else {
             table.row("unusual", found.join(", "));
+        }
+        for part in &self.left_out {
+            part.fill(table);
         }
         for (name, centimetres) in self.tape_cm.iter().flatten() {
             table.row(name, format_args!("{centimetres:.1} cm"));

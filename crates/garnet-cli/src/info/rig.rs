@@ -5,7 +5,7 @@ use std::path::Path;
 use garnet::{
     Rig, Skeleton,
     body::shape::tape_measures,
-    io::{LeftOut, RigOptions, SceneJson, read_rig_with},
+    io::{LeftOut, RigOptions, RigPart, SceneJson, read_rig_with},
 };
 use serde::Serialize;
 
@@ -40,6 +40,27 @@ pub(crate) struct PartInfo {
     left_out: Option<&'static str>,
 }
 
+impl PartInfo {
+    pub(super) fn new(part: &RigPart) -> Self {
+        Self {
+            name: part.name.clone(),
+            faces: part.num_faces,
+            left_out: part.left_out.map(LeftOut::name),
+        }
+    }
+
+    pub(super) fn fill(&self, table: &mut Table) {
+        let fate = match self.left_out {
+            Some(reason) => format!("left out: {reason}"),
+            None => "of the body".to_owned(),
+        };
+        table.row(
+            &format!("mesh {}", self.name),
+            format_args!("{} faces, {fate}", self.faces),
+        );
+    }
+}
+
 /// A joint.
 #[derive(Debug, Serialize)]
 pub(crate) struct JointInfo {
@@ -51,11 +72,7 @@ pub(crate) struct JointInfo {
 impl RigInfo {
     pub(crate) fn read(path: &Path, options: &RigOptions) -> anyhow::Result<Self> {
         let read = read_rig_with(path, options)?;
-        let parts = read.parts.iter().map(|part| PartInfo {
-            name: part.name.clone(),
-            faces: part.num_faces,
-            left_out: part.left_out.map(LeftOut::name),
-        });
+        let parts = read.parts.iter().map(PartInfo::new);
         Ok(Self {
             parts: parts.collect(),
             ..Self::new(&read.rig)
@@ -101,14 +118,7 @@ impl RigInfo {
             table.row(name, format_args!("{centimetres:.1} cm"));
         }
         for part in self.parts.iter().filter(|_| self.parts.len() > 1) {
-            let fate = match part.left_out {
-                Some(reason) => format!("left out: {reason}"),
-                None => "of the body".to_owned(),
-            };
-            table.row(
-                &format!("mesh {}", part.name),
-                format_args!("{} faces, {fate}", part.faces),
-            );
+            part.fill(table);
         }
         fill_joints(&self.joints, table);
     }

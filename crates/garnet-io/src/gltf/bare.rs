@@ -6,31 +6,37 @@ use garnet_mesh::{Point3, TriMesh};
 use gltf::json::{Index, Root};
 
 use super::{
-    GltfProblem, container,
-    nodes::Nodes,
+    GltfProblem, RigPart, container, modes,
+    nodes::{self, Nodes},
     rig::{MOST_ELEMENTS, Reader, opened},
 };
 use crate::{FileError, FileProblem, json};
 
-/// Reads all meshes of a file without skins as one, where its nodes have them.
+/// Reads all meshes of a file without skins as one, where its nodes have them, and tells of what:
+/// where something is left out, the parts that are read and those that are not.
 ///
 /// # Errors
 ///
 /// [`FileError`]: no mesh at all, and those of [`super::read_rig_gltf`].
-pub(crate) fn read_bare(path: &Path) -> Result<TriMesh, FileError> {
+pub(crate) fn read_bare(path: &Path) -> Result<(TriMesh, Vec<RigPart>), FileError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     json::read_with(path, |bytes| {
         opened(bytes, |root, _, binary| joined(root, binary, folder))
     })
 }
 
-fn joined(root: &Root, binary: Option<&[u8]>, folder: &Path) -> Result<TriMesh, FileProblem> {
+fn joined(
+    root: &Root,
+    binary: Option<&[u8]>,
+    folder: &Path,
+) -> Result<(TriMesh, Vec<RigPart>), FileProblem> {
     let file = Reader {
         root,
         buffers: container::buffers(root, binary, folder)?,
     };
     let nodes = Nodes::new(root)?;
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    let (mut parts, mut faceless) = (Vec::new(), Vec::new());
     for (node, content) in root.nodes.iter().enumerate() {
         let Some(index) = content.mesh.as_ref().map(Index::value) else {
             continue;
@@ -48,12 +54,18 @@ fn joined(root: &Root, binary: Option<&[u8]>, folder: &Path) -> Result<TriMesh, 
         let is_mirrored = world.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
         let morph = content.weights.as_ref().or(mesh.weights.as_ref());
         let morph = morph.map_or(&[][..], Vec::as_slice);
+        let name = nodes::name(root, node);
+        let num_before = faces.len();
         for (place, primitive) in mesh.primitives.iter().enumerate() {
             if positions.len().max(faces.len()) > MOST_ELEMENTS {
                 return Err(GltfProblem::TooLarge {
                     most: MOST_ELEMENTS,
                 }
                 .into());
+            }
+            if modes::is_faceless(primitive) {
+                RigPart::add_faceless(&mut faceless, Some(&name));
+                continue;
             }
             let source = Reader::bare_source(place, primitive, morph)?;
             let vertices = file.vertices(place, &source)?.positions;
@@ -65,9 +77,23 @@ fn joined(root: &Root, binary: Option<&[u8]>, folder: &Path) -> Result<TriMesh, 
             let placed = vertices.iter().map(|point| world.transform_point(point));
             positions.extend(placed.map(|point| -> Point3 { point.cast() }));
         }
+        if faces.len() > num_before {
+            parts.push(RigPart {
+                name,
+                num_faces: faces.len() - num_before,
+                left_out: None,
+            });
+        }
+    }
+    if faces.is_empty() && !faceless.is_empty() {
+        return Err(GltfProblem::NoTriangles.into());
     }
     if faces.is_empty() {
         return Err(GltfProblem::NoSkin.into());
     }
-    Ok(TriMesh::new(positions, faces)?)
+    if faceless.is_empty() {
+        parts.clear();
+    }
+    parts.append(&mut faceless);
+    Ok((TriMesh::new(positions, faces)?, parts))
 }

@@ -8,6 +8,7 @@ mod animation;
 mod bare;
 mod base64;
 mod container;
+mod modes;
 mod nodes;
 mod parts;
 mod problem;

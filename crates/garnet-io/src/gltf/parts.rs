@@ -23,6 +23,8 @@ pub enum LeftOut {
     NotChosen,
     /// It follows another skeleton, or none.
     OtherSkeleton,
+    /// It is made of points or lines, without faces.
+    NoFaces,
 }
 
 impl LeftOut {
@@ -37,6 +39,7 @@ impl LeftOut {
             Self::Inside => "inside the body",
             Self::NotChosen => "not chosen",
             Self::OtherSkeleton => "not on this skeleton",
+            Self::NoFaces => "points or lines",
         }
     }
 }
@@ -50,6 +53,20 @@ pub struct RigPart {
     pub num_faces: usize,
     /// Why it is left out, if it is.
     pub left_out: Option<LeftOut>,
+}
+
+impl RigPart {
+    /// Adds points or lines of a mesh, once a name.
+    pub(super) fn add_faceless(parts: &mut Vec<Self>, name: Option<&String>) {
+        let part = Self {
+            name: name.cloned().unwrap_or_else(|| "unnamed".to_owned()),
+            num_faces: 0,
+            left_out: Some(LeftOut::NoFaces),
+        };
+        if !parts.contains(&part) {
+            parts.push(part);
+        }
+    }
 }
 
 /// A primitive on the skeleton, as shown.

@@ -33,6 +33,9 @@ pub enum GltfProblem {
     /// No node has a mesh and a skin.
     #[error("no mesh has a skin")]
     NoSkin,
+    /// All meshes are points or lines.
+    #[error("its meshes are made of points or lines, without a triangle")]
+    NoTriangles,
     /// There is no such animation.
     #[error("{}", no_clip(wanted.as_deref(), found))]
     NoClip {
@@ -76,7 +79,7 @@ pub enum GltfProblem {
         what: &'static str,
     },
     /// A primitive cannot be read.
-    #[error("primitive {primitive} of the skinned mesh: {what}")]
+    #[error("primitive {primitive} of the mesh: {what}")]
     Primitive {
         /// Number of the primitive, from 0.
         primitive: usize,

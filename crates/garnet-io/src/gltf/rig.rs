@@ -11,7 +11,7 @@ use nalgebra::{Matrix4, Point3 as NaPoint3};
 use super::{
     GltfProblem,
     accessor::{self, Fractions, Rows},
-    container,
+    container, modes,
     nodes::{self, Nodes},
     parts::{Candidate, LeftOut, RigPart, left_out},
     rest::{Placed, Shown},
@@ -166,11 +166,10 @@ fn read(
     {
         let mesh = content.mesh.and_then(|mesh| root.meshes.get(mesh.value()));
         let primitives = mesh.iter().flat_map(|mesh| &mesh.primitives);
-        let indices =
-            primitives.filter_map(|primitive| root.accessors.get(primitive.indices?.value()));
+        let num_faces = primitives.map(|primitive| modes::most_faces(root, primitive));
         best.parts.push(RigPart {
             name: nodes::name(root, node),
-            num_faces: indices.map(|accessor| accessor.count.0 as usize / 3).sum(),
+            num_faces: num_faces.sum(),
             left_out: Some(LeftOut::OtherSkeleton),
         });
     }
@@ -207,6 +206,8 @@ struct Pool {
     /// The skin of each vertex.
     skins: Vec<usize>,
     num_faces: usize,
+    /// Points and lines, which are left out.
+    faceless: Vec<RigPart>,
     /// What was read, of which skin, from which vertex on.
     sources: Vec<(Source, usize, usize)>,
 }
@@ -239,6 +240,9 @@ impl Reader<'_> {
                 .unwrap_or(0);
             self.add_mesh((number, instance), skin, &mut pool, &mut pieces)?;
         }
+        if pieces.is_empty() && !pool.faceless.is_empty() {
+            return Err(GltfProblem::NoTriangles.into());
+        }
         let mesh_nodes = skins.iter().map(|skin| {
             let node = group.iter().find(|instance| instance.skin == *skin);
             node.map_or(0, |instance| instance.node)
@@ -265,10 +269,11 @@ impl Reader<'_> {
         }
         .placed()?;
         let shown = shown(&placed, &weights)?;
-        let (reasons, parts) = Self::chosen(&pieces, &pool, &shown, options)?;
+        let (reasons, mut parts) = Self::chosen(&pieces, &pool, &shown, options)?;
         let kept: Vec<&Piece> = (pieces.iter().zip(&reasons))
             .filter_map(|(piece, reason)| reason.is_none().then_some(piece))
             .collect();
+        parts.append(&mut pool.faceless);
         let is_mirrored = is_mirrored(&binds[0], nodes);
         let rig = joined(placed, &weights, &pool, &kept)?;
         let skeleton = if is_mirrored {
@@ -295,6 +300,12 @@ impl Reader<'_> {
             .or(mesh.weights.as_ref())
             .map_or(&[][..], Vec::as_slice);
         for (place, primitive) in mesh.primitives.iter().enumerate() {
+            let object = [&self.root.nodes[instance.node].name, &mesh.name];
+            let object: Vec<String> = object.into_iter().flatten().cloned().collect();
+            if modes::is_faceless(primitive) {
+                RigPart::add_faceless(&mut pool.faceless, object.first());
+                continue;
+            }
             let source = Self::source(place, primitive, morph)?;
             if pool.positions.len().max(pool.num_faces) > MOST_ELEMENTS {
                 return Err(GltfProblem::TooLarge {
@@ -325,8 +336,6 @@ impl Reader<'_> {
             pool.num_faces += faces.len();
             let material = primitive.material.as_ref().map(Index::value);
             let material = material.and_then(|material| self.root.materials.get(material));
-            let object = [&self.root.nodes[instance.node].name, &mesh.name];
-            let object = object.into_iter().flatten().cloned();
             pieces.push(Piece {
                 instance: number,
                 source,
@@ -335,7 +344,7 @@ impl Reader<'_> {
                     .map(|face| face.map(|corner| first as u32 + corner))
                     .collect(),
                 names: [
-                    object.collect(),
+                    object,
                     material
                         .and_then(|material| material.name.clone())
                         .into_iter()

@@ -3,7 +3,7 @@
 use gltf::json::{
     Index,
     accessor::Type,
-    mesh::{Mode, Primitive, Semantic},
+    mesh::{Primitive, Semantic},
     validation::Checked,
 };
 use nalgebra::{Point3 as NaPoint3, Vector3};
@@ -11,6 +11,7 @@ use nalgebra::{Point3 as NaPoint3, Vector3};
 use super::{
     GltfProblem,
     accessor::{self, Fractions},
+    modes,
     rig::Reader,
 };
 use crate::FileProblem;
@@ -62,9 +63,6 @@ impl Reader<'_> {
             primitive: number,
             what,
         };
-        if primitive.mode != Checked::Valid(Mode::Triangles) {
-            return Err(wrong("it is not made of triangles"));
-        }
         let attribute = |semantic| {
             let index: Option<&Index<_>> = primitive.attributes.get(&Checked::Valid(semantic));
             index.map(Index::value)
@@ -166,10 +164,15 @@ impl Reader<'_> {
             }
             None => (0..num_vertices).collect(),
         };
-        if !corners.len().is_multiple_of(3) {
-            return Err(wrong("its indices do not divide into triangles"));
-        }
-        if let Some(&index) = corners.iter().find(|&&corner| corner >= num_vertices) {
+        let Checked::Valid(mode) = primitive.mode else {
+            return Err(wrong("its mode is unknown"));
+        };
+        // What is a vertex starts nothing anew.
+        let restart = modes::restart(self.root, primitive).filter(|&number| number >= num_vertices);
+        let triangles = modes::triangles(mode, &corners, restart);
+        let triangles = triangles.ok_or(wrong("its indices do not divide into triangles"))?;
+        let mut named = triangles.as_flattened().iter();
+        if let Some(&index) = named.find(|&&corner| corner >= num_vertices) {
             return Err(GltfProblem::OutOfRange {
                 user: format!("primitive {number}"),
                 part: "vertex",
@@ -177,10 +180,7 @@ impl Reader<'_> {
                 count: num_vertices,
             });
         }
-        let triangles = corners.chunks_exact(3);
-        let corner = |corner: usize| corner as u32;
-        Ok(triangles
-            .map(|face| [corner(face[0]), corner(face[1]), corner(face[2])])
-            .collect())
+        let face = |face: [usize; 3]| face.map(|corner| corner as u32);
+        Ok(triangles.into_iter().map(face).collect())
     }
 }

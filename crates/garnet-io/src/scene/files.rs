@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::{
     MotionOptions, PoseSource, SceneError, SceneProblem, is_rig,
-    read_mesh::{ShownMesh, read_mesh_with},
+    read_mesh::{ShownMesh, read_shown_mesh},
     rig_search::{built_in, rig_beside, rig_of},
 };
 use crate::{ObjFile, PartsNote, RigOptions, SceneJson, read_rig, read_rig_with};
@@ -81,8 +81,8 @@ pub(super) struct ReadFiles {
     pub(super) rig_path: PathBuf,
     /// The body that the garment lies on, where that is not the one of the rig.
     pub(super) own: Option<Rig>,
-    /// Which meshes of a rig file are the body.
-    pub(super) parts: Option<PartsNote>,
+    /// Which meshes of rig files are bodies.
+    pub(super) parts: Vec<PartsNote>,
 }
 
 /// A body of which positions are kept, and the text if there is but one.
@@ -96,6 +96,8 @@ pub(super) struct BodyFile {
     pub(super) file: Option<ObjFile>,
     /// Of a rig: positions in the rest pose of the rig, where it shows another one.
     pub(super) at_rest: Option<Vec<Point3>>,
+    /// What was left out.
+    pub(super) note: Option<PartsNote>,
 }
 
 impl ReadFiles {
@@ -115,15 +117,18 @@ impl ReadFiles {
         let read = |path: &Path| Ok((read_rig_with(path, &files.rig_options)?, path.to_path_buf()));
         let rig = || -> Result<_, SceneError> { rig_path.as_deref().map(read).transpose() };
         let ((garment, (bodies, rest_body)), rig) = rayon::join(meshes, rig);
-        let (garment, bodies, rest_body) = (garment?, bodies?, rest_body?);
-        let mut parts = None;
+        let (garment, mut bodies, rest) = (garment?, bodies?, rest_body?);
+        let (rest_body, note) = rest.map_or((None, None), |rest| (Some(rest.file), rest.note));
+        let mut parts = Vec::new();
         let (mut rig, mut rig_path) = match rig? {
             Some((read, rig_path)) => {
-                parts = read.note(&rig_path);
+                parts.extend(read.note(&rig_path));
                 (read.rig, rig_path)
             }
             None => built_in_rig(rest_body.as_ref(), &bodies, files)?,
         };
+        parts.extend(note);
+        parts.extend(bodies.iter_mut().filter_map(|body| body.note.take()));
         let mut own = None;
         if let Some(own_rig) = &files.own_rig {
             if *own_rig != rig_path {
@@ -182,12 +187,12 @@ fn built_in_rig(
 }
 
 /// The rest body, unless it is the rest mesh of the rig itself.
-fn read_rest(files: &SceneFiles, rig: Option<&Path>) -> Result<Option<ObjFile>, SceneError> {
+fn read_rest(files: &SceneFiles, rig: Option<&Path>) -> Result<Option<ShownMesh>, SceneError> {
     let path = files.rest_body.as_deref();
     let Some(path) = path.filter(|path| !is_rig(path) || rig != Some(*path)) else {
         return Ok(None);
     };
-    read_mesh_with(path, &files.rig_options).map(|mesh| Some(mesh.file))
+    read_shown_mesh(path, &files.rig_options).map(Some)
 }
 
 fn read_bodies(files: &SceneFiles) -> Result<Vec<BodyFile>, SceneError> {
@@ -195,11 +200,16 @@ fn read_bodies(files: &SceneFiles) -> Result<Vec<BodyFile>, SceneError> {
     let is_single = paths.len() == 1;
     let first_edges = OnceLock::new();
     let read = |path: &PathBuf| -> Result<BodyFile, SceneError> {
-        let ShownMesh { file, at_rest } = read_mesh_with(path, &files.rig_options)?;
+        let ShownMesh {
+            file,
+            at_rest,
+            note,
+        } = read_shown_mesh(path, &files.rig_options)?;
         let edges = file.polygon_edges();
         let shared: &Arc<Vec<[u32; 2]>> = first_edges.get_or_init(|| Arc::new(edges.clone()));
         Ok(BodyFile {
             at_rest,
+            note,
             path: path.clone(),
             positions: file.positions().to_vec(),
             edges: if **shared == edges {

@@ -8,7 +8,7 @@ use garnet_skin::{Body, Pose, Rig};
 use super::{
     Frame, PoseNote, SceneError, SceneProblem,
     places::matched_rig,
-    read_mesh::{is_rig, read_mesh_with},
+    read_mesh::{ShownMesh, is_rig, read_shown_mesh},
     rest_body::rest_body_of,
     rest_mesh::{Frames, RestMesh},
     rig_search::{built_in, rig_beside},
@@ -74,7 +74,11 @@ impl OwnBody {
             own.notes.extend(note.map(PoseNote::Parts));
             return Ok(own);
         }
-        let file = read_mesh_with(path, options)?.file;
+        let ShownMesh {
+            file,
+            note: of_mesh,
+            ..
+        } = read_shown_mesh(path, options)?;
         let mesh = file.mesh().map_err(|source| SceneError::NoBody {
             path: path.to_path_buf(),
             problem: source.into(),
@@ -98,7 +102,8 @@ impl OwnBody {
             is_obj: true,
         };
         let (mut own, frame) = in_metres(rig, &taken, &rig_path)?;
-        own.notes.extend(note.map(PoseNote::Parts));
+        own.notes
+            .extend(note.into_iter().chain(of_mesh).map(PoseNote::Parts));
         // What is posed from a rig file has no text to keep.
         own.file = (!is_rig(path)).then_some((file, frame));
         Ok(own)

@@ -7,7 +7,8 @@ use garnet_skin::skin_linear;
 
 use super::{SceneError, SceneProblem};
 use crate::{
-    FileError, FileProblem, GltfProblem, ObjFile, RigOptions, gltf::read_bare, read_rig_with,
+    FileError, FileProblem, GltfProblem, ObjFile, PartsNote, RigOptions, gltf::read_bare,
+    read_rig_with,
 };
 
 /// Reads a mesh: an OBJ, or the rest mesh of a rig (npz, GLB, glTF, VRM) as if it were written as
@@ -29,24 +30,37 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<ObjFile, SceneError> {
 ///
 /// Those of [`read_mesh`], and a mesh of a name that is not there.
 pub fn read_mesh_of(path: impl AsRef<Path>, options: &RigOptions) -> Result<ObjFile, SceneError> {
-    Ok(read_mesh_with(path.as_ref(), options)?.file)
+    Ok(read_shown_mesh(path, options)?.file)
 }
 
 /// A mesh of a file.
 #[derive(Debug)]
-pub(super) struct ShownMesh {
-    pub(super) file: ObjFile,
-    /// Where its vertices are in the rest pose of its rig, if the file shows another pose.
-    pub(super) at_rest: Option<Vec<Point3>>,
+#[non_exhaustive]
+pub struct ShownMesh {
+    /// The mesh as an OBJ.
+    pub file: ObjFile,
+    /// Positions `[vertex]` in the rest pose of its rig, if the file shows another pose.
+    pub at_rest: Option<Vec<Point3>>,
+    /// What was left out of a glTF without a skin.
+    pub note: Option<PartsNote>,
 }
 
-/// Reads a mesh with a choice of the meshes of a rig.
-pub(super) fn read_mesh_with(path: &Path, options: &RigOptions) -> Result<ShownMesh, SceneError> {
+/// Reads a mesh as [`read_mesh_of`] does, and tells what was left out.
+///
+/// # Errors
+///
+/// Those of [`read_mesh_of`].
+pub fn read_shown_mesh(
+    path: impl AsRef<Path>,
+    options: &RigOptions,
+) -> Result<ShownMesh, SceneError> {
+    let path = path.as_ref();
     if !is_rig(path) {
         let file = ObjFile::read(path)?;
         return Ok(ShownMesh {
             file,
             at_rest: None,
+            note: None,
         });
     }
     // Which joint is which does not matter for a mesh.
@@ -60,9 +74,11 @@ pub(super) fn read_mesh_with(path: &Path, options: &RigOptions) -> Result<ShownM
             problem: FileProblem::Gltf(GltfProblem::NoSkin),
             ..
         }) if options.meshes.is_empty() => {
+            let (mesh, parts) = read_bare(path)?;
             return Ok(ShownMesh {
-                file: ObjFile::of_mesh(&read_bare(path)?, path)?,
+                file: ObjFile::of_mesh(&mesh, path)?,
                 at_rest: None,
+                note: PartsNote::of(path, parts),
             });
         }
         read => read?.rig,
@@ -81,6 +97,7 @@ pub(super) fn read_mesh_with(path: &Path, options: &RigOptions) -> Result<ShownM
         return Ok(ShownMesh {
             file,
             at_rest: None,
+            note: None,
         });
     };
     let transforms = rig.skeleton.transforms(pose)?;
@@ -94,6 +111,7 @@ pub(super) fn read_mesh_with(path: &Path, options: &RigOptions) -> Result<ShownM
     Ok(ShownMesh {
         file: ObjFile::of_mesh(&shown, path)?,
         at_rest: Some(mesh.positions().to_vec()),
+        note: None,
     })
 }
 
