@@ -218,6 +218,46 @@ fn a_motion_comes_back_from_bvh_in_every_order_unit_axis_and_layout() {
 }
 
 #[test]
+fn a_root_that_lays_the_figure_down_is_told_and_read_by_the_up_axis() {
+    let folder = tempfile::tempdir().unwrap();
+    let (source, target) = (renamed(&skeleton(0.0, 12.0), &CMU), skeleton(45.0, 3.0));
+    let frames = [pose(22, 1.0), pose(22, 2.0)].map(|mut pose| {
+        pose.rotations[0] = UnitQuaternion::identity();
+        pose
+    });
+    let plain = bvh(&source, &frames, PLAIN);
+    // At rest along y, in the frames along z: the root turns it, and goes the same way.
+    let up = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f32::consts::FRAC_PI_2);
+    let hips = source.joints()[0].rest_position.coords;
+    let lying = frames.clone().map(|mut pose| {
+        pose.rotations[0] = up * pose.rotations[0];
+        pose.root_translation = up * (hips + pose.root_translation) - hips;
+        pose
+    });
+    let lying = bvh(&source, &lying, PLAIN);
+    let read = |text: &str, up: Option<UpAxis>| {
+        let path = folder.path().join("clip.bvh");
+        fs::write(&path, text).unwrap();
+        let options = ReadOptions {
+            up,
+            ..ReadOptions::default()
+        };
+        Take::read(&path, &options).unwrap()
+    };
+    let options = RetargetOptions::default();
+    let poses = |take: &Take| take.poses(&target, FrameRange::ALL, &options).unwrap();
+    let expected = poses(&read(&plain, None));
+    let found = read(&lying, None);
+    let notes = &found.motion().unwrap().notes;
+    let is_told = |note: &String| note.contains("`--pose-up z`");
+    assert!(notes.iter().any(is_told), "{notes:?}");
+    for (found, expected) in poses(&read(&lying, Some(UpAxis::Z))).iter().zip(&expected) {
+        assert!(largest_angle(found, expected) < 1e-3);
+        assert!((found.root_translation - expected.root_translation).norm() < 1e-2);
+    }
+}
+
+#[test]
 fn units_and_up_axis_can_be_told() {
     let folder = tempfile::tempdir().unwrap();
     let skeleton = renamed(&skeleton(0.0, 0.0), &CMU);
@@ -270,6 +310,14 @@ fn errors_of_bvh_files_name_the_line() {
             "found `two`, expected the number of frames",
         ),
         (format!("{good}1 2 3\n"), "3 numbers, expected 69"),
+        (
+            good.replacen("OFFSET 0 95", "OFFSET 0 95,3", 1),
+            "line 4: found `95,3`, expected numbers with a decimal point",
+        ),
+        (
+            good.replacen("8.333e-3", "0,00833", 1),
+            "found `0,00833`, expected numbers with a decimal point",
+        ),
         (good.replacen("8.333e-3", "nan", 1), "found `nan`"),
         (lines[..20].join("\n"), "line 20: the file ends here"),
         (
@@ -292,7 +340,18 @@ fn errors_of_bvh_files_name_the_line() {
         matches!(error.problem, MotionProblem::RowLength { line, .. } if line == last),
         "{error:?}"
     );
-    // The rows that are there are read, and that is told.
+}
+
+#[test]
+fn the_rows_that_are_there_are_read_and_that_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = bvh(
+        &renamed(&skeleton(0.0, 0.0), &CMU),
+        &[pose(22, 1.0), pose(22, 2.0)],
+        PLAIN,
+    );
+    let lines: Vec<&str> = good.lines().collect();
+    let last = lines.len();
     let rows = [
         (
             good.replacen("Frames: 2", "Frames: 3", 1),
@@ -311,6 +370,105 @@ fn errors_of_bvh_files_name_the_line() {
         assert_eq!(take.num_frames(), num_frames);
         let notes = &take.motion().unwrap().notes;
         assert!(notes.iter().any(|found| found.contains(note)), "{notes:?}");
+    }
+}
+
+/// Lines of the frames of a BVH file, each cut after so many numbers.
+fn wrapped(text: &str, length: usize) -> String {
+    let (head, rows) = text.split_once("8.333e-3\n").unwrap();
+    let words: Vec<&str> = rows.split_whitespace().collect();
+    let lines: Vec<String> = words.chunks(length).map(|line| line.join(" ")).collect();
+    format!("{head}8.333e-3\n{}\n", lines.join("\n"))
+}
+
+const KEYWORDS: [&str; 10] = [
+    "HIERARCHY",
+    "ROOT",
+    "JOINT",
+    "OFFSET",
+    "CHANNELS",
+    "End Site",
+    "Xrotation",
+    "MOTION",
+    "Frames",
+    "Frame Time",
+];
+
+#[test]
+fn variants_of_bvh_files_are_the_same_motion() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = bvh(
+        &renamed(&skeleton(0.0, 0.0), &CMU),
+        &[pose(22, 1.0), pose(22, 2.0)],
+        PLAIN,
+    );
+    let expected = take(folder.path(), good.as_bytes()).unwrap();
+    let expected = expected.motion().unwrap();
+    let same = [
+        good.replace('\n', "\r"),
+        good.replace('\n', "\r\n"),
+        good.replace(' ', "\t").replace("End\tSite", "End Site"),
+        KEYWORDS.iter().fold(good.clone(), |text, word| {
+            text.replace(word, &word.to_lowercase())
+        }),
+        format!("{good}\n\n  \n\t\n"),
+        good.replace("End Site", "EndSite"),
+        good.replace("End Site", "End Site of a chain"),
+        good.replace("End Site\n", "END SITE "),
+        good.replace("End Site\n{\nOFFSET 0 0 0.1\n}", "End Site\n{\n}"),
+        good.replacen("ROOT Hips", "ROOT Hips // the first", 1),
+        good.replacen("ROOT Hips", "ROOT Hips\tthe first", 1),
+        good.replacen("ROOT Hips", "ROOT \"Hips\" # the first", 1),
+    ];
+    for text in same {
+        let take = take(folder.path(), text.as_bytes()).unwrap();
+        let motion = take.motion().unwrap();
+        assert_eq!(motion.frames, expected.frames, "{}", &text[..200]);
+        assert_eq!(motion.frame_time, expected.frame_time);
+        assert_eq!(motion.notes, expected.notes);
+        assert_eq!(motion.skeleton.joints()[0].name, "Hips");
+    }
+    // Anything may be cut anywhere, if the number of frames is right.
+    for length in [1, 7, 68, 69, 70, 1000] {
+        let text = wrapped(&good, length);
+        let take = take(folder.path(), text.as_bytes()).unwrap();
+        let motion = take.motion().unwrap();
+        assert_eq!(motion.frames, expected.frames);
+        let is_told = motion
+            .notes
+            .iter()
+            .any(|note| note.contains("every 69 numbers"));
+        assert_eq!(is_told, length != 69);
+    }
+    let text = wrapped(&good, 23).replacen("Frames: 2", "Frames: 6", 1);
+    let error = chain(&take(folder.path(), text.as_bytes()).unwrap_err());
+    assert!(error.contains("23 numbers, expected 69"), "{error}");
+}
+
+#[test]
+fn a_bvh_file_without_a_frame_time_has_frames_and_no_seconds() {
+    let folder = tempfile::tempdir().unwrap();
+    let target = skeleton(45.0, 3.0);
+    let good = bvh(
+        &renamed(&skeleton(0.0, 0.0), &CMU),
+        &[pose(22, 1.0), pose(22, 2.0)],
+        PLAIN,
+    );
+    for (line, note) in [
+        ("", "there is no `Frame Time:`"),
+        ("Frame Time: 0\n", "`Frame Time:` is 0"),
+        ("Frame Time: -1.0\n", "`Frame Time:` is -1.0"),
+    ] {
+        let text = good.replacen("Frame Time: 8.333e-3\n", line, 1);
+        assert_ne!(text, good);
+        let take = take(folder.path(), text.as_bytes()).unwrap();
+        assert_eq!((take.num_frames(), take.frame_time()), (2, None));
+        let notes = &take.motion().unwrap().notes;
+        assert!(notes.iter().any(|found| found.contains(note)), "{notes:?}");
+        let options = RetargetOptions::default();
+        let seconds = take.poses(&target, "0s:1s".parse().unwrap(), &options);
+        let text = chain(&seconds.unwrap_err());
+        assert!(text.contains("clip.bvh"), "{text}");
     }
 }
 

@@ -12,7 +12,7 @@ use nalgebra::{UnitQuaternion, Vector3 as Vector};
 
 use super::{
     MotionProblem,
-    bvh_text::{Lines, number, unexpected},
+    bvh_text::{Lines, decimal, number, unexpected},
 };
 
 /// The largest number of joints.
@@ -20,6 +20,9 @@ const MAX_JOINTS: usize = 4096;
 
 /// Lengths below the root may stretch by this part of the bone before a note is made of it.
 const STRETCH: f64 = 0.02;
+
+/// How the ends of chains are called.
+const END_SITES: [&str; 4] = ["End", "EndSite", "End_Site", "End-Site"];
 
 #[derive(Debug, Clone, Copy)]
 enum Channel {
@@ -37,16 +40,17 @@ struct BvhJoint {
 
 /// Reads a BVH file.
 pub(super) fn parse(text: &str, options: &ReadOptions) -> Result<Motion, MotionProblem> {
-    let mut lines = Lines::new(text);
+    // Lines end as on Unix, Windows or, long ago, a Mac.
+    let text = text.replace("\r\n", "\n").replace('\r', "\n");
+    let mut lines = Lines::new(&text);
     let joints = hierarchy(&mut lines)?;
     let count = lines.header("Frames", "`Frames:`", "the number of frames")?;
     let announced: usize = count
         .parse()
         .map_err(|_not_a_count| lines.unexpected(count, "the number of frames"))?;
-    let time = lines.header("Frame Time", "`Frame Time:`", "the seconds between frames")?;
-    let frame_time =
-        number(time).ok_or_else(|| lines.unexpected(time, "the seconds between frames"))?;
-    let (rows, mut notes) = rows(&mut lines, &joints, announced)?;
+    let (frame_time, note) = frame_time(&mut lines)?;
+    let mut notes: Vec<String> = note.into_iter().collect();
+    let rows = rows(&mut lines, &joints, announced, &mut notes)?;
     if rows.is_empty() {
         return Err(MotionProblem::NoFrames);
     }
@@ -56,9 +60,7 @@ pub(super) fn parse(text: &str, options: &ReadOptions) -> Result<Motion, MotionP
     let root = skeleton.parents_first().first().copied().unwrap_or(0);
     let frames = rows.iter().map(|row| frame(&joints, root, row)).collect();
     let mut motion = Motion::in_metres(&skeleton, frames, options)?;
-    if frame_time > 0.0 {
-        motion.frame_time = Some(frame_time);
-    }
+    motion.frame_time = frame_time;
     motion.notes.append(&mut notes);
     if stretch > STRETCH {
         let how = if adds { "add to" } else { "replace" };
@@ -69,6 +71,30 @@ pub(super) fn parse(text: &str, options: &ReadOptions) -> Result<Motion, MotionP
         ));
     }
     Ok(motion)
+}
+
+/// Reads the seconds between frames, and what to tell if there are none.
+fn frame_time(lines: &mut Lines<'_>) -> Result<(Option<f64>, Option<String>), MotionProblem> {
+    const EXPECTED: &str = "the seconds between frames";
+    let untimed = |what: &str| {
+        let note = format!("{what}: how long a frame lasts is not known");
+        Ok((None, Some(note)))
+    };
+    // Rows of numbers may follow at once.
+    let mut ahead = lines.clone();
+    let is_row = ahead.next_line().is_some_and(|(_, text)| {
+        let mut words = text.split_whitespace();
+        words.next().is_some_and(|word| number(word).is_some())
+    });
+    if is_row {
+        return untimed("there is no `Frame Time:`");
+    }
+    let time = lines.header("Frame Time", "`Frame Time:`", EXPECTED)?;
+    match number(time) {
+        Some(seconds) if seconds > 0.0 => Ok((Some(seconds), None)),
+        Some(_) => untimed(&format!("`Frame Time:` is {time}")),
+        None => Err(lines.unexpected(time, decimal(time, EXPECTED))),
+    }
 }
 
 /// Reads `HIERARCHY` up to and with the word `MOTION`.
@@ -92,13 +118,11 @@ fn hierarchy(lines: &mut Lines<'_>) -> Result<Vec<BvhJoint>, MotionProblem> {
             let joint = joint(lines, open.last().copied().flatten())?;
             open.push(Some(joints.len()));
             joints.push(joint);
-        } else if is("End") && is_in_joint {
-            lines.expect_word("Site", "`End Site`")?;
+        } else if is_in_joint && END_SITES.into_iter().any(is) {
             lines.rest_of_line();
             lines.expect_word("{", "`{`")?;
-            lines.expect_word("OFFSET", "`OFFSET`")?;
-            for _axis in 0..3 {
-                lines.number("three numbers after `OFFSET`")?;
+            if lines.takes_word("OFFSET") {
+                offset(lines)?;
             }
             open.push(None);
         } else if is("}") && !open.is_empty() {
@@ -117,18 +141,32 @@ fn hierarchy(lines: &mut Lines<'_>) -> Result<Vec<BvhJoint>, MotionProblem> {
     }
 }
 
+/// Reads the three numbers behind `OFFSET`.
+fn offset(lines: &mut Lines<'_>) -> Result<Vector<f64>, MotionProblem> {
+    let mut offset = Vector::zeros();
+    for axis in 0..3 {
+        offset[axis] = lines.number("three numbers after `OFFSET`")?;
+    }
+    Ok(offset)
+}
+
+/// A name without what stands behind it: a tab and more, or a comment.
+fn bare_name(text: &str) -> &str {
+    let ends = ["\t", "//", " #"];
+    let end = ends.iter().filter_map(|end| text.find(end)).min();
+    let name = &text[..end.unwrap_or(text.len())];
+    name.trim().trim_matches('"').trim()
+}
+
 /// Reads a joint's name, offset and channels.
 fn joint(lines: &mut Lines<'_>, parent: Option<usize>) -> Result<BvhJoint, MotionProblem> {
-    let name = lines.rest_of_line();
+    let name = bare_name(lines.rest_of_line());
     if name.is_empty() {
         return Err(lines.unexpected("", "the name of a joint"));
     }
     lines.expect_word("{", "`{`")?;
     lines.expect_word("OFFSET", "`OFFSET`")?;
-    let mut offset = Vector::zeros();
-    for axis in 0..3 {
-        offset[axis] = lines.number("three numbers after `OFFSET`")?;
-    }
+    let offset = offset(lines)?;
     lines.expect_word("CHANNELS", "`CHANNELS`")?;
     let word = lines.expect("the number of channels, 0 to 6")?;
     let num_channels = word.parse().ok().filter(|&count: &usize| count <= 6);
@@ -164,28 +202,44 @@ fn channel(word: &str) -> Option<Channel> {
 }
 
 /// Reads `[frame][channel]`: the rows that are there, and what to tell if they are not as many as
-/// were announced.
+/// were announced, or not one a line.
 fn rows(
     lines: &mut Lines<'_>,
     joints: &[BvhJoint],
     announced: usize,
-) -> Result<(Vec<Vec<f64>>, Vec<String>), MotionProblem> {
-    let num_channels = joints.iter().map(|joint| joint.channels.len()).sum();
+    notes: &mut Vec<String>,
+) -> Result<Vec<Vec<f64>>, MotionProblem> {
+    let expected: usize = joints.iter().map(|joint| joint.channels.len()).sum();
     let mut rows: Vec<Vec<f64>> = Vec::new();
-    let mut notes = Vec::new();
+    let mut first_wrong = None;
     while let Some((line, text)) = lines.next_line() {
-        let mut row = Vec::with_capacity(num_channels);
+        let mut row = Vec::with_capacity(expected);
         for word in text.split_whitespace() {
-            row.push(number(word).ok_or_else(|| unexpected(line, word, "a number"))?);
+            let value = number(word);
+            row.push(value.ok_or_else(|| unexpected(line, word, decimal(word, "a number")))?);
         }
-        if row.len() != num_channels {
-            return Err(MotionProblem::RowLength {
+        if row.len() != expected && first_wrong.is_none() {
+            let found = row.len();
+            first_wrong = Some(MotionProblem::RowLength {
                 line,
-                found: row.len(),
-                expected: num_channels,
+                found,
+                expected,
             });
         }
         rows.push(row);
+    }
+    if let Some(wrong) = first_wrong {
+        // Rows that go on in the next line are told by the number of frames.
+        let num_numbers: usize = rows.iter().map(Vec::len).sum();
+        let is_wrapped = announced > 0 && announced.checked_mul(expected) == Some(num_numbers);
+        if !is_wrapped {
+            return Err(wrong);
+        }
+        notes.push(format!(
+            "frames are not a line each: every {expected} numbers are one"
+        ));
+        let numbers = rows.concat();
+        rows = numbers.chunks(expected).map(<[f64]>::to_vec).collect();
     }
     if rows.len() != announced && !rows.is_empty() {
         notes.push(format!(
@@ -193,7 +247,7 @@ fn rows(
             rows.len()
         ));
     }
-    Ok((rows, notes))
+    Ok(rows)
 }
 
 fn rest_skeleton(joints: &[BvhJoint]) -> Result<Skeleton, MotionProblem> {

@@ -3,7 +3,7 @@
 use super::MotionProblem;
 
 /// Lines of a file, read word by word or whole.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Lines<'a> {
     rest: &'a str,
     line: usize,
@@ -66,6 +66,16 @@ impl<'a> Lines<'a> {
         Err(self.unexpected(found, expected))
     }
 
+    /// Whether the next word is `word`, in small or capital letters; it is then read.
+    pub(super) fn takes_word(&mut self, word: &str) -> bool {
+        let mut ahead = self.clone();
+        let is_there = (ahead.word()).is_some_and(|found| found.eq_ignore_ascii_case(word));
+        if is_there {
+            *self = ahead;
+        }
+        is_there
+    }
+
     /// The rest of the line, up to a brace, without spaces around it.
     pub(super) fn rest_of_line(&mut self) -> &'a str {
         let length = self.rest.find(['\n', '{']).unwrap_or(self.rest.len());
@@ -117,7 +127,7 @@ impl<'a> Lines<'a> {
 
     pub(super) fn number(&mut self, expected: &'static str) -> Result<f64, MotionProblem> {
         let word = self.expect(expected)?;
-        number(word).ok_or_else(|| self.unexpected(word, expected))
+        number(word).ok_or_else(|| self.unexpected(word, decimal(word, expected)))
     }
 
     pub(super) fn unexpected(&self, found: &str, expected: &'static str) -> MotionProblem {
@@ -131,6 +141,15 @@ pub(super) fn unexpected(line: usize, found: &str, expected: &'static str) -> Mo
         line,
         found,
         expected,
+    }
+}
+
+/// What is expected in place of a word that is no number: of a comma between digits, a point.
+pub(super) fn decimal(word: &str, expected: &'static str) -> &'static str {
+    if number(&word.replacen(',', ".", 1)).is_some() {
+        "numbers with a decimal point, not a comma"
+    } else {
+        expected
     }
 }
 

@@ -80,6 +80,25 @@ pub enum MotionProblem {
         /// The key.
         key: &'static str,
     },
+    /// A matrix is no rotation.
+    #[error(
+        "frame {frame}, joint {joint}: what `{key}` has is no rotation: columns that are not unit \
+         vectors at right angles, or a mirror image"
+    )]
+    NotARotation {
+        /// The key.
+        key: &'static str,
+        /// The frame, from 0.
+        frame: usize,
+        /// The joint: its number, from 0, and its name.
+        joint: String,
+    },
+    /// Six numbers a joint may mean either of two rotations.
+    #[error("`{key}` has six numbers a joint: two rows, or two columns, of a matrix")]
+    RowsOrColumns {
+        /// The key.
+        key: &'static str,
+    },
     /// There is no frame.
     #[error("there is no frame")]
     NoFrames,

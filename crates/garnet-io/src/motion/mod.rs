@@ -5,6 +5,7 @@ mod bvh_text;
 mod error;
 mod smpl;
 mod take;
+mod turns;
 
 pub use error::{MotionError, MotionProblem};
 pub(crate) use smpl::JOINT_PARENTS;

@@ -1,6 +1,6 @@
-//! Motions in the layout of AMASS and SMPL: npz archives of axis-angle vectors.
+//! Motions in the layout of AMASS and SMPL: npz archives of axis-angle vectors or matrices.
 //!
-//! `poses` has one row of 3 numbers for each joint a frame, in the order of the 22 joints of the
+//! `poses` has one rotation for each joint a frame, in the order of the 22 joints of the
 //! built-in skeleton, or root and body have arrays of their own; hands, jaw and eyes are left out.
 //! The axes are the body's: x to its left, y up, z to its front; the rest pose is a T-pose with
 //! straight legs. The first row turns the body into the world, whose up axis is told by where the
@@ -17,7 +17,10 @@ use garnet_mesh::UpAxis;
 use garnet_skin::{Joint, Point3, Pose, Skeleton, Vector3};
 use nalgebra::UnitQuaternion;
 
-use super::MotionProblem;
+use super::{
+    MotionProblem,
+    turns::{Kind, turns},
+};
 use crate::{ArrayProblem, FileError, FileProblem, NpzFile};
 
 /// Joints of the body; those of the hands follow them in the file.
@@ -103,42 +106,26 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Motion, MotionP
             .unwrap_or(MotionProblem::NoFrames));
     };
     let mut turns = turns(&mut npz, body_key, Kind::Joints)?;
-    if let Some(number) = turns.bad {
-        let frame = number / turns.num_joints.max(1);
-        return Err(MotionProblem::NonFinite {
-            frame,
-            key: body_key,
-        });
-    }
-    if turns.num_joints + 1 >= NUM_BODY_JOINTS && turns.has_no_root() {
+    if turns.has_no_root() {
         let Some(root_key) = first_of(&ROOT_KEYS) else {
             let missing = npz.require(&["root_orient"]).map_err(boxed);
             return Err(missing.err().unwrap_or(MotionProblem::NoFrames));
         };
-        let root = self::turns(&mut npz, root_key, Kind::Root)?;
-        if let Some(frame) = root.bad {
-            return Err(MotionProblem::NonFinite {
-                frame,
-                key: root_key,
-            });
-        }
-        if root.num_frames() != turns.num_frames() {
-            let expected = format!("[{}, 3]", turns.num_frames());
-            let found = vec![root.num_frames(), 3];
-            return Err(wrong_shape(&npz, root_key, found, expected));
-        }
+        let root = self::turns(&mut npz, root_key, Kind::Root(turns.num_frames()))?;
         turns = turns.under(&root);
     }
     if turns.num_joints < NUM_BODY_JOINTS {
         let found = vec![turns.num_frames(), 3 * turns.num_joints];
-        let expected = "[frames, 66], [frames, 72], [frames, 156] or [frames, 165]".to_owned();
+        let expected =
+            "[frames, 66], [frames, 72], [frames, 156], [frames, 165], or as many matrices";
+        let expected = expected.to_owned();
         return Err(wrong_shape(&npz, body_key, found, expected));
     }
     let num_frames = turns.num_frames();
     if num_frames == 0 {
         return Err(MotionProblem::NoFrames);
     }
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = turns.note.take().into_iter().collect();
     let has_more = [
         "pose_hand",
         "left_hand_pose",
@@ -220,103 +207,6 @@ fn detected_up(
     (to_y_up(UpAxis::Z), UpAxis::Z.to_string())
 }
 
-/// What an array of rotations is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Root,
-    Joints,
-}
-
-/// Rotations `[frame][joint]`.
-#[derive(Debug)]
-struct JointTurns {
-    num_joints: usize,
-    all: Vec<UnitQuaternion<f32>>,
-    /// The first that is no number.
-    bad: Option<usize>,
-}
-
-impl JointTurns {
-    fn num_frames(&self) -> usize {
-        self.all.len() / self.num_joints.max(1)
-    }
-
-    fn frames(&self) -> impl Iterator<Item = &[UnitQuaternion<f32>]> + Clone {
-        self.all.chunks_exact(self.num_joints.max(1))
-    }
-
-    /// Whether the root is not among the joints: those of the body are 21, and 23 in SMPL.
-    fn has_no_root(&self) -> bool {
-        [NUM_BODY_JOINTS - 1, NUM_BODY_JOINTS + 1].contains(&self.num_joints)
-    }
-
-    /// The same with the root before them.
-    fn under(&self, root: &Self) -> Self {
-        let rows = root.all.iter().zip(self.frames());
-        Self {
-            num_joints: self.num_joints + 1,
-            all: rows
-                .flat_map(|(root, row)| std::iter::once(root).chain(row))
-                .copied()
-                .collect(),
-            bad: None,
-        }
-    }
-}
-
-/// Reads rotations as axis-angle vectors or matrices: `[T, 3 n]`, `[T, n, 3]`, `[T, n, 3, 3]`,
-/// those of one frame without its axis, and those of a batch of one.
-fn turns(npz: &mut NpzFile, key: &'static str, kind: Kind) -> Result<JointTurns, MotionProblem> {
-    let Some(array) = npz.array(key).map_err(boxed)? else {
-        return Err(MotionProblem::NoFrames);
-    };
-    let values = array.floats();
-    let values = values.map_err(|problem| boxed(npz.wrong(key, problem)))?;
-    let refused = || {
-        let expected = "[frames, 3 n] or [frames, n, 3]".to_owned();
-        wrong_shape(npz, key, array.shape.clone(), expected)
-    };
-    let (mut axes, size) = match array.shape.as_slice() {
-        [axes @ .., 3, 3] if !axes.is_empty() => (axes.to_vec(), 9),
-        [axes @ .., 3] if !axes.is_empty() => (axes.to_vec(), 3),
-        [axes @ .., columns] if columns % 3 == 0 => ([axes, &[columns / 3]].concat(), 3),
-        _ => return Err(refused()),
-    };
-    if kind == Kind::Root && (axes.len() == 1 || axes.last() != Some(&1)) {
-        axes.push(1);
-    }
-    let Some(num_joints) = axes.pop() else {
-        return Err(refused());
-    };
-    let is_batch = |&length: &usize| length == 1;
-    let num_more = axes.len().saturating_sub(1);
-    if num_joints == 0 || !axes[..num_more].iter().all(is_batch) {
-        return Err(refused());
-    }
-    let rows = || values.chunks_exact(size);
-    let is_bad = |row: &[f64]| !row.iter().all(|&value| (value as f32).is_finite());
-    Ok(JointTurns {
-        num_joints,
-        all: rows().map(turn).collect(),
-        bad: rows().position(is_bad),
-    })
-}
-
-fn turn(row: &[f64]) -> UnitQuaternion<f32> {
-    let matrix = |row: &[f64]| {
-        let matrix = nalgebra::Matrix3::from_row_slice(row);
-        let rotation = nalgebra::Rotation3::from_matrix_unchecked(matrix);
-        UnitQuaternion::from_rotation_matrix(&rotation).cast()
-    };
-    match row {
-        &[x, y, z] => {
-            let vector = nalgebra::Vector3::new(x, y, z);
-            UnitQuaternion::from_scaled_axis(vector).cast()
-        }
-        row => matrix(row),
-    }
-}
-
 /// The shift of each frame.
 fn shifts(
     npz: &mut NpzFile,
@@ -366,12 +256,17 @@ fn scalar(npz: &mut NpzFile, key: &str) -> Result<Option<f64>, MotionProblem> {
     Ok(values.first().copied())
 }
 
-fn wrong_shape(npz: &NpzFile, key: &str, found: Vec<usize>, expected: String) -> MotionProblem {
+pub(super) fn wrong_shape(
+    npz: &NpzFile,
+    key: &str,
+    found: Vec<usize>,
+    expected: String,
+) -> MotionProblem {
     boxed(npz.wrong(key, ArrayProblem::Shape { found, expected }))
 }
 
 /// The error of the archive without its path, which the motion's own error names.
-fn boxed(error: FileError) -> MotionProblem {
+pub(super) fn boxed(error: FileError) -> MotionProblem {
     match error.problem {
         FileProblem::Io(error) => MotionProblem::Io(error),
         problem => MotionProblem::File(Box::new(problem)),
