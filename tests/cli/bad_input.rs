@@ -1,6 +1,8 @@
 //! Bad input ends with 2, one clear error with the path, the line where there is one, and a hint,
 //! and nothing is written.
 
+use std::fs;
+
 use garnet::mesh::primitives::capsule;
 
 use crate::fixtures::{Fixture, refused_with_hint as refused, stderr, stdout};
@@ -58,6 +60,52 @@ fn files_that_are_no_meshes() {
         );
     }
     refused(&fixture, "render empty.obj -o out.png", &["`empty.obj`"]);
+}
+
+#[test]
+fn files_without_content_and_folders_are_named() {
+    let fixture = Fixture::new();
+    fs::create_dir(fixture.path("folder")).unwrap();
+    for name in [
+        "none.obj",
+        "none.glb",
+        "none.gltf",
+        "none.npz",
+        "none.json",
+        "none.bvh",
+        "none",
+    ] {
+        fixture.text(name, "");
+        let run = |arguments: String| {
+            let quoted = format!("`{name}`");
+            refused(&fixture, &arguments, &[&quoted, "the file is empty"]);
+        };
+        run(format!("info {name}"));
+        run(format!("drape sleeve.obj {name} -o out.obj"));
+        run(format!("drape sleeve.obj body.obj --rig {name} -o out.obj"));
+        if name != "none" {
+            run(format!(
+                "drape sleeve.obj body.obj --pose {name} -o out.obj"
+            ));
+        }
+    }
+    fixture.bytes("model.pkl", b"\x80\x02}q\x01");
+    for arguments in [
+        "drape sleeve.obj body.obj --rig model.pkl -o out.obj",
+        "drape sleeve.obj body.obj --pose model.pkl -o out.obj",
+        "drape sleeve.obj model.pkl -o out.obj",
+    ] {
+        refused(&fixture, arguments, &["`model.pkl`", "a pickle of Python"]);
+    }
+    for arguments in [
+        "drape folder body.obj -o out.obj",
+        "drape sleeve.obj folder -o out.obj",
+        "drape sleeve.obj body.obj --rig folder -o out.obj",
+        "drape sleeve.obj body.obj --pose folder -o out.obj",
+        "drape sleeve.obj body.obj --joints folder -o out.obj",
+    ] {
+        refused(&fixture, arguments, &["`folder`"]);
+    }
 }
 
 #[test]
@@ -208,7 +256,7 @@ fn a_rig_elsewhere_than_the_body() {
 #[test]
 fn garments_that_are_not_there() {
     let fixture = Fixture::new();
-    std::fs::create_dir(fixture.path("empty")).unwrap();
+    fs::create_dir(fixture.path("empty")).unwrap();
     for (name, cause) in [
         ("nowhere", "no folder of packages has one"),
         ("nowhere.obj", "No such file"),
@@ -297,7 +345,12 @@ fn poses_that_do_not_fit() {
     refused(
         &fixture,
         "drape sleeve.obj body.obj --pose bend.json:3 -o out.obj",
-        &["frame 3 was asked for"],
+        &["cannot read frames of `bend.json`", "frame 3 was asked for"],
+    );
+    refused(
+        &fixture,
+        "drape sleeve.obj body.obj --pose bend.json:0s:1s -o out/",
+        &["cannot read frames of `bend.json`", "`0s:1s"],
     );
 }
 
@@ -356,6 +409,9 @@ fn usage_that_is_wrong() {
         "drape sleeve.obj body.obj -o out.obj --units inch",
         "drape sleeve.obj body.obj -o out.obj --repeat 0",
         "drape sleeve.obj body.obj -o out.obj --threads many",
+        "drape sleeve.obj body.obj -o out.obj --betas nan",
+        "drape sleeve.obj body.obj -o out.obj --betas 0.5,inf",
+        "drape sleeve.obj body.obj -o out.obj --betas tall",
         "drape --scene scene.json sleeve.obj -o out.obj",
         "render body.obj -o out.png --size 0x0",
         "render body.obj -o out.png --color-by mood",
@@ -373,6 +429,12 @@ fn usage_that_is_wrong() {
     let negative = fixture.garnet("drape sleeve.obj body.obj -o out.obj --clearance -3");
     let text = stderr(&negative);
     assert!(text.contains("from 0 to 1000"), "{text}");
+    let betas = fixture.garnet("drape sleeve.obj body.obj -o out.obj --betas 0.5,nan");
+    let text = stderr(&betas);
+    assert!(
+        text.contains("'nan'") && text.contains("finite numbers"),
+        "{text}"
+    );
     assert!(!fixture.path("out.obj").exists() && !fixture.path("out.png").exists());
 }
 

@@ -21,6 +21,7 @@ pub(crate) struct RigArgs {
         hide_short_help = true,
         value_name = "B,B,...",
         value_delimiter = ',',
+        value_parser = beta,
         allow_hyphen_values = true
     )]
     betas: Vec<f64>,
@@ -34,6 +35,12 @@ impl RigArgs {
         options.betas = self.betas;
         options
     }
+}
+
+fn beta(text: &str) -> Result<f64, String> {
+    let beta = text.trim().parse().ok();
+    beta.filter(|beta: &f64| (*beta as f32).is_finite())
+        .ok_or_else(|| "expected finite numbers, as in `1.5,-0.3`".to_owned())
 }
 
 /// The axis that points up in a motion.

@@ -28,6 +28,12 @@ pub enum FileProblem {
     /// The system refuses.
     #[error(transparent)]
     Io(#[from] io::Error),
+    /// There is nothing in the file.
+    #[error("the file is empty")]
+    Empty,
+    /// The file is a pickle, an archive of objects of Python.
+    #[error("the file is a pickle of Python, which is not read")]
+    Pickle,
     /// The content is none of the known formats.
     #[error("the file is no rig (npz, GLB, glTF, rig JSON or `drape-scene/1` JSON)")]
     UnknownFormat,
@@ -123,7 +129,7 @@ pub enum FileProblem {
         /// Betas that are given.
         asked: usize,
     },
-    /// An array of a model of the SMPL family is stored as an object of Python.
+    /// An array is stored as an object of Python: a sparse matrix, a list of arrays.
     #[error("key `{key}` is an object of Python, which is not read")]
     Pickled {
         /// The key.

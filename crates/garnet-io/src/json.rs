@@ -14,11 +14,14 @@ pub(super) fn read_with<T>(
     parse: impl FnOnce(&[u8]) -> Result<T, FileProblem>,
 ) -> Result<T, FileError> {
     let read = read_at_most(path, MOST_BYTES).map_err(FileProblem::from);
-    read.and_then(|bytes| parse(&bytes))
-        .map_err(|problem| FileError {
-            path: path.to_path_buf(),
-            problem,
-        })
+    read.and_then(|bytes| match bytes.as_slice() {
+        [] => Err(FileProblem::Empty),
+        bytes => parse(bytes),
+    })
+    .map_err(|problem| FileError {
+        path: path.to_path_buf(),
+        problem,
+    })
 }
 
 pub(super) fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, FileProblem> {

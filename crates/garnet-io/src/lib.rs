@@ -29,6 +29,7 @@ mod rig_npz;
 mod rig_smpl;
 mod scene;
 mod scene_json;
+mod smpl_regressor;
 mod units;
 mod weights_json;
 

@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{BufReader, Read},
+    io::{self, BufReader, Read},
     path::{Path, PathBuf},
 };
 
@@ -29,8 +29,7 @@ impl NpzFile {
     /// [`FileError`] if the file cannot be read or is no sound zip archive.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref().to_path_buf();
-        let opened = File::open(&path).map_err(FileProblem::from);
-        let archive = opened
+        let archive = opened(&path)
             .and_then(|file| ZipArchive::new(BufReader::new(file)).map_err(FileProblem::Archive));
         match archive {
             Ok(archive) => Ok(Self { path, archive }),
@@ -71,11 +70,16 @@ impl NpzFile {
     ///
     /// # Errors
     ///
-    /// [`FileProblem::Array`] if the entry is damaged or no array of numbers or text.
+    /// [`FileProblem::Array`] if the entry is damaged or no array of numbers or text,
+    /// [`FileProblem::Pickled`] if it is an object of Python.
     pub fn array(&mut self, key: &str) -> Result<Option<NpyArray>, FileError> {
         match self.unpacked(key) {
             Ok(Some(bytes)) => match NpyArray::parse(&bytes) {
                 Ok(array) => Ok(Some(array)),
+                Err(ArrayProblem::ElementType { descr }) if is_object(&descr) => {
+                    let key = key.to_owned();
+                    Err(self.failed(FileProblem::Pickled { key }))
+                }
                 Err(problem) => Err(self.wrong(key, problem)),
             },
             Ok(None) => Ok(None),
@@ -121,4 +125,24 @@ impl NpzFile {
             problem,
         }
     }
+}
+
+/// A file with something in it.
+fn opened(path: &Path) -> Result<File, FileProblem> {
+    let file = File::open(path)?;
+    let data = file.metadata()?;
+    if data.is_dir() {
+        return Err(io::Error::from(io::ErrorKind::IsADirectory).into());
+    }
+    if data.is_file() && data.len() == 0 {
+        return Err(FileProblem::Empty);
+    }
+    Ok(file)
+}
+
+/// Whether an element type is that of objects of Python, which are pickled.
+fn is_object(descr: &str) -> bool {
+    descr
+        .trim_start_matches(['|', '<', '>', '='])
+        .starts_with('O')
 }

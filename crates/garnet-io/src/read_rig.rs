@@ -175,6 +175,9 @@ fn read_any(path: &Path, options: &RigOptions) -> Result<ReadRig, FileError> {
     File::open(path)
         .and_then(|file| file.take(64).read_to_end(&mut start))
         .map_err(|error| failed(error.into()))?;
+    if start.is_empty() {
+        return Err(failed(FileProblem::Empty));
+    }
     if start.starts_with(b"PK") {
         return read_rig_npz_with(path, &options.betas).map(plain);
     }
@@ -186,6 +189,9 @@ fn read_any(path: &Path, options: &RigOptions) -> Result<ReadRig, FileError> {
         "npz" => return read_rig_npz_with(path, &options.betas).map(plain),
         "glb" | "gltf" | "vrm" => return read_gltf(path, options),
         _ => {}
+    }
+    if is_pickle(&start) {
+        return Err(failed(FileProblem::Pickle));
     }
     let text = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&start);
     if text.trim_ascii_start().first() != Some(&b'{') {
@@ -215,4 +221,10 @@ fn read_any(path: &Path, options: &RigOptions) -> Result<ReadRig, FileError> {
         (None, Some(scene)) => scene.rig().map(plain),
         (None, None) => read_gltf(path, options),
     }
+}
+
+/// Whether the bytes start as a pickle of Python does, of protocol 2 or later, or of a dictionary
+/// of an earlier one.
+pub(super) fn is_pickle(start: &[u8]) -> bool {
+    matches!(start, [0x80, 2..=5, ..]) || start.starts_with(b"(dp")
 }

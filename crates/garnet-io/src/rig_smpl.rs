@@ -9,9 +9,9 @@ use garnet_skin::{Joint, Point3, Rig, Skeleton, SkinWeights};
 use super::{
     ArrayProblem, FileError, FileProblem,
     motion::JOINT_PARENTS,
-    npy::NpyArray,
     npz::NpzFile,
     rig_npz::{faces, required},
+    smpl_regressor::{Size, regressor},
 };
 
 /// The array by which such a model is known.
@@ -54,30 +54,23 @@ fn point(row: &[f64]) -> Point3 {
 }
 
 fn floats(npz: &mut NpzFile, key: &str, shape: &[Option<usize>]) -> Result<Vec<f64>, FileError> {
-    let array = unpickled(npz, key)?;
-    if array.is_none() {
-        npz.require(&[key])?;
-    }
     let values = required(npz, key, shape)?.floats();
     values.map_err(|problem| npz.wrong(key, problem))
-}
-
-/// The array of a key; one that is an object of Python is told so.
-fn unpickled(npz: &mut NpzFile, key: &str) -> Result<Option<NpyArray>, FileError> {
-    npz.array(key).map_err(|error| match error.problem {
-        FileProblem::Array {
-            key,
-            problem: ArrayProblem::ElementType { descr },
-        } if descr.contains('O') => npz.failed(FileProblem::Pickled { key }),
-        problem => npz.failed(problem),
-    })
 }
 
 fn add_shape(npz: &mut NpzFile, positions: &mut [f64], betas: &[f64]) -> Result<(), FileError> {
     if betas.is_empty() {
         return Ok(());
     }
-    let array = unpickled(npz, "shapedirs")?;
+    let is_wrong = |beta: &f64| !(*beta as f32).is_finite();
+    if let Some(number) = betas.iter().position(is_wrong) {
+        return Err(npz.failed(FileProblem::Field {
+            field: format!("betas[{number}]"),
+            found: betas[number].to_string(),
+            expected: "a finite number",
+        }));
+    }
+    let array = npz.array("shapedirs")?;
     let found = match array.as_ref().map(|array| array.shape.as_slice()) {
         Some(&[vertices, 3, found]) if 3 * vertices == positions.len() => found,
         None => 0,
@@ -122,7 +115,11 @@ fn joint_places(
     is_mean: bool,
 ) -> Result<Vec<Point3>, FileError> {
     let num_vertices = positions.len() / 3;
-    let regressor = match regressor(npz, num_joints, num_vertices) {
+    let size = Size {
+        joints: num_joints,
+        vertices: num_vertices,
+    };
+    let regressor = match regressor(npz, size) {
         Ok(found) => found,
         // The joints of the mean shape stand beside a regressor that cannot be read.
         Err(_) if is_mean && npz.keys().iter().any(|key| key == "J") => None,
@@ -143,113 +140,6 @@ fn joint_places(
         }
     }
     Ok(places.chunks_exact(3).map(point).collect())
-}
-
-/// Joint, vertex and weight.
-type Entry = (usize, usize, f64);
-
-/// The entries of the regressor: a dense array, rows of joint, vertex and weight, or the parts of a
-/// sparse matrix beside each other (`J_regressor_data` and so on, as rows or in `scipy`'s CSR).
-fn regressor(
-    npz: &mut NpzFile,
-    num_joints: usize,
-    num_vertices: usize,
-) -> Result<Option<Vec<Entry>>, FileError> {
-    if let Some(array) = unpickled(npz, "J_regressor")? {
-        let values = array.floats();
-        let values = values.map_err(|problem| npz.wrong("J_regressor", problem))?;
-        return match *array.shape.as_slice() {
-            [rows, columns] if rows == num_joints && columns == num_vertices => {
-                let entries = values.into_iter().enumerate();
-                let entries = entries.filter(|&(_, weight)| weight != 0.0);
-                let place = |index: usize| (index / num_vertices, index % num_vertices);
-                Ok(Some(
-                    entries
-                        .map(|(index, weight)| (place(index).0, place(index).1, weight))
-                        .collect(),
-                ))
-            }
-            [_, 3] => {
-                let rows = values.chunks_exact(3);
-                let entries = rows.map(|row| (row[0], row[1], row[2]));
-                checked(npz, entries.collect(), num_joints, num_vertices).map(Some)
-            }
-            _ => Err(npz.wrong(
-                "J_regressor",
-                ArrayProblem::Shape {
-                    found: array.shape.clone(),
-                    expected: format!("[{num_joints}, {num_vertices}]"),
-                },
-            )),
-        };
-    }
-    let mut part = |name: &str| -> Result<Option<Vec<f64>>, FileError> {
-        for separator in ["_", "."] {
-            let key = format!("J_regressor{separator}{name}");
-            if let Some(array) = npz.array(&key)? {
-                let values = array.floats();
-                return values.map(Some).map_err(|problem| npz.wrong(&key, problem));
-            }
-        }
-        Ok(None)
-    };
-    let Some(weights) = part("data")? else {
-        return Ok(None);
-    };
-    let (rows, columns) = (part("row")?, part("col")?);
-    let (starts, indices) = (part("indptr")?, part("indices")?);
-    let entries: Vec<(f64, f64, f64)> = match (rows, columns, starts, indices) {
-        (Some(rows), Some(columns), _, _) => {
-            let places = rows.into_iter().zip(columns).zip(weights);
-            places
-                .map(|((row, column), weight)| (row, column, weight))
-                .collect()
-        }
-        (_, _, Some(starts), Some(indices)) => {
-            let entries = indices.into_iter().zip(weights).enumerate();
-            let row = |entry: usize| {
-                let before = starts
-                    .iter()
-                    .filter(|&&start| start <= entry as f64)
-                    .count();
-                before as f64 - 1.0
-            };
-            entries
-                .map(|(entry, (column, weight))| (row(entry), column, weight))
-                .collect()
-        }
-        _ => return Ok(None),
-    };
-    checked(npz, entries, num_joints, num_vertices).map(Some)
-}
-
-fn checked(
-    npz: &NpzFile,
-    entries: Vec<(f64, f64, f64)>,
-    num_joints: usize,
-    num_vertices: usize,
-) -> Result<Vec<Entry>, FileError> {
-    let mut checked = Vec::with_capacity(entries.len());
-    for (index, (row, column, weight)) in entries.into_iter().enumerate() {
-        for (value, count) in [(row, num_joints), (column, num_vertices)] {
-            if !(value >= 0.0 && value < count as f64) {
-                let expected = "the number of a joint or a vertex";
-                let problem = ArrayProblem::Value {
-                    index,
-                    value,
-                    expected,
-                };
-                return Err(npz.wrong("J_regressor", problem));
-            }
-        }
-        checked.push((whole(row), whole(column), weight));
-    }
-    Ok(checked)
-}
-
-#[expect(clippy::cast_sign_loss, reason = "the range is checked")]
-fn whole(value: f64) -> usize {
-    value as usize
 }
 
 /// The names of the joints: those of the family for its tree, else numbers.

@@ -630,6 +630,18 @@ fn errors_of_npz_files_name_the_key() {
 }
 
 #[test]
+fn empty_files_and_pickles_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = chain(&take(folder.path(), b"").unwrap_err());
+    assert!(
+        text.contains("clip.bvh") && text.contains("empty"),
+        "{text}"
+    );
+    let text = chain(&take(folder.path(), b"\x80\x04\x95").unwrap_err());
+    assert!(text.contains("a pickle of Python"), "{text}");
+}
+
+#[test]
 fn pose_json_gives_its_frames() {
     let folder = tempfile::tempdir().unwrap();
     let target = skeleton(45.0, 3.0);

@@ -246,7 +246,7 @@ fn wrong_shapes_and_values_are_refused_by_key() {
         (
             "joints",
             npy("|O", false, "(2, 3)", &[0; 48]),
-            "element type `|O`",
+            "key `joints` is an object of Python",
         ),
     ];
     let folder = tempfile::tempdir().unwrap();
@@ -333,8 +333,13 @@ proptest! {
 
 /// A model of the SMPL family: two joints on a triangle, and one shape direction.
 fn smpl(regressor: (&'static str, Vec<u8>)) -> Vec<u8> {
+    smpl_with(vec![regressor])
+}
+
+/// The same with a regressor in parts.
+fn smpl_with(regressor: Entries) -> Vec<u8> {
     let floats = |shape: &str, values: &[f64]| npy("<f8", false, shape, &encoded("<f8", values));
-    let entries: Entries = vec![
+    let mut entries: Entries = vec![
         (
             "v_template",
             floats("(3, 3)", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0]),
@@ -357,9 +362,117 @@ fn smpl(regressor: (&'static str, Vec<u8>)) -> Vec<u8> {
             "shapedirs",
             floats("(3, 3, 1)", &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0]),
         ),
-        regressor,
     ];
+    entries.extend(regressor);
     packed(&entries, CompressionMethod::Stored)
+}
+
+#[test]
+fn sparse_and_turned_regressors_are_the_dense_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let array = |shape: &str, values: &[f64]| npy("<f8", false, shape, &encoded("<f8", values));
+    let list = |values: &[f64]| array(&format!("({},)", values.len()), values);
+    let read = |entries: Entries| read_rig(written(folder.path(), &smpl_with(entries)));
+    let dense = [1.0, 0.0, 0.0, 0.0, 0.5, 0.5];
+    let expected = read(vec![("J_regressor", array("(2, 3)", &dense))]).unwrap();
+    // Of [[1, 0, 0], [0, 0.5, 0.5]]: rows as joints, or turned.
+    let data = || list(&[1.0, 0.5, 0.5]);
+    let layouts: [Entries; 7] = [
+        vec![(
+            "J_regressor",
+            array("(3, 2)", &[1.0, 0.0, 0.0, 0.5, 0.0, 0.5]),
+        )],
+        vec![
+            ("J_regressor_data", data()),
+            ("J_regressor_indices", list(&[0.0, 1.0, 2.0])),
+            ("J_regressor_indptr", list(&[0.0, 1.0, 3.0])),
+        ],
+        vec![
+            ("J_regressor.data", data()),
+            ("J_regressor.indices", list(&[0.0, 1.0, 1.0])),
+            ("J_regressor.indptr", list(&[0.0, 1.0, 2.0, 3.0])),
+            ("J_regressor.shape", list(&[2.0, 3.0])),
+            ("J_regressor.format", npy("|S3", false, "()", b"csc")),
+        ],
+        vec![
+            ("J_regressor/data", data()),
+            ("J_regressor/indices", list(&[0.0, 1.0, 1.0])),
+            ("J_regressor/indptr", list(&[0.0, 1.0, 2.0, 3.0])),
+            ("J_regressor/shape", list(&[3.0, 2.0])),
+        ],
+        vec![
+            ("J_regressor_row", list(&[0.0, 1.0, 1.0])),
+            ("J_regressor_col", list(&[0.0, 1.0, 2.0])),
+            ("J_regressor_data", data()),
+        ],
+        vec![
+            ("J_regressor_row", list(&[0.0, 1.0, 2.0])),
+            ("J_regressor_col", list(&[0.0, 1.0, 1.0])),
+            ("J_regressor_data", data()),
+        ],
+        vec![
+            (
+                "J_regressor",
+                npy("|O", false, "()", b"\x80\x03cscipy.sparse"),
+            ),
+            ("J_regressor_data", data()),
+            ("J_regressor_indices", list(&[0.0, 1.0, 2.0])),
+            ("J_regressor_indptr", list(&[0.0, 1.0, 3.0])),
+        ],
+    ];
+    for (number, layout) in layouts.into_iter().enumerate() {
+        assert_eq!(read(layout).unwrap(), expected, "layout {number}");
+    }
+}
+
+#[test]
+fn sparse_regressors_that_do_not_fit_are_refused_by_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let array = |shape: &str, values: &[f64]| npy("<f8", false, shape, &encoded("<f8", values));
+    let list = |values: &[f64]| array(&format!("({},)", values.len()), values);
+    let read = |entries: Entries| read_rig(written(folder.path(), &smpl_with(entries)));
+    let data = || list(&[1.0, 0.5, 0.5]);
+    let broken: [(Entries, &str); 5] = [
+        (
+            vec![
+                ("J_regressor_data", data()),
+                ("J_regressor_indices", list(&[0.0, 1.0, 2.0])),
+            ],
+            "missing `J_regressor_indptr`",
+        ),
+        (
+            vec![
+                ("J_regressor_data", data()),
+                ("J_regressor_indices", list(&[0.0, 1.0, 2.0])),
+                ("J_regressor_indptr", list(&[0.0, 3.0, 1.0])),
+            ],
+            "key `J_regressor_indptr`: its element 2 is `1`",
+        ),
+        (
+            vec![
+                ("J_regressor_data", data()),
+                ("J_regressor_indices", list(&[0.0, 1.0, 2.0])),
+                ("J_regressor_indptr", list(&[0.0, 1.0, 1.0, 2.0, 3.0])),
+            ],
+            "it has the shape [5], expected [3] (CSR) or [4] (CSC)",
+        ),
+        (
+            vec![
+                ("J_regressor_data", data()),
+                ("J_regressor_indices", list(&[0.0, 1.0, 3.0])),
+                ("J_regressor_indptr", list(&[0.0, 1.0, 3.0])),
+            ],
+            "key `J_regressor_indices`: its element 2 is `3`",
+        ),
+        (
+            vec![("J_regressor", array("(4, 2)", &[0.0; 8]))],
+            "it has the shape [4, 2], expected [2, 3]",
+        ),
+    ];
+    for (entries, expected) in broken {
+        let text = chain(&read(entries).unwrap_err());
+        assert!(text.contains(expected), "{text}");
+    }
 }
 
 #[test]

@@ -21,7 +21,12 @@ use crate::{Body, Error};
 ///
 /// # Errors
 ///
-/// [`Error::File`] if the file cannot be read, [`Error::Skin`] if it holds no rest mesh.
+/// [`Error::File`] if the file cannot be read, or holds no rest mesh.
 pub fn read_body(path: impl AsRef<Path>) -> Result<Body, Error> {
-    Ok(read_rig(path)?.into_body()?)
+    let path = path.as_ref();
+    let body = read_rig(path)?.into_body();
+    Ok(body.map_err(|error| FileError {
+        path: path.to_path_buf(),
+        problem: error.into(),
+    })?)
 }

@@ -11,6 +11,18 @@ use super::mesh::{for_io, for_mesh, for_obj};
 pub(super) fn for_motion(problem: &MotionProblem) -> Option<&'static str> {
     match problem {
         MotionProblem::Io(source) => for_io(source),
+        MotionProblem::NotARotation { .. } | MotionProblem::RowsOrColumns { .. } => Some(
+            "write poses as axis-angle `[frames, n, 3]`, or as whole rotation matrices \
+             `[frames, n, 3, 3]`",
+        ),
+        MotionProblem::File(problem)
+            if matches!(
+                **problem,
+                FileProblem::Pickled { .. } | FileProblem::Pickle | FileProblem::Empty
+            ) =>
+        {
+            for_file(problem)
+        }
         _ => Some(
             "motions are BVH, npz with `poses` as in AMASS, GLB with an animation, or pose JSON; a file that ends early was \
              not copied whole",
@@ -59,6 +71,11 @@ pub(super) fn for_retarget(error: &RetargetError) -> Option<&'static str> {
 pub(super) fn for_file(problem: &FileProblem) -> Option<&'static str> {
     match problem {
         FileProblem::Io(error) => for_io(error),
+        FileProblem::Empty => Some("nothing was written into it: export or copy it again"),
+        FileProblem::Pickle => Some(
+            "load it in Python, and save its arrays of numbers with `numpy.savez`; a sparse matrix as \
+             `matrix.toarray()`",
+        ),
         FileProblem::UnknownFormat => Some(
             "rigs are npz archives, GLB or glTF files with a skin, or JSON; the OBJ of the rest \
              body goes to `--rest-body`",
@@ -83,7 +100,8 @@ pub(super) fn for_file(problem: &FileProblem) -> Option<&'static str> {
             "`--betas` shapes models of the SMPL family, by as many numbers as they have at most",
         ),
         FileProblem::Pickled { .. } => Some(
-            "save it as a plain array: `numpy.asarray(regressor.todense())` for a sparse matrix",
+            "save it as a plain array of numbers: a sparse matrix as `matrix.toarray()`, other objects as \
+             `numpy.asarray(object, dtype=float)`",
         ),
         FileProblem::Gltf(GltfProblem::NoMesh { .. }) => {
             Some("`garnet info` lists the meshes of a file")

@@ -107,7 +107,7 @@ pub(super) fn for_misplaced(problem: &Misplaced) -> &'static str {
 fn for_pose(error: &PoseError) -> Option<String> {
     let hint = match error {
         PoseError::Motion(error) => for_motion(&error.problem)?,
-        PoseError::Frames(error) => {
+        PoseError::Figure(error) | PoseError::Frames { source: error, .. } => {
             return for_joints(error).or_else(|| for_retarget(error).map(str::to_owned));
         }
         PoseError::Skin(error) => for_skin(error)?,

@@ -11,7 +11,7 @@ use garnet_skin::{Pose, Skeleton, SkinError};
 use serde::{Deserialize, de::IgnoredAny};
 
 use super::{MotionError, MotionProblem, bvh, smpl};
-use crate::{FileError, gltf, read_pose};
+use crate::{FileError, FileProblem, gltf, read_pose, read_rig::is_pickle};
 
 /// A file with poses: a motion with its own skeleton, or pose JSON for the skeleton it is read for.
 ///
@@ -234,6 +234,13 @@ fn content(
     options: &ReadOptions,
 ) -> Result<Content, MotionProblem> {
     let bytes = read_at_most(path, MOST_BYTES)?;
+    let refused = |problem| Err(MotionProblem::File(Box::new(problem)));
+    if bytes.is_empty() {
+        return refused(FileProblem::Empty);
+    }
+    if is_pickle(&bytes) {
+        return refused(FileProblem::Pickle);
+    }
     if bytes.starts_with(gltf::MAGIC) || is_gltf(path) {
         let folder = path.parent().unwrap_or(Path::new(""));
         let motion = gltf::read_clip(&bytes, folder, clip, options);

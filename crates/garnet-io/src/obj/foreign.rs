@@ -1,6 +1,6 @@
 //! Tells other kinds of files from OBJ by their first bytes.
 
-const SIGNATURES: [(&[u8], &str); 21] = [
+const SIGNATURES: [(&[u8], &str); 25] = [
     (b"glTF", "a GLB model"),
     (b"\x89PNG", "a PNG picture"),
     (b"\xff\xd8\xff", "a JPEG picture"),
@@ -9,6 +9,10 @@ const SIGNATURES: [(&[u8], &str); 21] = [
     (b"\x28\xb5\x2f\xfd", "a Zstandard archive"),
     (b"\x93NUMPY", "a NumPy array"),
     (b"\x89HDF", "an HDF5 file"),
+    (b"\x80\x02", "a pickle of Python"),
+    (b"\x80\x03", "a pickle of Python"),
+    (b"\x80\x04", "a pickle of Python"),
+    (b"\x80\x05", "a pickle of Python"),
     (b"Kaydara FBX", "an FBX model"),
     (b"; FBX", "an FBX model"),
     (b"BLENDER", "a Blender file"),

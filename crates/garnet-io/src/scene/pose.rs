@@ -233,8 +233,16 @@ pub enum PoseError {
     #[error(transparent)]
     Take(#[from] TakeError),
     /// A frame is not there.
+    #[error("cannot read frames of `{}`", path.display())]
+    Frames {
+        /// The file.
+        path: PathBuf,
+        /// Which is not there.
+        source: RetargetError,
+    },
+    /// The joints of the body are not those of a human figure.
     #[error(transparent)]
-    Frames(#[from] RetargetError),
+    Figure(#[from] RetargetError),
     /// What stands for frames names none.
     #[error("cannot read frames of `{of}`")]
     BadFrames {
@@ -289,7 +297,7 @@ impl PoseError {
     pub fn of_rig(self, rig: &Path) -> SceneError {
         let is_of_body = match &self {
             Self::Take(TakeError::Retarget { problem, .. })
-            | Self::Frames(problem)
+            | Self::Figure(problem)
             | Self::Library {
                 source: problem, ..
             } => problem.is_of_body(),
@@ -442,7 +450,11 @@ impl PoseSource {
         let take = Take::read_clip(&self.path, self.clip.as_deref(), &of_file)?;
         let range = self.frames.unwrap_or(FrameRange::single(0));
         let options = of_motion.retarget();
-        let moments = Moments::new(range, &take, of_motion.fps)?;
+        let moments = Moments::new(range, &take, of_motion.fps);
+        let moments = moments.map_err(|source| PoseError::Frames {
+            path: self.path.clone(),
+            source,
+        })?;
         let notes = take.notes(skeleton, &options).into_iter();
         let mut notes: Vec<PoseNote> = notes.map(PoseNote::Motion).collect();
         let mut poses = take.poses_of(skeleton, &moments.frames, &options)?;
@@ -503,7 +515,7 @@ struct Moments {
 }
 
 impl Moments {
-    fn new(range: FrameRange, take: &Take, fps: Option<f64>) -> Result<Self, PoseError> {
+    fn new(range: FrameRange, take: &Take, fps: Option<f64>) -> Result<Self, RetargetError> {
         let (num_frames, frame_time) = (take.num_frames(), take.frame_time());
         let Some(fps) = fps else {
             return Ok(Self {
