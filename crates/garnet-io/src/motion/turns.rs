@@ -309,8 +309,7 @@ mod tests {
         assert!(rotation(-matrix).is_none());
         assert!(rotation(1.1 * matrix).is_none());
         assert!(rotation(f64::NAN * matrix).is_none());
-        let row = matrix.transpose();
-        let six = [row[0], row[3], row[1], row[4], row[2], row[5]];
+        let six: Vec<f64> = (0..6).map(|place| matrix[(place / 2, place % 2)]).collect();
         let found = turn(Form::TwoColumns, &six).unwrap();
         assert!(found.angle_to(&turned.cast()) < 1e-3);
     }
