@@ -22,8 +22,8 @@ pub(super) struct Size {
 
 /// The entries of the regressor; none if there is none.
 ///
-/// It is a dense array `[J, V]` or `[V, J]`, rows of joint, vertex and weight, or a sparse matrix in
-/// parts: by coordinates, CSR or CSC.
+/// It is a dense array `[J, V]` or `[V, J]`, rows of joint, vertex and weight, or a sparse matrix
+/// in parts: by coordinates, CSR or CSC.
 pub(super) fn regressor(npz: &mut NpzFile, size: Size) -> Result<Option<Vec<Entry>>, FileError> {
     let array = npz.array(KEY);
     let data = part(npz, &["data", "values", "val"])?;

@@ -210,8 +210,8 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// Finds what is missing of arms or legs of which some joints are known: the longest chains that
-    /// mirror each other and go through these.
+    /// Finds what is missing of arms or legs of which some joints are known: the longest chains
+    /// that mirror each other and go through these.
     fn complete_pair(&self, limb: fn(Side) -> Limb, roles: &mut Roles) {
         let known = Side::BOTH.map(|side| limb(side).map(|role| roles[role.index()]));
         let num_known = known.as_flattened().iter().flatten().count();
