@@ -65,7 +65,15 @@ rayleigh = [0.0, 50.0, 0.0]' ;;
 rayleigh = [0.0, 0.0, 10.0]' ;;
     rq-8-16) train $variant local-rq $tuned '[loss]
 rayleigh = [500.0, 50.0, 0.0]' ;;
-    local-*q | local-*mc) train "$variant" "$variant" $tuned '' ;;
+    local-rq) train $variant $variant $tuned '[loss]
+rayleigh = [500.0, 50.0, 10.0]' ;;
+    local-mc) train $variant $variant $tuned '[loss]
+mean_curvature = 5e-5' ;;
+    local-mcrq) train $variant $variant $tuned '[loss]
+mean_curvature = 5e-5
+rayleigh = [500.0, 50.0, 10.0]' ;;
+    local-umc) train $variant $variant $tuned '[loss]
+uniform_curvature = 10.0' ;;
     *) train "$variant" "$variant" $epochs '' ;;
   esac
 done

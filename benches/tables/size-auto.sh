@@ -1,6 +1,6 @@
 #!/bin/bash
-# How often `--size auto` takes the size whose eases round chest, waist and hip, measured on the sewn
-# garment, are nearest to those of the same garment made to measure: of bodies drawn from the
+# How often `--size auto` takes the size whose eases round chest, waist and hip, measured on the
+# sewn garment, are nearest to those of the same garment made to measure: of bodies drawn from the
 # population, against the next smaller and the next larger size. Stopped, it goes on where it was
 # when it is called again.
 #

@@ -27,8 +27,8 @@ const CLEARANCE: f32 = 0.002;
 /// The steepest angle of arms or legs that is tried for a depth, in degrees.
 const MOST_ADDUCTION: f64 = 60.0;
 
-/// The steepest bend of the trunk that is tried for a depth, in degrees.
-const MOST_BEND: f64 = 120.0;
+/// The most that thighs are raised beyond 60 degrees for a depth, in degrees.
+const MOST_BEND: f64 = 100.0;
 
 /// Halvings of the angle that gives a depth.
 const HALVINGS: usize = 12;
@@ -234,8 +234,8 @@ impl<'a> Scenes<'a> {
         pose
     }
 
-    /// Arms or thighs pressed inwards, or the trunk onto the thighs, until they run so deep into
-    /// each other; none if they never do.
+    /// Arms or thighs pressed inwards, or thighs raised against a bent trunk, until they run so
+    /// deep into each other; none if they never do.
     fn pressed(&self, kind: Kind, millimetres: f64) -> Result<Option<Pose>, StressError> {
         let pose = |degrees: f64| {
             let mut angles = BodyAngles::default();
@@ -246,9 +246,9 @@ impl<'a> Scenes<'a> {
                     .for_each(|arm| arm.abduction = 20.0 - degrees),
                 Kind::BellyIntoLap => {
                     for (leg, arm) in legs.iter_mut().zip(arms) {
-                        (leg.flexion, arm.abduction) = (80.0, 70.0);
+                        (leg.flexion, arm.abduction) = (60.0 + degrees, 70.0);
                     }
-                    angles.spine.flexion = degrees;
+                    angles.spine.flexion = 40.0;
                 }
                 _ => {
                     angles = usual();
@@ -270,10 +270,8 @@ impl<'a> Scenes<'a> {
             };
             Ok(f64::from(depth))
         };
-        // In the crease of a bent hip, belly and thigh are in each other before.
-        let before = if is_in_lap { depth(0.0)? } else { 0.0 };
         let is_deep = |degrees: f64| -> Result<bool, StressError> {
-            Ok(depth(degrees)? - before >= 1e-3 * millimetres)
+            Ok(depth(degrees)? >= 1e-3 * millimetres)
         };
         if millimetres <= 0.0 {
             return Ok(Some(pose(0.0)));

@@ -132,6 +132,12 @@ impl TrainArgs {
         if !is_saved && (self.config.is_none() || recipe.fine_tuned.is_none()) {
             recipe.apply(&mut config);
         }
+        if let (Some(_), Some((_, losses))) = (&self.config, &recipe.fine_tuned)
+            && config.loss == TrainConfig::default().loss
+        {
+            // The file names no losses: those that the fine-tuning is called by.
+            config.loss = losses.clone();
+        }
         if !self.resume {
             if let Some(preset) = &self.preset {
                 config.preset.clone_from(preset);
