@@ -105,6 +105,31 @@ fn a_training_reports_and_leaves_curves() {
 }
 
 #[test]
+fn a_configuration_without_losses_keeps_those_of_a_fine_tuning() {
+    let fixture = prepared();
+    fixture.text("plain.toml", "preset = \"tiny\"\nepochs = 1\n");
+    fixture.text(
+        "own.toml",
+        "preset = \"tiny\"\nepochs = 1\n[loss]\nnormal = 0.1\n",
+    );
+    done(
+        &fixture,
+        "train net scenes --config plain.toml --variant local -q",
+    );
+    for (config, weight) in [("plain", 500.0), ("own", 0.0)] {
+        let arguments = format!(
+            "train net scenes --config {config}.toml --kind local-rq --variant {config} -q"
+        );
+        done(&fixture, &arguments);
+        let log = fixture.read(&format!("net/training/{config}/log.json"));
+        let log: serde_json::Value = serde_json::from_slice(&log).unwrap();
+        let mut terms = log["first_terms"].as_array().unwrap().iter();
+        let found = terms.find(|term| term["term"] == "rayleigh-8").unwrap();
+        assert_eq!(found["weight"], weight, "{config}");
+    }
+}
+
+#[test]
 fn bodies_of_imports_may_stand_elsewhere() {
     let fixture = prepared();
     let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 2.0);

@@ -5,8 +5,12 @@
 #[path = "../../garnet-body/tests/common/mod.rs"]
 mod common;
 
-use std::{fmt::Write as _, fs, io::Write as _, path::Path};
+#[path = "common/arrays.rs"]
+mod arrays;
 
+use std::{fmt::Write as _, fs, path::Path};
+
+use arrays::npz;
 use common::{CMU, bone, chain, pose, renamed, skeleton};
 use garnet_body::motion::{FrameRange, ReadOptions, RetargetOptions, Role, Side};
 use garnet_io::{MotionError, MotionProblem, Take};
@@ -14,7 +18,6 @@ use garnet_mesh::UpAxis;
 use garnet_skin::{Point3, Pose, Skeleton, Vector3};
 use nalgebra::UnitQuaternion;
 use proptest::prelude::*;
-use zip::{ZipWriter, write::SimpleFileOptions};
 
 /// Angles in the files have six digits behind the point.
 const ROUNDING: f32 = 1e-4;
@@ -470,29 +473,6 @@ fn a_bvh_file_without_a_frame_time_has_frames_and_no_seconds() {
         let text = chain(&seconds.unwrap_err());
         assert!(text.contains("clip.bvh"), "{text}");
     }
-}
-
-/// The bytes of an npz archive of `f8` arrays.
-fn npz(arrays: &[(&str, &[usize], &[f64])]) -> Vec<u8> {
-    let mut archive = ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    for (name, shape, values) in arrays {
-        archive
-            .start_file(format!("{name}.npy"), SimpleFileOptions::default())
-            .unwrap();
-        let axes: Vec<String> = shape.iter().map(|axis| format!("{axis},")).collect();
-        let axes = axes.concat();
-        let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({axes}), }}");
-        let header = format!("{header:<117}\n");
-        archive.write_all(b"\x93NUMPY\x01\x00").unwrap();
-        archive
-            .write_all(&(header.len() as u16).to_le_bytes())
-            .unwrap();
-        archive.write_all(header.as_bytes()).unwrap();
-        for value in *values {
-            archive.write_all(&value.to_le_bytes()).unwrap();
-        }
-    }
-    archive.finish().unwrap().into_inner()
 }
 
 #[test]

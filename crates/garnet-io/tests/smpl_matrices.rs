@@ -2,38 +2,18 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-use std::{error::Error, fs, io::Write as _, path::Path};
+#[path = "common/arrays.rs"]
+mod arrays;
 
+use std::{error::Error, fs, path::Path};
+
+use arrays::npz;
 use garnet_body::motion::ReadOptions;
 use garnet_io::{MotionError, Take};
 use garnet_skin::Pose;
-use zip::{ZipWriter, write::SimpleFileOptions};
 
 /// Turns differ by no more than this, in radians.
 const ROUNDING: f32 = 1e-4;
-
-/// The bytes of an npz archive of `f8` arrays.
-fn npz(arrays: &[(&str, &[usize], &[f64])]) -> Vec<u8> {
-    let mut archive = ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    for (name, shape, values) in arrays {
-        archive
-            .start_file(format!("{name}.npy"), SimpleFileOptions::default())
-            .unwrap();
-        let axes: Vec<String> = shape.iter().map(|axis| format!("{axis},")).collect();
-        let axes = axes.concat();
-        let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({axes}), }}");
-        let header = format!("{header:<117}\n");
-        archive.write_all(b"\x93NUMPY\x01\x00").unwrap();
-        archive
-            .write_all(&(header.len() as u16).to_le_bytes())
-            .unwrap();
-        archive.write_all(header.as_bytes()).unwrap();
-        for value in *values {
-            archive.write_all(&value.to_le_bytes()).unwrap();
-        }
-    }
-    archive.finish().unwrap().into_inner()
-}
 
 fn take(folder: &Path, bytes: &[u8]) -> Result<Take, MotionError> {
     let path = folder.join("clip.npz");
