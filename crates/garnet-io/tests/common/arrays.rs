@@ -1,4 +1,4 @@
-//! Arrays as files of NumPy.
+//! Arrays in npz archives, written for tests.
 
 use std::io::Write as _;
 
