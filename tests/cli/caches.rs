@@ -1,6 +1,6 @@
 //! Drapes in files that programs play, and many drapes at once.
 
-use std::{fs, process::Command};
+use std::{fs, path::Path, process::Command};
 
 use garnet::{
     Point3,
@@ -8,7 +8,7 @@ use garnet::{
 };
 use serde_json::Value;
 
-use crate::fixtures::{Fixture, refused_with_hint, stderr};
+use crate::fixtures::{Fixture, refused_with_hint, stderr, stdout};
 use crate::train::done;
 
 /// Frames in which the elbow bends.
@@ -380,4 +380,63 @@ fn an_interrupted_cache_leaves_nothing() {
     assert!(stderr(&output).contains("interrupted: `out.pc2` is as it was before"));
     assert_eq!(fixture.names(), before);
     assert_eq!(fixture.read("out.pc2"), b"old");
+}
+
+#[test]
+fn a_network_drapes_key_frames_and_other_frames_lie_between() {
+    let fixture = Fixture::new();
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models");
+    let (shirt, walk) = (models.join("tshirt"), models.join("demo/walk.bvh"));
+    let (shirt, walk) = (shirt.display(), walk.display());
+    let motion = format!("drape {shirt} --pose {walk}:0s:0.3s --fps 120 --method fast");
+    let report = |name: &str| -> Value { serde_json::from_slice(&fixture.read(name)).unwrap() };
+    let between = |report: &Value| -> Vec<usize> {
+        let drapes = report["drapes"].as_array().unwrap().iter();
+        let is_between = |drape: &Value| drape["steps"]["is_between"].as_bool().unwrap();
+        let found = drapes.enumerate().filter(|(_, drape)| is_between(drape));
+        found.map(|(number, _)| number).collect()
+    };
+    let one = fixture.garnet(&format!(
+        "{motion} -o one.pc2 --report one.json --threads 1"
+    ));
+    let told = stderr(&one) + &stdout(&one);
+    let found = report("one.json");
+    let numbers = between(&found);
+    let count = found["drapes"].as_array().unwrap().len();
+    let expected = format!(
+        "; {} frames draped by themselves, {} between them",
+        count - numbers.len(),
+        numbers.len()
+    );
+    assert!(told.contains(&expected), "{expected}: {told}");
+    assert!(numbers.len() > count / 3, "{numbers:?} of {count}");
+    assert!(
+        numbers
+            .iter()
+            .all(|number| number % 12 != 0 && number + 1 != count)
+    );
+    for drape in found["drapes"].as_array().unwrap() {
+        assert_eq!(drape["untangle"]["inside"], 0);
+    }
+    done(&fixture, &format!("{motion} -o two.pc2 --threads 2 -q"));
+    assert!(fixture.read("one.pc2") == fixture.read("two.pc2"));
+    let each = "-o each.pc2 --report each.json --key-spacing 0 -q";
+    done(&fixture, &format!("{motion} {each}"));
+    assert!(between(&report("each.json")).is_empty());
+    let [one, each] = ["one.pc2", "each.pc2"].map(|name| points(&fixture.read(name)));
+    let apart = one.iter().zip(&each).map(|(a, b)| (a - b).norm());
+    let apart = apart.sum::<f32>() / one.len() as f32;
+    assert!(apart > 0.0 && apart < 0.002, "{apart}");
+    let both = format!("{motion} -o both --key-spacing 5 --frames-alone");
+    assert_eq!(fixture.garnet(&both).status.code(), Some(2));
+    // Parts have the keys of the whole.
+    for part in 1..=2 {
+        let part = format!("-o parts --shard {part}/2 --report part{part}.json -q");
+        done(&fixture, &format!("{motion} {part}"));
+    }
+    let first = between(&report("part1.json"));
+    let second = between(&report("part2.json"));
+    let second = second.iter().map(|number| number + count / 2);
+    let parts: Vec<usize> = first.into_iter().chain(second).collect();
+    assert_eq!(parts, numbers);
 }

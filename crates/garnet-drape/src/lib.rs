@@ -11,6 +11,7 @@ mod coverage;
 mod draper;
 mod error;
 mod garment;
+mod key_frames;
 mod outfit;
 mod penetration;
 mod refit;
@@ -66,6 +67,7 @@ pub use fit::{FitLines, FitWord, NoFit, Region, RegionFit, fit_map, wearer_tape}
 pub use garment::{BoundGarment, Garment};
 #[cfg(feature = "package")]
 pub use garnet_sim::{Moment, MovingCloth};
+pub use key_frames::{KeyFrame, KeySpacing};
 #[cfg(feature = "package")]
 pub use lock::{Attempt, FileLock};
 #[cfg(feature = "package")]

@@ -5,17 +5,19 @@
 //! one: its cloth is carried along with the body, and goes from there towards where the frame's own
 //! drape has it, by no more than a [`StepLimit`] a frame. What is carried stays on its side of the
 //! skin. Where nothing jumps, the frames are those that are draped alone, to the bit.
+//!
+//! Not every frame needs a drape of its own: between [`KeyFrame`]s it goes along with both.
 
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use garnet_mesh::{Point3, Vector3};
-use garnet_skin::{PosedBody, Warp, blended_transforms};
-use garnet_untangle::{UntangleOptions, Untangled, untangle};
+use garnet_skin::{BodyAtHome, PosedBody, Warp, Weld, blended_transforms};
+use garnet_untangle::{UntangleOptions, UntangleReport, untangle};
 use nalgebra::{Isometry3, UnitQuaternion};
 use rayon::prelude::*;
 
-use crate::{Drape, Draper, Error};
+use crate::{Drape, DrapeSeconds, Draper, Error, KeyFrame};
 
 /// Nodes that one task handles. Results do not depend on it, nor on the number of threads.
 const CHUNK: usize = 1024;
@@ -82,6 +84,8 @@ pub struct TakeFrame {
     pub step: f32,
     /// The farthest that a vertex of the body has come, in metres; 0 in the first.
     pub body_step: f32,
+    /// Whether it lies between two key frames, with no drape of its own.
+    pub is_between: bool,
 }
 
 /// Drapes the frames of a motion in order, each from the last one.
@@ -131,6 +135,11 @@ impl Carrier {
         places
             .map(|((place, warped), turn)| turn.inverse() * (place - warped))
             .collect()
+    }
+
+    /// Where nodes are at such offsets from the warp `[node]`, which are turned back to rest.
+    pub(crate) fn placed(&self, offsets: &[Vector3]) -> Vec<Point3> {
+        self.moved(&self.warped, offsets, 1.0)
     }
 
     /// Nodes moved by a share of `ways` `[node]`, which are turned back to rest.
@@ -186,93 +195,175 @@ impl<'a> Take<'a> {
         let home = body.at_home(garment.body())?;
         let carrier = Carrier::new(self.draper, home.body())?;
         let goal = weld.gather(&home.from_target(alone.positions.clone()));
-        let mut frame = TakeFrame {
-            drape: alone,
-            held_back: 0,
-            step: 0.0,
-            body_step: 0.0,
-        };
+        let mut frame = TakeFrame::new(alone);
         let mut cloth = goal;
         if let Some(last) = &self.last {
             let (reached, held_back) = last.reached(&carrier, &cloth, self.limit);
-            frame.held_back = held_back;
             if held_back > 0 {
-                let freed = match self.draper.options().untangle {
-                    None => Some((reached, None)),
-                    Some(options) => {
-                        let own = frame.drape.report.as_ref();
-                        let most = own.map_or(0, |own| own.crossing_faces) + MORE_CROSSING;
-                        let freed = self.freed(home.body(), &reached, &cloth, options)?;
-                        let freed = freed.filter(|freed| freed.report.crossing_faces <= most);
-                        freed.map(|freed| {
-                            (
-                                freed.positions_nodes,
-                                Some((freed.is_trapped, freed.report)),
-                            )
-                        })
-                    }
-                };
-                match freed {
-                    None => frame.held_back = 0,
-                    Some((positions, found)) => {
-                        cloth = positions;
-                        frame.drape.positions = home.to_target(weld.scatter(&cloth));
-                        if let Some((is_trapped, report)) = found {
-                            frame.drape.is_trapped = weld.scatter(&is_trapped);
-                            frame.drape.report = Some(report);
-                        }
-                    }
+                let own = frame.drape.report.as_ref();
+                let most = own.map_or(0, |own| own.crossing_faces) + MORE_CROSSING;
+                let thrown = farthest(&reached, &cloth);
+                if let Some(freed) = self.freed(&home, reached, thrown, most)? {
+                    frame.held_back = held_back;
+                    cloth = freed.take_nodes(&mut frame.drape, &home, weld);
                 }
             }
+        }
+        frame.drape.seconds.untangle += start.elapsed().as_secs_f64();
+        self.end(&mut frame, body, cloth, carrier);
+        Ok(frame)
+    }
+
+    /// The next frame, which lies between two keys at a `share` of the way from the first to the
+    /// second. If it cannot be freed of penetrations there it is draped by itself.
+    ///
+    /// # Errors
+    ///
+    /// As [`Draper::drape_until`].
+    pub fn go_between(
+        &mut self,
+        body: &PosedBody,
+        keys: [&KeyFrame; 2],
+        share: f32,
+        stop: &AtomicBool,
+    ) -> Result<TakeFrame, Error> {
+        let start = Instant::now();
+        let garment = self.draper.garment();
+        let home = body.at_home(garment.body())?;
+        let carrier = Carrier::new(self.draper, home.body())?;
+        let goal = keys[0].between(keys[1], share, &carrier);
+        let (reached, held_back) = match &self.last {
+            Some(last) => last.reached(&carrier, &goal, self.limit),
+            None => (goal.clone(), 0),
+        };
+        let reports = keys.map(|key| key.drape().report.as_ref());
+        let most = |of: fn(&UntangleReport) -> usize| reports.map(|one| one.map_or(0, of));
+        let most = |of| most(of).into_iter().max().unwrap_or(0);
+        let crossing = most(|report| report.crossing_faces) + MORE_CROSSING;
+        let thrown = farthest(&reached, &goal).max(FAR);
+        let freed = self.freed(&home, reached, thrown, crossing)?;
+        let inside = most(|report| report.inside);
+        let Some(freed) = freed.filter(|freed| freed.inside() <= inside) else {
+            return self.drape(body, stop);
+        };
+        let nearest = keys[usize::from(share > 0.5)].drape();
+        let mut frame = TakeFrame::new(nearest.clone());
+        frame.held_back = held_back;
+        frame.is_between = true;
+        let cloth = freed.take_nodes(&mut frame.drape, &home, garment.cloth().weld());
+        frame.drape.seconds = DrapeSeconds {
+            untangle: start.elapsed().as_secs_f64(),
+            ..DrapeSeconds::default()
+        };
+        self.end(&mut frame, body, cloth, carrier);
+        Ok(frame)
+    }
+
+    /// Measures the steps of a frame, and keeps what the next one goes on from.
+    fn end(
+        &mut self,
+        frame: &mut TakeFrame,
+        body: &PosedBody,
+        cloth: Vec<Point3>,
+        carrier: Carrier,
+    ) {
+        if let Some(last) = &self.last {
             frame.step = farthest(&last.vertices, &frame.drape.positions);
             frame.body_step = farthest(&last.body, body.skin().positions());
         }
-        frame.drape.seconds.untangle += start.elapsed().as_secs_f64();
         self.last = Some(Last {
             cloth,
             carrier,
             vertices: frame.drape.positions.clone(),
             body: body.skin().positions().to_vec(),
         });
-        Ok(frame)
     }
-}
 
-impl Take<'_> {
-    /// The cloth at `reached` `[node]`, freed of penetrations; `None` if that throws it farther
-    /// than the frame's own drape `alone` `[node]` is.
+    /// The cloth at `reached` `[node]`, freed of penetrations if that was asked for; `None` if that
+    /// throws a node farther than [`FAR`] and `most_thrown`, in metres, or leaves more faces than
+    /// `most_crossing` across the skin.
     ///
     /// Cloth that was carried leaves by the skin nearest to it. Where that throws a node far, as
     /// between two parts of the body that close on it, it leaves by the side that it belongs to.
     fn freed(
         &self,
-        body: &PosedBody,
-        reached: &[Point3],
-        alone: &[Point3],
-        options: UntangleOptions,
-    ) -> Result<Option<Untangled>, Error> {
+        home: &BodyAtHome<'_>,
+        reached: Vec<Point3>,
+        most_thrown: f32,
+        most_crossing: usize,
+    ) -> Result<Option<Freed>, Error> {
+        let Some(options) = self.draper.options().untangle else {
+            return Ok(Some(Freed {
+                nodes: reached,
+                found: None,
+            }));
+        };
         let garment = self.draper.garment();
+        let body = home.body();
         let untangled = |options: &UntangleOptions| {
-            untangle(garment.cloth(), garment.binding(), body, reached, options)
+            untangle(garment.cloth(), garment.binding(), body, &reached, options)
         };
         let carried = options.for_simulated();
         let nearest = untangled(&carried)?;
-        let thrown = farthest(reached, &nearest.positions_nodes);
-        if thrown <= FAR {
-            return Ok(Some(nearest));
-        }
-        let sided = untangled(&UntangleOptions {
-            keeps_sides: false,
-            ..carried
-        })?;
-        let is_free = sided.report.inside <= nearest.report.inside;
-        let other = farthest(reached, &sided.positions_nodes);
-        let (best, thrown) = if is_free && other < thrown {
-            (sided, other)
+        let thrown = farthest(&reached, &nearest.positions_nodes);
+        let (best, is_near) = if thrown <= FAR {
+            (nearest, true)
         } else {
-            (nearest, thrown)
+            let sided = untangled(&UntangleOptions {
+                keeps_sides: false,
+                ..carried
+            })?;
+            let is_free = sided.report.inside <= nearest.report.inside;
+            let other = farthest(&reached, &sided.positions_nodes);
+            if is_free && other < thrown {
+                (sided, other <= most_thrown)
+            } else {
+                (nearest, thrown <= most_thrown)
+            }
         };
-        Ok((thrown <= farthest(reached, alone)).then_some(best))
+        let is_good = is_near && best.report.crossing_faces <= most_crossing;
+        Ok(is_good.then_some(Freed {
+            nodes: best.positions_nodes,
+            found: Some((best.is_trapped, best.report)),
+        }))
+    }
+}
+
+/// Cloth that was freed of penetrations, if that was asked for.
+struct Freed {
+    /// Positions `[node]`, in metres.
+    nodes: Vec<Point3>,
+    /// Which nodes are trapped, and what untangling tells; none if it was not asked for.
+    found: Option<(Vec<bool>, UntangleReport)>,
+}
+
+impl Freed {
+    /// Vertices that are left inside the body.
+    fn inside(&self) -> usize {
+        self.found.as_ref().map_or(0, |(_, report)| report.inside)
+    }
+
+    /// Makes it the drape of a frame, and gives its positions `[node]`.
+    fn take_nodes(self, drape: &mut Drape, home: &BodyAtHome<'_>, weld: &Weld) -> Vec<Point3> {
+        drape.positions = home.to_target(weld.scatter(&self.nodes));
+        if let Some((is_trapped, report)) = self.found {
+            drape.is_trapped = weld.scatter(&is_trapped);
+            drape.report = Some(report);
+        }
+        self.nodes
+    }
+}
+
+impl TakeFrame {
+    /// A frame that is draped alone, and the first one.
+    fn new(drape: Drape) -> Self {
+        Self {
+            drape,
+            held_back: 0,
+            step: 0.0,
+            body_step: 0.0,
+            is_between: false,
+        }
     }
 }
 

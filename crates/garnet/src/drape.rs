@@ -1,8 +1,9 @@
 //! The steps of a drape, for those who time or replace them.
 
 pub use garnet_drape::{
-    Coverage, CoverageOptions, LayerCount, LayerOptions, LimbOutside, Placed, PlacedBy, Refit,
-    Smoothing, StepLimit, Take, TakeFrame, Tubes, WornGarment, count_layers, dressed, part_layers,
+    Coverage, CoverageOptions, KeyFrame, KeySpacing, LayerCount, LayerOptions, LimbOutside, Placed,
+    PlacedBy, Refit, Smoothing, StepLimit, Take, TakeFrame, Tubes, WornGarment, count_layers,
+    dressed, part_layers,
 };
 #[cfg(feature = "package")]
 pub use garnet_drape::{FitLines, FitWord, NoFit, Region, RegionFit, fit_map, wearer_tape};

@@ -12,11 +12,12 @@ use anyhow::Context;
 use garnet::{
     Drape, Point3, PosedBody,
     data::SceneReport,
-    drape::{Placed, PlacedBy},
+    drape::{KeyFrame, KeySpacing, Placed, PlacedBy},
     io::largest_distance,
     mesh::edge_stretch,
     package::Moment,
 };
+use rayon::prelude::*;
 
 use super::{
     args::{Job, Shard},
@@ -43,8 +44,8 @@ use crate::{
     workers::in_order,
 };
 
-/// Frames that are draped before those of a part, so that its cloth comes from where that of the
-/// part before it goes. Fewer let cloth jump from part to part; more are made twice.
+/// Frames that are draped before those of a part at least, so that its cloth comes from where that
+/// of the part before it goes. Fewer let cloth jump from part to part; more are made twice.
 const WARM_UP: usize = 24;
 
 /// The part of the targets that is draped.
@@ -81,7 +82,11 @@ impl Part {
         }
         let [first, end] = [number - 1, number].map(|part| all * part / count);
         let (warm_up, after) = if is_take(prepared.pose.is_some(), all, job) {
-            (WARM_UP.min(first), job.smooth.min(all - end))
+            let start = first.saturating_sub(WARM_UP);
+            let last = (end + job.smooth).next_multiple_of(KeySpacing::LONGEST);
+            // From key to key, which are those of the whole.
+            let start = start - start % KeySpacing::LONGEST;
+            (first - start, (last + 1).min(all) - end)
         } else {
             (0, 0)
         };
@@ -145,7 +150,8 @@ pub(super) fn drape_all(
     // A part of a motion is one, too, if it has a frame alone.
     let goes_on = is_take(bound.pose.is_some(), count, job);
     let mut chain = goes_on.then(|| Chain::new(&ready.draper, job.smooth));
-    let threads = rayon::current_num_threads().min(count);
+    let keys = keys(ready, (job, goes_on), &stop)?;
+    let threads = rayon::current_num_threads().min(keys.len());
     let is_shared = threads < 2 || job.repeat > 1;
     let bar = console.progress(count);
     let mut drapes = Vec::with_capacity(num_written);
@@ -175,6 +181,7 @@ pub(super) fn drape_all(
                 cloth_m: largest_distance(cloth, &now.0),
                 body_m: largest_distance(body, &now.1),
                 held_back: 0,
+                is_between: false,
             });
             last = Some(now);
         }
@@ -199,19 +206,27 @@ pub(super) fn drape_all(
         drapes.push((output, warnings.collect::<Vec<_>>()));
         Ok(())
     };
-    let mut take_up = |number: usize, made: Made| match (made, chain.as_mut()) {
-        (Made::Finished(finished), _) => write(number, *finished),
-        (Made::Draped(draped), Some(chain)) => {
-            let next = chain.go_on(number, *draped)?;
-            next.map_or(Ok(()), |next| write(next.number, frame.linked(next)?))
+    let mut take_up = |at: usize, made: Made| match (made, chain.as_mut()) {
+        (Made::Finished(finished), _) => write(keys[at], *finished),
+        (Made::Draped(draped, key), Some(chain)) => {
+            let before = at.checked_sub(1).map_or(0, |before| keys[before] + 1);
+            let mut between = before..keys[at];
+            let mut link = |next: Option<Linked>| {
+                next.map_or(Ok(()), |next| write(next.number, frame.linked(next)?))
+            };
+            between
+                .try_for_each(|number| link(frame.between(number, (keys[at], &key), chain)?))?;
+            link(chain.go_on(keys[at], *draped, key)?)
         }
-        (Made::Draped(draped), None) => write(number, frame.finished(number, *draped, None)?),
+        (Made::Draped(draped, _), None) => {
+            write(keys[at], frame.finished(keys[at], *draped, None)?)
+        }
     };
-    let made = |number: usize| frame.made(number);
+    let made = |at: usize| frame.made(keys[at]);
     let mut done = if is_shared {
-        (0..count).try_for_each(|number| take_up(number, made(number)?))
+        (0..keys.len()).try_for_each(|at| take_up(at, made(at)?))
     } else {
-        in_order(count, threads, made, &mut take_up)
+        in_order(keys.len(), threads, made, &mut take_up)
     };
     while let (Ok(()), Some(chain)) = (&done, chain.as_mut()) {
         let Some(next) = chain.next_left()? else {
@@ -243,6 +258,30 @@ pub(super) fn drape_all(
             1
         },
     })
+}
+
+/// The targets that are draped by themselves: all of them, or key frames of a motion.
+///
+/// A warp costs no more than what lies between keys, and what is simulated is asked for as that.
+fn keys(
+    ready: &Ready,
+    (job, goes_on): (&Job, bool),
+    stop: &AtomicBool,
+) -> anyhow::Result<Vec<usize>> {
+    let bound = &ready.bound;
+    let is_each = job.key_spacing == KeySpacing::NONE;
+    if !goes_on || is_each || !matches!(ready.method, Method::Network(_)) {
+        return Ok((0..bound.targets.len()).collect());
+    }
+    let transforms = bound.targets.par_iter().map(|target| {
+        if stop.load(Ordering::Relaxed) {
+            anyhow::bail!("stopped");
+        }
+        let posed = target.posed(bound.garment.body())?;
+        Ok(posed.posed_from_rest().to_vec())
+    });
+    let transforms = transforms.collect::<anyhow::Result<Vec<_>>>()?;
+    Ok(job.key_spacing.keys(&bound.garment, &transforms))
 }
 
 /// What is told if files of all frames are left before they are whole.
@@ -289,8 +328,8 @@ pub(super) struct Frame<'a> {
 enum Made {
     /// All of it.
     Finished(Box<Finished>),
-    /// What the next step starts from.
-    Draped(Box<Draped>),
+    /// What the next step starts from, and what frames before and after it lie between.
+    Draped(Box<Draped>, KeyFrame),
 }
 
 /// A garment on a body, and how long it took.
@@ -342,7 +381,9 @@ impl Frame<'_> {
         }
         draped.repeated = RepeatedSeconds::of(&times);
         if self.goes_on {
-            return Ok(Made::Draped(Box::new(draped)));
+            let drape = draped.drape.clone();
+            let key = KeyFrame::new(&self.ready.draper, &draped.posed, drape)?;
+            return Ok(Made::Draped(Box::new(draped), key));
         }
         let finished = self.finished(number, draped, None)?;
         Ok(Made::Finished(Box::new(finished)))
@@ -419,6 +460,18 @@ impl Frame<'_> {
             time,
             repeated: None,
         })
+    }
+
+    /// A frame that lies between the key frame that the chain has and the next one.
+    fn between(
+        &self,
+        number: usize,
+        next: (usize, &KeyFrame),
+        chain: &mut Chain<'_>,
+    ) -> anyhow::Result<Option<Linked>> {
+        let Ready { bound, .. } = self.ready;
+        let (posed, fit) = timed(|| bound.targets[number].posed(bound.garment.body()));
+        chain.go_between(number, (posed?, fit), next, self.stop)
     }
 
     /// A frame that goes on from the last one.

@@ -6,6 +6,7 @@ use anyhow::ensure;
 use clap::{Args, builder::ArgPredicate};
 use garnet::{
     DrapeOptions,
+    drape::KeySpacing,
     io::{ObjFile, PoseSource, SceneFiles, SceneUnits},
     package::{GarmentPackage, Limit, Quality, StoredFabric},
 };
@@ -23,7 +24,7 @@ use crate::{
 };
 
 /// All arguments that a job of `--batch` may have, and the command beside it may not.
-pub(super) const OF_A_JOB: [&str; 37] = [
+pub(super) const OF_A_JOB: [&str; 38] = [
     "output",
     "body_out",
     "hide",
@@ -38,6 +39,7 @@ pub(super) const OF_A_JOB: [&str; 37] = [
     "clearance",
     "no_untangle",
     "frames_alone",
+    "key_spacing",
     "smooth",
     "max_penetration",
     "max_crossing",
@@ -138,6 +140,10 @@ pub(crate) struct DrapeArgs {
     /// Drape each frame of a motion as if it were the only one.
     #[arg(long, hide_short_help = true)]
     frames_alone: bool,
+    /// How far the body moves, in millimetres, between frames of a motion that a network drapes by
+    /// themselves; those between go along with both, which is several times as fast; 0 drapes each.
+    #[arg(long, hide_short_help = true, value_name = "MM", default_value = "20", conflicts_with = "frames_alone", value_parser = millimetres, allow_negative_numbers = true)]
+    key_spacing: f32,
     /// Smooth what is left of jumps between the frames of a motion, over so many frames to either
     /// side; cloth keeps out of the skin and does not lag behind [default of FRAMES: 3].
     #[arg(long, value_name = "FRAMES", num_args = 0..=1, default_missing_value = "3", conflicts_with = "frames_alone", value_parser = clap::value_parser!(u8).range(1..=12), allow_negative_numbers = true)]
@@ -386,6 +392,8 @@ pub(crate) struct Job {
     pub(crate) repeat: u32,
     /// Whether frames of a motion do not go on from each other.
     pub(crate) frames_alone: bool,
+    /// How far the body moves between frames that are draped by themselves.
+    pub(crate) key_spacing: KeySpacing,
     /// Over how many frames to either side a motion is smoothed; 0 for none.
     pub(crate) smooth: usize,
 }
@@ -493,6 +501,7 @@ impl Job {
         job.max_crossing = args.max_crossing;
         job.repeat = args.repeat;
         job.frames_alone = args.frames_alone;
+        job.key_spacing = KeySpacing::default().with_apart(args.key_spacing);
         job.smooth = args.smooth.map_or(0, usize::from);
         Ok(job)
     }
@@ -563,6 +572,7 @@ impl Job {
             max_crossing: None,
             repeat: 1,
             frames_alone: true,
+            key_spacing: KeySpacing::NONE,
             smooth: 0,
         };
         if !is_several && cache.is_none() {

@@ -1,11 +1,11 @@
 //! Frames of a motion, each going on from the last one, smoothed if that is asked for.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, sync::atomic::AtomicBool};
 
 use garnet::{
     Draper, PosedBody,
     data::SceneReport,
-    drape::{Smoothing, Take, TakeFrame},
+    drape::{KeyFrame, Smoothing, Take, TakeFrame},
 };
 
 use super::{
@@ -17,6 +17,8 @@ use super::{
 pub(super) struct Chain<'a> {
     take: Take<'a>,
     smoothing: Option<Smoothing<'a>>,
+    /// The last key frame, with its number.
+    key: Option<(usize, KeyFrame)>,
     /// What else is told of the frames that wait to be smoothed.
     waiting: VecDeque<Told>,
 }
@@ -44,15 +46,17 @@ impl<'a> Chain<'a> {
         Self {
             take: Take::new(draper),
             smoothing: (radius > 0).then(|| Smoothing::new(draper, radius)),
+            key: None,
             waiting: VecDeque::new(),
         }
     }
 
-    /// Goes on with a frame, and gives the next one that is ready.
+    /// Goes on with a frame that was draped by itself, and gives the next one that is ready.
     pub(super) fn go_on(
         &mut self,
         number: usize,
         draped: Draped,
+        key: KeyFrame,
     ) -> anyhow::Result<Option<Linked>> {
         let Draped {
             posed,
@@ -69,6 +73,51 @@ impl<'a> Chain<'a> {
             alone: drape.seconds.untangle,
         };
         let frame = self.take.go_on(&posed, drape)?;
+        self.key = Some((number, key));
+        self.ready(told, posed, frame)
+    }
+
+    /// Goes on with a frame between the last key and the `next`, to pose whose body took `fit`
+    /// seconds.
+    pub(super) fn go_between(
+        &mut self,
+        number: usize,
+        (posed, fit): (PosedBody, f64),
+        next: (usize, &KeyFrame),
+        stop: &AtomicBool,
+    ) -> anyhow::Result<Option<Linked>> {
+        let frame = match &self.key {
+            None => self.take.drape(&posed, stop)?,
+            Some((last, key)) => {
+                let share = (number - last) as f32 / (next.0 - last) as f32;
+                self.take.go_between(&posed, [key, next.1], share, stop)?
+            }
+        };
+        let seconds = frame.drape.seconds;
+        let told = Told {
+            number,
+            simulated: None,
+            time: DrapeSeconds {
+                fit,
+                warp: seconds.warp,
+                network: seconds.predict,
+                settle: seconds.relax,
+                untangle: seconds.untangle,
+                write: 0.0,
+            },
+            repeated: None,
+            alone: seconds.untangle,
+        };
+        self.ready(told, posed, frame)
+    }
+
+    /// The next frame that is ready once one more went on.
+    fn ready(
+        &mut self,
+        told: Told,
+        posed: PosedBody,
+        frame: TakeFrame,
+    ) -> anyhow::Result<Option<Linked>> {
         self.waiting.push_back(told);
         let ready = match &mut self.smoothing {
             Some(smoothing) => smoothing.push(posed, frame)?,

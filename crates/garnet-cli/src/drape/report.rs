@@ -217,6 +217,8 @@ pub(crate) struct StepsReport {
     pub(crate) body_m: f32,
     /// Nodes on their way to where the frame alone has them.
     pub(crate) held_back: usize,
+    /// Whether it lies between two frames that were draped by themselves.
+    pub(crate) is_between: bool,
 }
 
 impl StepsReport {
@@ -225,6 +227,7 @@ impl StepsReport {
             cloth_m: frame.step,
             body_m: frame.body_step,
             held_back: frame.held_back,
+            is_between: frame.is_between,
         }
     }
 }

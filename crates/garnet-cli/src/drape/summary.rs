@@ -155,8 +155,16 @@ fn steps(drapes: &[DrapeOutput]) -> Option<String> {
         .filter_map(|drape| Some((drape, drape.steps?)))
         .max_by(|(_, a), (_, b)| a.cloth_m.total_cmp(&b.cloth_m));
     let (drape, steps) = largest?;
+    let is_between = |drape: &&DrapeOutput| drape.steps.is_some_and(|steps| steps.is_between);
+    let between = match drapes.iter().filter(is_between).count() {
+        0 => String::new(),
+        between => format!(
+            "; {} frames draped by themselves, {between} between them",
+            drapes.len() - between
+        ),
+    };
     Some(format!(
-        "largest step of the cloth {:.1} mm, into `{}`, where the body steps {:.1} mm",
+        "largest step of the cloth {:.1} mm, into `{}`, where the body steps {:.1} mm{between}",
         1e3 * steps.cloth_m,
         drape.output,
         1e3 * steps.body_m
