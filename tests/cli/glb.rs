@@ -95,11 +95,13 @@ fn coordinates(point: &Point3) -> [f32; 3] {
     [point.x, point.y, point.z]
 }
 
-fn floats(values: impl Iterator<Item = f32>) -> Vec<u8> {
+/// The bytes of floats.
+pub(crate) fn floats(values: impl Iterator<Item = f32>) -> Vec<u8> {
     values.flat_map(f32::to_le_bytes).collect()
 }
 
-fn container(json: &Value, binary: &[u8]) -> Vec<u8> {
+/// The bytes of a GLB.
+pub(crate) fn container(json: &Value, binary: &[u8]) -> Vec<u8> {
     let mut text = json.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
     let mut chunks = Vec::new();

@@ -8,6 +8,7 @@ use std::{fs, path::Path};
 use serde_json::{Value, json};
 
 use crate::fixtures::{Fixture, refused_with_hint, stderr};
+use crate::glb;
 use crate::train::done;
 
 /// What a page must stay below, in bytes: a T-shirt on its body.
@@ -281,4 +282,37 @@ fn a_t_shirt_on_its_body_is_a_small_page() {
     check_alone(&shipped);
     assert!(shipped.len() < LARGEST, "{} bytes", shipped.len());
     assert_eq!(vertices(&described(&shipped)), Some(4_975));
+}
+
+#[test]
+fn what_is_left_out_of_a_glb_is_told_by_pictures_and_pages() {
+    let fixture = Fixture::new();
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let binary = glb::floats(corners.into_iter().flatten());
+    let primitive = |mode: u32| json!({"attributes": {"POSITION": 0}, "mode": mode});
+    let scene = json!({
+        "asset": {"version": "2.0"},
+        "nodes": [{"mesh": 0, "name": "Cloth"}, {"mesh": 1, "name": "Guides"}],
+        "meshes": [{"primitives": [primitive(4)]}, {"primitives": [primitive(1)]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": binary.len()}],
+        "buffers": [{"byteLength": binary.len()}],
+    });
+    fixture.bytes("mesh.glb", &glb::container(&scene, &binary));
+    let note = "of `mesh.glb` the body is `Cloth`; left out: `Guides` (points or lines)";
+    for output in ["page.html", "picture.png"] {
+        let command = if output == "page.html" {
+            "view"
+        } else {
+            "render"
+        };
+        let written = fixture.garnet(&format!("{command} mesh.glb -o {output} --json"));
+        let told = stderr(&written);
+        assert_eq!(written.status.code(), Some(0), "{told}");
+        let report: Value = serde_json::from_slice(&written.stdout).unwrap();
+        assert_eq!(report["notes"], json!([note]));
+        let written = fixture.garnet(&format!("{command} mesh.glb -o {output}"));
+        let told = stderr(&written);
+        assert!(told.contains(&format!("note: {note}")), "{told}");
+    }
 }

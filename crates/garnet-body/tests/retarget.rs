@@ -6,7 +6,7 @@ mod common;
 
 use common::{CMU, bone, pose, renamed, skeleton, without_limbs};
 use garnet_body::motion::{
-    Motion, ReadOptions, Retarget, RetargetError, RetargetOptions, Role, Side, StartAt,
+    Motion, ReadOptions, Retarget, RetargetError, RetargetOptions, Role, Side, StartAt, Upward,
     world_rotations,
 };
 use garnet_body::shape::JOINT_NAMES;
@@ -363,10 +363,44 @@ fn a_figure_that_stands_along_another_axis_in_the_frames_is_told() {
     // Half of the frames each way tell nothing; what is named is not doubted.
     assert_eq!(notes(vec![along_z.clone(), Pose::rest(22)], &read), 0);
     let named = ReadOptions {
-        up: Some(garnet_mesh::UpAxis::Y),
+        up: Some(Upward::Y),
         ..read
     };
     assert_eq!(notes(vec![along_z], &named), 0);
+}
+
+#[test]
+fn a_figure_may_stand_along_any_axis() {
+    let (source, target) = (skeleton(20.0, 3.0), skeleton(45.0, 3.0));
+    let frames = vec![pose(22, 0.5), pose(22, 2.0)];
+    let retargeted = |source: &Skeleton, frames: Vec<Pose>| {
+        let motion = Motion::in_metres(source, frames, &ReadOptions::default()).unwrap();
+        let retarget = Retarget::new(&motion, &target, &RetargetOptions::default()).unwrap();
+        (motion.notes.clone(), retarget.pose(1).unwrap())
+    };
+    let (_, expected) = retargeted(&source, frames.clone());
+    for up in Upward::ALL {
+        let from_y_up = up.to_y_up().inverse();
+        let joints = source.joints().iter().map(|joint| Joint {
+            rest_position: from_y_up * joint.rest_position,
+            ..joint.clone()
+        });
+        let turned = Skeleton::new(joints.collect()).unwrap();
+        let frames = frames.iter().map(|frame| Pose {
+            root_translation: from_y_up * frame.root_translation,
+            rotations: frame
+                .rotations
+                .iter()
+                .map(|turn| from_y_up * turn * from_y_up.inverse())
+                .collect(),
+        });
+        let (notes, found) = retargeted(&turned, frames.collect());
+        let note = format!("{up} is read as the up axis");
+        assert!(notes.contains(&note), "{notes:?}");
+        let turns = found.rotations.iter().zip(&expected.rotations);
+        let largest = turns.map(|(a, b)| a.angle_to(b)).fold(0.0, f32::max);
+        assert!(largest < 2e-3, "{up}: {largest}");
+    }
 }
 
 #[test]

@@ -8,11 +8,14 @@ use std::{
 use anyhow::{Context, ensure};
 use garnet::{
     Point3, TriMesh,
-    io::{ArrayProblem, FileProblem, Frame, NpzFile, ObjFile, RigOptions, is_rig, read_mesh_of},
+    io::{
+        ArrayProblem, FileProblem, Frame, NpzFile, ObjFile, PartsNote, RigOptions, is_rig,
+        read_shown_mesh,
+    },
     mesh::{Unit, UpAxis},
 };
 
-use crate::failure::refused;
+use crate::{console::Console, failure::refused};
 
 /// A mesh, and where its vertices are in the frames after the first, as the files have them.
 #[derive(Debug)]
@@ -23,6 +26,7 @@ pub(crate) struct Moving {
     names: Vec<String>,
     fps: Option<f64>,
     frame: Frame,
+    note: Option<PartsNote>,
 }
 
 impl Moving {
@@ -36,8 +40,12 @@ impl Moving {
         }
         // Rigs have y up, whatever the OBJ files have.
         let up = if is_rig(path) { UpAxis::Y } else { up };
-        let file = read_mesh_of(path, options)?;
-        Ok(Self::still(path, file, up))
+        let shown = read_shown_mesh(path, options)?;
+        let note = shown.note.or(shown.rig_note);
+        Ok(Self {
+            note: note.filter(PartsNote::leaves_out),
+            ..Self::still(path, shown.file, up)
+        })
     }
 
     fn still(path: &Path, file: ObjFile, up: UpAxis) -> Self {
@@ -51,6 +59,7 @@ impl Moving {
                 unit: Unit::Metre,
                 up,
             },
+            note: None,
         }
     }
 
@@ -220,6 +229,17 @@ impl Moving {
             .map(|positions| self.frame.to_metres(positions.clone()))
             .collect()
     }
+}
+
+/// What was left out of the files, for the user to read; it is told, too.
+pub(crate) fn told_notes(moving: &[Moving], console: &Console) -> Vec<String> {
+    let notes = moving.iter().filter_map(|mesh| mesh.note.as_ref());
+    let mut notes: Vec<String> = notes.map(ToString::to_string).collect();
+    notes.dedup();
+    for note in &notes {
+        console.summary(&format_args!("note: {note}"));
+    }
+    notes
 }
 
 /// Names of the frames, which all that moves shares.

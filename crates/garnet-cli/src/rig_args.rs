@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use garnet::{io::RigOptions, mesh::UpAxis};
+use garnet::{body::motion::Upward, io::RigOptions};
 
 /// How the rig is read.
 #[derive(Debug, Clone, Default, Args)]
@@ -43,7 +43,7 @@ fn beta(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected finite numbers, as in `1.5,-0.3`".to_owned())
 }
 
-/// The axis that points up in a motion.
+/// The direction that points up in a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PoseUp {
     /// As the bodies in it stand.
@@ -52,14 +52,29 @@ pub(crate) enum PoseUp {
     Y,
     /// As in AMASS.
     Z,
+    /// The x axis.
+    X,
+    /// As in the axes of a camera.
+    #[value(name = "-y")]
+    MinusY,
+    /// Against the z axis.
+    #[value(name = "-z")]
+    MinusZ,
+    /// Against the x axis.
+    #[value(name = "-x")]
+    MinusX,
 }
 
 impl PoseUp {
-    pub(crate) fn axis(self) -> Option<UpAxis> {
+    pub(crate) fn direction(self) -> Option<Upward> {
         match self {
             Self::Auto => None,
-            Self::Y => Some(UpAxis::Y),
-            Self::Z => Some(UpAxis::Z),
+            Self::Y => Some(Upward::Y),
+            Self::Z => Some(Upward::Z),
+            Self::X => Some(Upward::X),
+            Self::MinusY => Some(Upward::MinusY),
+            Self::MinusZ => Some(Upward::MinusZ),
+            Self::MinusX => Some(Upward::MinusX),
         }
     }
 }

@@ -75,6 +75,11 @@ impl PartsNote {
         let path = path.to_path_buf();
         (parts.len() > 1).then_some(Self { path, parts })
     }
+
+    /// Whether a mesh is left out.
+    pub fn leaves_out(&self) -> bool {
+        self.parts.iter().any(|part| part.left_out.is_some())
+    }
 }
 
 impl fmt::Display for PartsNote {

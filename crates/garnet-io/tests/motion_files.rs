@@ -12,9 +12,8 @@ use std::{fmt::Write as _, fs, path::Path};
 
 use arrays::npz;
 use common::{CMU, bone, chain, pose, renamed, skeleton};
-use garnet_body::motion::{FrameRange, ReadOptions, RetargetOptions, Role, Side};
+use garnet_body::motion::{FrameRange, ReadOptions, RetargetOptions, Role, Side, Upward};
 use garnet_io::{MotionError, MotionProblem, Take};
-use garnet_mesh::UpAxis;
 use garnet_skin::{Point3, Pose, Skeleton, Vector3};
 use nalgebra::UnitQuaternion;
 use proptest::prelude::*;
@@ -238,7 +237,7 @@ fn a_root_that_lays_the_figure_down_is_told_and_read_by_the_up_axis() {
         pose
     });
     let lying = bvh(&source, &lying, PLAIN);
-    let read = |text: &str, up: Option<UpAxis>| {
+    let read = |text: &str, up: Option<Upward>| {
         let path = folder.path().join("clip.bvh");
         fs::write(&path, text).unwrap();
         let options = ReadOptions {
@@ -254,7 +253,7 @@ fn a_root_that_lays_the_figure_down_is_told_and_read_by_the_up_axis() {
     let notes = &found.motion().unwrap().notes;
     let is_told = |note: &String| note.contains("`--pose-up z`");
     assert!(notes.iter().any(is_told), "{notes:?}");
-    for (found, expected) in poses(&read(&lying, Some(UpAxis::Z))).iter().zip(&expected) {
+    for (found, expected) in poses(&read(&lying, Some(Upward::Z))).iter().zip(&expected) {
         assert!(largest_angle(found, expected) < 1e-3);
         assert!((found.root_translation - expected.root_translation).norm() < 1e-2);
     }
@@ -268,7 +267,7 @@ fn units_and_up_axis_can_be_told() {
     fs::write(&path, bvh(&skeleton, &[Pose::rest(22)], PLAIN)).unwrap();
     let options = ReadOptions {
         metres_per_unit: Some(0.02),
-        up: Some(UpAxis::Z),
+        up: Some(Upward::Z),
     };
     let take = Take::read(&path, &options).unwrap();
     let motion = take.motion().unwrap();

@@ -1,11 +1,9 @@
 //! A motion: a skeleton at rest and its poses.
 
-use garnet_mesh::UpAxis;
 use garnet_skin::{Joint, Point3, Pose, Skeleton, SkinError, Vector3};
-use nalgebra::UnitQuaternion;
 
 use super::{
-    Figure, Role, Side,
+    Figure, Role, Side, Upward,
     error::THE_MOTION,
     rotation::{Direction, unit},
 };
@@ -15,8 +13,8 @@ use super::{
 pub struct ReadOptions {
     /// Metres in one unit of the file. Detected from the length of the legs without it.
     pub metres_per_unit: Option<f64>,
-    /// The axis that points up in the file. Detected from the rest pose without it.
-    pub up: Option<UpAxis>,
+    /// The direction that points up in the file. Detected from the rest pose without it.
+    pub up: Option<Upward>,
 }
 
 /// A skeleton at rest and its poses, in metres, Y up.
@@ -76,8 +74,7 @@ impl Motion {
         });
         let up = options.up.unwrap_or_else(|| {
             let upward = figure.as_ref().map_or_else(Direction::y, Figure::upward);
-            let is_z_up = upward.z.abs() > upward.y.abs();
-            let up = if is_z_up { UpAxis::Z } else { UpAxis::Y };
+            let up = Upward::nearest(&upward.cast());
             notes.push(format!("{up} is read as the up axis"));
             let in_frames = figure.as_ref().and_then(|figure| stands_along(figure, skeleton, &frames));
             if let Some(other) = in_frames.filter(|other| *other != up) {
@@ -88,13 +85,7 @@ impl Motion {
             }
             up
         });
-        let to_y_up = match up {
-            UpAxis::Y => UnitQuaternion::identity(),
-            UpAxis::Z => UnitQuaternion::from_axis_angle(
-                &nalgebra::Vector3::x_axis(),
-                -std::f32::consts::FRAC_PI_2,
-            ),
-        };
+        let to_y_up = up.to_y_up();
         let metres = metres as f32;
         let moved = |vector: Vector3| to_y_up * (vector * metres);
         let joints = skeleton.joints().iter().map(|joint| Joint {
@@ -126,7 +117,7 @@ const LEAST_UPRIGHT: f64 = 0.5;
 
 /// The axis along which the figure stands in the frames: that of the mean of the unit vectors from
 /// the ankles to the head; none if it keeps to none.
-fn stands_along(figure: &Figure, skeleton: &Skeleton, frames: &[Pose]) -> Option<UpAxis> {
+fn stands_along(figure: &Figure, skeleton: &Skeleton, frames: &[Pose]) -> Option<Upward> {
     let head = figure.joint(Role::Head)?;
     let [left, right] = Side::BOTH.map(|side| figure.joint(Role::Ankle(side)));
     let (left, right) = (left?, right?);
@@ -141,11 +132,9 @@ fn stands_along(figure: &Figure, skeleton: &Skeleton, frames: &[Pose]) -> Option
     });
     let upward: Vec<Direction> = upward.collect();
     let mean = upward.iter().sum::<Direction>() / upward.len().max(1) as f64;
-    match (mean.y.abs() > mean.z.abs(), mean.y, mean.z) {
-        (true, y, _) if y > LEAST_UPRIGHT => Some(UpAxis::Y),
-        (false, _, z) if z > LEAST_UPRIGHT => Some(UpAxis::Z),
-        _ => None,
-    }
+    let nearest = Upward::nearest(&mean.cast());
+    let along: f64 = mean.dot(&nearest.direction().cast());
+    (along > LEAST_UPRIGHT).then_some(nearest)
 }
 
 fn nearest_unit(leg_length: f64) -> (f64, &'static str) {

@@ -18,6 +18,7 @@ mod joint_search;
 mod joint_tree;
 mod retarget;
 mod rotation;
+mod upward;
 
 pub use clip::{Motion, ReadOptions};
 pub use error::{FrameRangeError, RetargetError};
@@ -28,3 +29,4 @@ pub use joint_names::{Role, Side, role_names};
 pub use retarget::{Retarget, RetargetOptions, StartAt};
 pub(crate) use rotation::Direction;
 pub use rotation::{pose_between, smallest_rotation, world_rotations};
+pub use upward::Upward;

@@ -29,7 +29,8 @@ pub(crate) struct BodyArgs {
         long,
         hide_short_help = true,
         value_name = "AXIS",
-        default_value = "auto"
+        default_value = "auto",
+        allow_hyphen_values = true
     )]
     pub(crate) pose_up: PoseUp,
     /// Where the OBJ goes, with `<name>.rig.npz` beside it; a folder for several, or if it ends

@@ -349,7 +349,7 @@ fn pose_source(args: &BodyArgs) -> Option<PoseSource> {
         up: None,
     });
     let source = motion.or_else(|| args.pose.clone());
-    let up = args.pose_up.axis();
+    let up = args.pose_up.direction();
     source.map(|source| PoseSource { up, ..source })
 }
 

@@ -202,7 +202,8 @@ pub(crate) struct InputArgs {
         long,
         hide_short_help = true,
         value_name = "AXIS",
-        default_value = "auto"
+        default_value = "auto",
+        allow_hyphen_values = true
     )]
     pose_up: PoseUp,
     #[command(flatten)]
@@ -686,7 +687,7 @@ impl InputArgs {
         scene.rig = self.rig;
         scene.bodies = self.bodies;
         scene.rest_body = self.rest_body;
-        let pose_up = self.pose_up.axis();
+        let pose_up = self.pose_up.direction();
         scene.pose = self.pose.map(|pose| PoseSource {
             up: pose_up,
             ..pose

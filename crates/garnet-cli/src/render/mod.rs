@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use crate::{
     console::{Console, print_document},
     failure::{ExitStatus, refused},
-    moving::{Moving, frames_of, frames_per_second},
+    moving::{Moving, frames_of, frames_per_second, told_notes},
     output,
     rig_args::RigArgs,
 };
@@ -130,6 +130,7 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
         }
     };
     output::write(&args.output, &drawn.bytes)?;
+    let notes = told_notes(&moving, console);
     let [width, height] = drawn.size;
     let frames = match drawn.frames {
         [1, 1] => String::new(),
@@ -148,6 +149,7 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
             "width": width,
             "height": height,
             "frames": drawn.frames[1],
+            "notes": notes,
         }))?;
     }
     Ok(ExitStatus::Done)

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::{
     console::{Console, print_document},
     failure::{ExitStatus, refused},
-    moving::{Moving, frames_of, frames_per_second},
+    moving::{Moving, frames_of, frames_per_second, told_notes},
     output,
     render::{
         UpName,
@@ -118,6 +118,7 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
         ..Page::new(title)
     };
     let bytes = write_page(&args.output, &page, console)?;
+    let notes = told_notes(&moving, console);
     let (num_meshes, num_frames) = (page.meshes.len(), page.frames.len().max(1));
     console.summary(&format_args!(
         "wrote `{}`: {num_meshes} {}, {num_frames} {}, {:.2} MB",
@@ -133,6 +134,7 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
             "meshes": paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
             "frames": num_frames,
             "bytes": bytes,
+            "notes": notes,
         }))?;
     }
     Ok(ExitStatus::Done)

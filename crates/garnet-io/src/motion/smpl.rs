@@ -12,10 +12,8 @@
 
 use std::path::Path;
 
-use garnet_body::motion::{Motion, ReadOptions};
-use garnet_mesh::UpAxis;
+use garnet_body::motion::{Motion, ReadOptions, Upward};
 use garnet_skin::{Joint, Point3, Pose, Skeleton, Vector3};
-use nalgebra::UnitQuaternion;
 
 use super::{
     MotionProblem,
@@ -149,26 +147,33 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Motion, MotionP
         Some(key) => scalar(&mut npz, key)?,
         None => None,
     };
-    let roots = turns.frames().map(|row| row[0]);
-    let (to_y_up, up) = match options.up {
-        Some(up) => (to_y_up(up), up.to_string()),
-        None => detected_up(roots),
-    };
-    notes.push(format!("{up} is read as the up axis"));
     let metres = options.metres_per_unit.unwrap_or(1.0) as f32;
-    let frames = turns.frames().zip(&shifts).map(|(row, shift)| {
-        let mut rotations = row[..NUM_BODY_JOINTS].to_vec();
-        // The body's own axes have Y up; only the world of the first rotation has not.
-        rotations[0] = to_y_up * rotations[0];
+    let skeleton = skeleton()?;
+    let frames = turns.frames().zip(&shifts).map(|(row, shift)| Pose {
         // The shift moves the origin of the body, which lies at the pelvis within a hand's breadth.
-        Pose {
-            root_translation: to_y_up * (shift * metres) - Vector3::from(JOINTS[0].2),
-            rotations,
-        }
+        root_translation: shift * metres - Vector3::from(JOINTS[0].2),
+        rotations: row[..NUM_BODY_JOINTS].to_vec(),
     });
+    let mut frames: Vec<Pose> = frames.collect();
+    let detected = || detected_up(&skeleton, &frames, &shifts);
+    let (up, doubt) = options.up.map_or_else(detected, |up| (up, None));
+    let sort = if up == Upward::MinusY {
+        " (that of a camera)"
+    } else {
+        ""
+    };
+    let why = doubt.map(|other| match up {
+        Upward::Z => {
+            format!(", on whose floor the bodies lie: `--pose-up {other}` lets them stand")
+        }
+        _ => format!(", since the bodies stand along it: `--pose-up {other}` reads it as AMASS is"),
+    });
+    let why = why.unwrap_or_default();
+    notes.push(format!("{up}{sort} is read as the up axis{why}"));
+    turn_to_y_up(&mut frames, up);
     Ok(Motion {
-        frames: frames.collect(),
-        skeleton: skeleton()?,
+        frames,
+        skeleton,
         frame_time: rate
             .filter(|rate| *rate > 0.0 && rate.is_finite())
             .map(|rate| 1.0 / rate),
@@ -176,35 +181,89 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Motion, MotionP
     })
 }
 
-fn to_y_up(up: UpAxis) -> UnitQuaternion<f32> {
-    match up {
-        UpAxis::Y => UnitQuaternion::identity(),
-        UpAxis::Z => about_x(-std::f32::consts::FRAC_PI_2),
+/// Turns the world of poses to Y up.
+fn turn_to_y_up(frames: &mut [Pose], up: Upward) {
+    let to_y_up = up.to_y_up();
+    let hips = Vector3::from(JOINTS[0].2);
+    for pose in frames {
+        // The body's own axes have Y up; only the world of the first rotation has not.
+        pose.rotations[0] = to_y_up * pose.rotations[0];
+        pose.root_translation = to_y_up * (pose.root_translation + hips) - hips;
     }
 }
 
-fn about_x(angle: f32) -> UnitQuaternion<f32> {
-    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle)
-}
+/// About so many frames tell which way is up.
+const FRAMES_LOOKED_AT: usize = 50;
 
-/// The turn to Y up, and the name of the axis to which the bodies' own Y points in the mean; Z, as
-/// in AMASS, if it points nowhere in particular. In the axes of a camera -y is up.
+/// Which way is up, and which one may be instead: that in which the bodies' own Y points in the
+/// mean, if they do not lie on the floor of AMASS, in which z is up; where it points nowhere in
+/// particular, the only one above whose floor they are, and that of AMASS else.
 fn detected_up(
-    roots: impl Iterator<Item = UnitQuaternion<f32>> + Clone,
-) -> (UnitQuaternion<f32>, String) {
-    let count = roots.clone().count().max(1) as f32;
-    let up: Vector3 = roots.map(|root| root * Vector3::y()).sum();
-    let up = up / count;
-    if up.y > UPRIGHT && up.y > up.z.abs() {
-        return (to_y_up(UpAxis::Y), UpAxis::Y.to_string());
+    skeleton: &Skeleton,
+    frames: &[Pose],
+    shifts: &[Vector3],
+) -> (Upward, Option<Upward>) {
+    let step = frames.len().div_ceil(FRAMES_LOOKED_AT).max(1);
+    let some = frames.iter().step_by(step);
+    let upward: Vector3 = some
+        .clone()
+        .map(|pose| pose.rotations[0] * Vector3::y())
+        .sum();
+    let upward = upward / some.clone().count().max(1) as f32;
+    let nearest = Upward::nearest(&upward);
+    let stands = nearest.direction().dot(&upward) > UPRIGHT;
+    let is_usual = matches!(nearest, Upward::Y | Upward::Z | Upward::MinusY);
+    let standing = (nearest, (!is_usual).then_some(Upward::Z));
+    // Without shifts there is no floor.
+    if shifts.iter().all(|shift| *shift == Vector3::zeros()) {
+        return if stands { standing } else { (Upward::Z, None) };
     }
-    if up.y < -UPRIGHT && -up.y > up.z.abs() {
-        return (
-            about_x(std::f32::consts::PI),
-            "-y (that of a camera)".to_owned(),
-        );
+    let lowest = |up: Upward| {
+        let lowest = some.clone().filter_map(|pose| {
+            let transforms = skeleton.transforms(pose).ok()?;
+            let joints = skeleton.joints().iter().zip(&transforms);
+            let heights = joints.map(|(joint, transform)| {
+                let place = transform * joint.rest_position;
+                place.coords.dot(&up.direction())
+            });
+            heights.min_by(f32::total_cmp)
+        });
+        lowest.collect::<Vec<f32>>()
+    };
+    let is_on_floor = |up: Upward| share_within(&lowest(up), ON_FLOOR) > MOST;
+    if stands {
+        let may_lie = nearest != Upward::Z && is_on_floor(Upward::Z);
+        let may_stand = nearest == Upward::Y && {
+            let near = share_within(&lowest(nearest), NEAR_FLOOR);
+            near > UPRIGHT
+        };
+        let lies = may_lie && !may_stand;
+        return if lies {
+            (Upward::Z, Some(nearest))
+        } else {
+            standing
+        };
     }
-    (to_y_up(UpAxis::Z), UpAxis::Z.to_string())
+    let mut on_floor = Upward::ALL.into_iter().filter(|&up| is_on_floor(up));
+    match (on_floor.next(), on_floor.next()) {
+        (Some(only), None) => (only, None),
+        _ => (Upward::Z, None),
+    }
+}
+
+/// Heights of the lowest joint above the floor, in metres: of a body on it, whose skin is around
+/// the joints, and of one of another size, origin or with jumps that may be on it.
+const ON_FLOOR: [f32; 2] = [0.01, 0.25];
+const NEAR_FLOOR: [f32; 2] = [-0.2, 0.45];
+
+/// A part of the frames that is nearly all.
+const MOST: f32 = 0.9;
+
+fn share_within(values: &[f32], range: [f32; 2]) -> f32 {
+    let within = values
+        .iter()
+        .filter(|value| (range[0]..=range[1]).contains(*value));
+    within.count() as f32 / values.len().max(1) as f32
 }
 
 /// The shift of each frame.

@@ -204,6 +204,7 @@ fn read_bodies(files: &SceneFiles) -> Result<Vec<BodyFile>, SceneError> {
             file,
             at_rest,
             note,
+            rig_note: _,
         } = read_shown_mesh(path, &files.rig_options)?;
         let edges = file.polygon_edges();
         let shared: &Arc<Vec<[u32; 2]>> = first_edges.get_or_init(|| Arc::new(edges.clone()));

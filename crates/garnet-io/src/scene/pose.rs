@@ -8,12 +8,12 @@ use std::{
 
 use garnet_body::{
     motion::{
-        FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, StartAt, lowest_points,
-        pose_between, put_on_ground,
+        FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, StartAt, Upward,
+        lowest_points, pose_between, put_on_ground,
     },
     poses::{BodyAngles, Poser, SelfContact, SeparationOptions, key_pose, turn},
 };
-use garnet_mesh::{UpAxis, Vector3};
+use garnet_mesh::Vector3;
 use garnet_skin::{Body, Pose, SkinError};
 
 use super::SceneError;
@@ -31,8 +31,8 @@ pub struct PoseSource {
     pub clip: Option<String>,
     /// The frames in the file, from 0; the first without it.
     pub frames: Option<FrameRange>,
-    /// The axis that points up in a motion; detected without it.
-    pub up: Option<UpAxis>,
+    /// The direction that points up in a motion; detected without it.
+    pub up: Option<Upward>,
 }
 
 /// Where a motion goes, and how fast.

@@ -43,6 +43,8 @@ pub struct ShownMesh {
     pub at_rest: Option<Vec<Point3>>,
     /// What was left out of a glTF without a skin.
     pub note: Option<PartsNote>,
+    /// What was joined and left out of one with a skin.
+    pub rig_note: Option<PartsNote>,
 }
 
 /// Reads a mesh as [`read_mesh_of`] does, and tells what was left out.
@@ -61,6 +63,7 @@ pub fn read_shown_mesh(
             file,
             at_rest: None,
             note: None,
+            rig_note: None,
         });
     }
     // Which joint is which does not matter for a mesh.
@@ -69,7 +72,7 @@ pub fn read_shown_mesh(
         betas: Vec::new(),
         ..options.clone()
     };
-    let rig = match read_rig_with(path, &options) {
+    let read = match read_rig_with(path, &options) {
         Err(FileError {
             problem: FileProblem::Gltf(GltfProblem::NoSkin),
             ..
@@ -79,10 +82,13 @@ pub fn read_shown_mesh(
                 file: ObjFile::of_mesh(&mesh, path)?,
                 at_rest: None,
                 note: PartsNote::of(path, parts),
+                rig_note: None,
             });
         }
-        read => read?.rig,
+        read => read?,
     };
+    let rig_note = read.note(path);
+    let rig = read.rig;
     let mesh = rig.rest.as_ref().ok_or_else(|| SceneError::NoBody {
         path: path.to_path_buf(),
         problem: SceneProblem::SkeletonAlone {
@@ -98,6 +104,7 @@ pub fn read_shown_mesh(
             file,
             at_rest: None,
             note: None,
+            rig_note,
         });
     };
     let transforms = rig.skeleton.transforms(pose)?;
@@ -112,6 +119,7 @@ pub fn read_shown_mesh(
         file: ObjFile::of_mesh(&shown, path)?,
         at_rest: Some(mesh.positions().to_vec()),
         note: None,
+        rig_note,
     })
 }
 
