@@ -65,7 +65,7 @@ impl Garment {
     ///
     /// [`SkinError::Singular`] for a garment too degenerate to be smoothed.
     pub fn bind(self, body: &Body) -> Result<BoundGarment, SkinError> {
-        let weld = Weld::new(self.mesh.positions());
+        let weld = Weld::sewn(&self.mesh);
         let rest = weld.gather(self.mesh.positions());
         let faces = weld.faces(&self.mesh);
         let topology = Topology::new(rest.len(), &faces);

@@ -189,7 +189,13 @@ impl Bound {
         let small = garment_file.num_small_faces();
         let small = (small > 0).then_some(Problem::SmallFaces(small));
         let held = warning::of_body_in(garment.mesh(), garment.body());
-        let start = small.into_iter().chain(held).chain(start).chain(holes);
+        let near = warning::of_rims(&garment);
+        let start = small
+            .into_iter()
+            .chain(near)
+            .chain(held)
+            .chain(start)
+            .chain(holes);
         let of_garment = found.garment.into_iter().chain(start);
         let of_garment = of_garment.map(at(garment_file.path()));
         let of_body = found.body.into_iter().map(at(&rest.path));

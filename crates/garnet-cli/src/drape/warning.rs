@@ -28,6 +28,8 @@ pub(crate) struct Warning {
 pub(crate) enum Problem {
     UnusedVertices(usize),
     DuplicateVertices(usize),
+    /// Vertices on the rims of a garment that rounding has moved off those that they are one with.
+    NearVertices(usize),
     ZeroAreaFaces(usize),
     /// Faces with 1 or 2 corners, which are no cloth.
     SmallFaces(usize),
@@ -91,6 +93,7 @@ impl Problem {
         match self {
             Self::UnusedVertices(_) => "unused_vertices",
             Self::DuplicateVertices(_) => "duplicate_vertices",
+            Self::NearVertices(_) => "near_vertices",
             Self::ZeroAreaFaces(_) => "zero_area_faces",
             Self::SmallFaces(_) => "small_faces",
             Self::HoldsBody(_) => "holds_body",
@@ -130,6 +133,7 @@ impl Problem {
         match *self {
             Self::UnusedVertices(count)
             | Self::DuplicateVertices(count)
+            | Self::NearVertices(count)
             | Self::ZeroAreaFaces(count)
             | Self::SmallFaces(count)
             | Self::HoldsBody(count)
@@ -199,6 +203,9 @@ impl fmt::Display for Warning {
             }
             Problem::DuplicateVertices(count) => {
                 vertices(count, is) + " at the place of another and moved with it"
+            }
+            Problem::NearVertices(count) => {
+                vertices(count, is) + " within rounding of another on its rim: sewn to it"
             }
             Problem::ZeroAreaFaces(count) => faces(count, has) + " no area",
             Problem::SmallFaces(count) => {
@@ -483,6 +490,14 @@ fn of_mesh(diagnosis: &MeshDiagnosis) -> Vec<Problem> {
         .into_iter()
         .filter(|problem| problem.count() != Some(0))
         .collect()
+}
+
+/// Whether vertices of a garment are sewn to others beside them.
+pub(crate) fn of_rims(garment: &BoundGarment) -> Option<Problem> {
+    let (weld, places) = (garment.cloth().weld(), garment.mesh().positions());
+    let sewn = weld.scatter(&weld.gather(places));
+    let count = sewn.iter().zip(places).filter(|(a, b)| a != b).count();
+    (count > 0).then_some(Problem::NearVertices(count))
 }
 
 /// Vertices of a garment that lie over holes of its body.
