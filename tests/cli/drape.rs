@@ -1,6 +1,6 @@
 //! What `drape` writes.
 
-use std::path::Path;
+use std::{collections::HashMap, fmt::Write, path::Path};
 
 use garnet::{
     Point3, Rig, SkinWeights, TriMesh, Vector3,
@@ -679,5 +679,37 @@ fn meshes_of_a_rig_are_chosen_by_every_command_that_reads_one() {
         "garment from-obj sleeve.obj --rig body.glb -o no",
     ] {
         refused(&fixture, &format!("{command} --mesh Cloak"), &["Cloak"]);
+    }
+}
+
+#[test]
+fn triangles_whose_corners_were_rounded_apart_are_one_cloth() {
+    let fixture = Fixture::new();
+    let sleeve = ObjFile::read(fixture.path("sleeve.obj")).unwrap();
+    let mesh = sleeve.mesh().unwrap();
+    let mut soup = String::new();
+    for (number, face) in mesh.faces().iter().enumerate() {
+        for (corner, &vertex) in face.iter().enumerate() {
+            let place = mesh.positions()[vertex as usize];
+            let off = 1e-6 * ((number + corner) % 3) as f32;
+            let [x, y, z] = [place.x + off, place.y - off, place.z];
+            writeln!(soup, "v {x:.6} {y:.6} {z:.6}").unwrap();
+        }
+        let first = 3 * number + 1;
+        writeln!(soup, "f {first} {} {}", first + 1, first + 2).unwrap();
+    }
+    fixture.text("soup.obj", &soup);
+    let output = fixture.garnet("drape soup.obj bent.obj --rig body.rig.npz -o out.obj");
+    let told = stderr(&output);
+    assert!(output.status.success(), "{told}");
+    assert!(told.contains("sewn to it"), "{told}");
+    assert!(!told.contains("parts that share no vertex"), "{told}");
+    // Corners of one vertex of the sleeve stay together.
+    let draped = ObjFile::read(fixture.path("out.obj")).unwrap();
+    let corners = mesh.faces().as_flattened().iter().zip(draped.positions());
+    let mut first = HashMap::new();
+    for (vertex, place) in corners {
+        let first = *first.entry(vertex).or_insert(*place);
+        assert!((first - place).norm() < 1e-5, "{vertex}");
     }
 }

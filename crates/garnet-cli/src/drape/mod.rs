@@ -190,13 +190,17 @@ impl Bound {
         let small = (small > 0).then_some(Problem::SmallFaces(small));
         let held = warning::of_body_in(garment.mesh(), garment.body());
         let near = warning::of_rims(&garment);
+        let unusual = match near {
+            Some(_) => warning::sewn(found.garment, &garment),
+            None => found.garment,
+        };
         let start = small
             .into_iter()
             .chain(near)
             .chain(held)
             .chain(start)
             .chain(holes);
-        let of_garment = found.garment.into_iter().chain(start);
+        let of_garment = unusual.into_iter().chain(start);
         let of_garment = of_garment.map(at(garment_file.path()));
         let of_body = found.body.into_iter().map(at(&rest.path));
         let warnings = warnings.into_iter().chain(of_garment).chain(of_body);

@@ -1,6 +1,7 @@
 //! What may be wrong with inputs and outputs although the work was done.
 
 use std::{
+    collections::HashSet,
     fmt,
     path::{Path, PathBuf},
 };
@@ -498,6 +499,20 @@ pub(crate) fn of_rims(garment: &BoundGarment) -> Option<Problem> {
     let sewn = weld.scatter(&weld.gather(places));
     let count = sewn.iter().zip(places).filter(|(a, b)| a != b).count();
     (count > 0).then_some(Problem::NearVertices(count))
+}
+
+/// What is unusual about a garment whose vertices are sewn to others beside them: it has no more
+/// parts than its cloth.
+pub(crate) fn sewn(problems: Vec<Problem>, garment: &BoundGarment) -> Vec<Problem> {
+    let components = garment.cloth().topology().components();
+    let faces = garment.cloth().faces().iter();
+    let parts: HashSet<u32> = faces.map(|face| components[face[0] as usize]).collect();
+    let parts = parts.len();
+    let of_cloth = |problem| match problem {
+        Problem::Components(_) => (parts > 1).then_some(Problem::Components(parts)),
+        other => Some(other),
+    };
+    problems.into_iter().filter_map(of_cloth).collect()
 }
 
 /// Vertices of a garment that lie over holes of its body.

@@ -114,8 +114,8 @@ fn for_pose(error: &PoseError) -> Option<String> {
         PoseError::BadFrames { problem, .. } => match problem {
             PoseProblem::OfLibrary => "leave out what follows the colon",
             _ => {
-                "frames are one, as 12, or FIRST:END:STEP, as 0:100:5, with END after FIRST and a \
-                 step of 1 at least"
+                "frames are one, as 12, or FIRST:END:STEP, as 0:100:5 or 1s:2.5s, with END after \
+                 FIRST and a step of 1 at least"
             }
         },
         PoseError::Unknown { name, .. } => {
