@@ -44,6 +44,26 @@ fn what_the_hint_says_brings_a_garment_to_the_built_in_body() {
 }
 
 #[test]
+fn a_data_set_goes_on_after_its_garment_was_trained() {
+    let fixture = Fixture::new();
+    done(&fixture, "garment tshirt --vertices 600 -o cut -q");
+    let command = "dataset cut -o out --bodies 1/0/0 --poses 1 --until midway -q";
+    done(&fixture, command);
+    let before = fixture.read("out/shards/train_0000.safetensors");
+    // As a training on wearers with garments of their own leaves it.
+    let manifest = String::from_utf8(fixture.read("cut/garment.toml")).unwrap();
+    let trained = manifest.replace("[pattern]\n", "[pattern]\nmade_to_measure = true\n");
+    assert_ne!(trained, manifest);
+    fixture.text("cut/garment.toml", &trained);
+    done(&fixture, command);
+    assert_eq!(fixture.read("out/shards/train_0000.safetensors"), before);
+    // One that is begun now keeps it.
+    done(&fixture, &command.replace("out", "new"));
+    fixture.text("cut/garment.toml", &manifest);
+    done(&fixture, &command.replace("out", "new"));
+}
+
+#[test]
 fn scenes_that_are_mostly_rejected_are_told() {
     let fixture = Fixture::new();
     done(&fixture, "garment tshirt --vertices 1500 -o tee -q");
