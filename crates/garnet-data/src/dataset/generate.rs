@@ -144,7 +144,7 @@ pub fn generate(
     let layout = Layout {
         folder: folder.to_path_buf(),
     };
-    let manifest = DatasetManifest::asked(package, options).as_begun(&layout)?;
+    let manifest = DatasetManifest::asked(package, options).gone_on_with(&layout)?;
     // Before anything is written.
     let dresser = Dresser::new(package, options)?;
     let _lock = begin(&layout, &manifest, options.part)?;
@@ -190,7 +190,7 @@ impl DatasetManifest {
 
     /// The same, as the data set in the folder tells whether the garment is cut for each wearer: a
     /// training on it says so of the package, which was another one when the data set was begun.
-    fn as_begun(mut self, layout: &Layout) -> Result<Self, DataError> {
+    fn gone_on_with(mut self, layout: &Layout) -> Result<Self, DataError> {
         let path = layout.manifest();
         if path.exists() {
             let begun = Self::read(&path)?.garment.is_made_to_measure();
