@@ -5,8 +5,6 @@
 //! frame is a key. Between two keys cloth lies, as the body sees it, on the way from the one to the
 //! other.
 
-use std::sync::Arc;
-
 use garnet_mesh::{Point3, Vector3};
 use garnet_skin::{PosedBody, blended_transforms};
 use nalgebra::Isometry3;
@@ -118,9 +116,9 @@ impl Places {
 /// A frame that was draped by itself, for others to lie between it and the next.
 #[derive(Debug, Clone)]
 pub struct KeyFrame {
-    drape: Arc<Drape>,
+    drape: Drape,
     /// Offsets from the warp `[node]`, turned back to rest, in metres.
-    offsets: Arc<[Vector3]>,
+    offsets: Vec<Vector3>,
 }
 
 impl KeyFrame {
@@ -140,8 +138,8 @@ impl KeyFrame {
         let weld = garment.cloth().weld();
         let nodes = weld.gather(&home.from_target(drape.positions.clone()));
         Ok(Self {
-            offsets: carrier.offsets(&nodes).into(),
-            drape: Arc::new(drape),
+            offsets: carrier.offsets(&nodes),
+            drape,
         })
     }
 
@@ -153,7 +151,7 @@ impl KeyFrame {
     /// Where cloth is between this key and the next `[node]`, in metres, on a body near home: at
     /// this one at a `share` of 0, at the next one at 1.
     pub(crate) fn between(&self, next: &Self, share: f32, carrier: &Carrier) -> Vec<Point3> {
-        let pairs = self.offsets.iter().zip(next.offsets.iter());
+        let pairs = self.offsets.iter().zip(&next.offsets);
         let offsets: Vec<Vector3> = pairs.map(|(a, b)| a.lerp(b, share)).collect();
         carrier.placed(&offsets)
     }

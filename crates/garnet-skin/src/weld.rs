@@ -13,8 +13,7 @@ const ORDER_BITS: u32 = 10;
 
 /// Vertices on rims are one if they are no farther apart than this part of the largest extent of
 /// the mesh: 0.1 mm of a shirt, the last digit of files in metres. Larger values close slits that
-/// were cut, smaller ones leave coordinates open that were rounded. Of a shirt in triangles of
-/// their own, it closes offsets of 1e-7 to 1e-5 m, and not those of 1e-4 m; no other was tried.
+/// were cut, smaller ones leave coordinates open that were rounded.
 const NEAR: f32 = 1.2e-4;
 
 /// They are no farther apart, either, than this part of the shortest edge at them: faces keep their

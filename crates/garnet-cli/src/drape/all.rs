@@ -160,6 +160,7 @@ pub(super) fn drape_all(
         job,
         part,
         goes_on,
+        has_between: keys.len() < count,
         stop: &stop,
         followed: followed.as_ref(),
         console: (count == 1).then_some(console),
@@ -214,8 +215,9 @@ pub(super) fn drape_all(
             let mut link = |next: Option<Linked>| {
                 next.map_or(Ok(()), |next| write(next.number, frame.linked(next)?))
             };
-            between
-                .try_for_each(|number| link(frame.between(number, (keys[at], &key), chain)?))?;
+            between.try_for_each(|number| {
+                link(frame.between(number, (keys[at], key.as_ref()), chain)?)
+            })?;
             link(chain.go_on(keys[at], *draped, key)?)
         }
         (Made::Draped(draped, _), None) => {
@@ -317,6 +319,8 @@ pub(super) struct Frame<'a> {
     part: &'a Part,
     /// Whether frames go on from each other.
     goes_on: bool,
+    /// Whether frames lie between those that are draped by themselves.
+    has_between: bool,
     stop: &'a AtomicBool,
     /// The frames that were simulated one after the other, if they were.
     followed: Option<&'a Followed>,
@@ -328,8 +332,8 @@ pub(super) struct Frame<'a> {
 enum Made {
     /// All of it.
     Finished(Box<Finished>),
-    /// What the next step starts from, and what frames before and after it lie between.
-    Draped(Box<Draped>, KeyFrame),
+    /// What the next step starts from, and what frames before and after it lie between, if any do.
+    Draped(Box<Draped>, Option<KeyFrame>),
 }
 
 /// A garment on a body, and how long it took.
@@ -361,6 +365,7 @@ impl<'a> Frame<'a> {
             job,
             part,
             goes_on: false,
+            has_between: false,
             stop,
             followed: None,
             console: Some(console),
@@ -381,8 +386,8 @@ impl Frame<'_> {
         }
         draped.repeated = RepeatedSeconds::of(&times);
         if self.goes_on {
-            let drape = draped.drape.clone();
-            let key = KeyFrame::new(&self.ready.draper, &draped.posed, drape)?;
+            let key = || KeyFrame::new(&self.ready.draper, &draped.posed, draped.drape.clone());
+            let key = self.has_between.then(key).transpose()?;
             return Ok(Made::Draped(Box::new(draped), key));
         }
         let finished = self.finished(number, draped, None)?;
@@ -445,14 +450,7 @@ impl Frame<'_> {
         };
         let (placed, simulated) = placed.with_context(cannot)?;
         let drape = draper.untangle(placed).with_context(cannot)?;
-        let time = DrapeSeconds {
-            fit,
-            warp: drape.seconds.warp,
-            network: drape.seconds.predict,
-            settle: drape.seconds.relax,
-            untangle: drape.seconds.untangle,
-            write: 0.0,
-        };
+        let time = DrapeSeconds::of(&drape, fit);
         Ok(Draped {
             posed,
             drape,
@@ -466,7 +464,7 @@ impl Frame<'_> {
     fn between(
         &self,
         number: usize,
-        next: (usize, &KeyFrame),
+        next: (usize, Option<&KeyFrame>),
         chain: &mut Chain<'_>,
     ) -> anyhow::Result<Option<Linked>> {
         let Ready { bound, .. } = self.ready;

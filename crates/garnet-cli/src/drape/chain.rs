@@ -56,7 +56,7 @@ impl<'a> Chain<'a> {
         &mut self,
         number: usize,
         draped: Draped,
-        key: KeyFrame,
+        key: Option<KeyFrame>,
     ) -> anyhow::Result<Option<Linked>> {
         let Draped {
             posed,
@@ -73,7 +73,7 @@ impl<'a> Chain<'a> {
             alone: drape.seconds.untangle,
         };
         let frame = self.take.go_on(&posed, drape)?;
-        self.key = Some((number, key));
+        self.key = key.map(|key| (number, key));
         self.ready(told, posed, frame)
     }
 
@@ -83,30 +83,22 @@ impl<'a> Chain<'a> {
         &mut self,
         number: usize,
         (posed, fit): (PosedBody, f64),
-        next: (usize, &KeyFrame),
+        next: (usize, Option<&KeyFrame>),
         stop: &AtomicBool,
     ) -> anyhow::Result<Option<Linked>> {
-        let frame = match &self.key {
-            None => self.take.drape(&posed, stop)?,
-            Some((last, key)) => {
-                let share = (number - last) as f32 / (next.0 - last) as f32;
-                self.take.go_between(&posed, [key, next.1], share, stop)?
+        let frame = match (&self.key, next) {
+            (Some((last, key)), (at, Some(next))) => {
+                let share = (number - last) as f32 / (at - last) as f32;
+                self.take.go_between(&posed, [key, next], share, stop)?
             }
+            _ => self.take.drape(&posed, stop)?,
         };
-        let seconds = frame.drape.seconds;
         let told = Told {
             number,
             simulated: None,
-            time: DrapeSeconds {
-                fit,
-                warp: seconds.warp,
-                network: seconds.predict,
-                settle: seconds.relax,
-                untangle: seconds.untangle,
-                write: 0.0,
-            },
+            time: DrapeSeconds::of(&frame.drape, fit),
             repeated: None,
-            alone: seconds.untangle,
+            alone: frame.drape.seconds.untangle,
         };
         self.ready(told, posed, frame)
     }

@@ -2,7 +2,7 @@
 //! times seconds.
 
 use garnet::{
-    TriMesh,
+    Drape, TriMesh,
     body::shape::{Measure, Measures},
     data::SceneReport,
     drape::TakeFrame,
@@ -403,6 +403,18 @@ pub(crate) struct DrapeSeconds {
 }
 
 impl DrapeSeconds {
+    /// Of a drape on a body that it took `fit` seconds to pose.
+    pub(crate) fn of(drape: &Drape, fit: f64) -> Self {
+        Self {
+            fit,
+            warp: drape.seconds.warp,
+            network: drape.seconds.predict,
+            settle: drape.seconds.relax,
+            untangle: drape.seconds.untangle,
+            write: 0.0,
+        }
+    }
+
     /// From the posed body to the drape.
     pub(crate) fn of_drape(&self) -> f64 {
         self.warp + self.network + self.settle + self.untangle
