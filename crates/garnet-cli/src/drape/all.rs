@@ -216,9 +216,9 @@ pub(super) fn drape_all(
                 next.map_or(Ok(()), |next| write(next.number, frame.linked(next)?))
             };
             between.try_for_each(|number| {
-                link(frame.between(number, (keys[at], key.as_ref()), chain)?)
+                link(frame.between(number, (keys[at], key.as_deref()), chain)?)
             })?;
-            link(chain.go_on(keys[at], *draped, key)?)
+            link(chain.go_on(keys[at], *draped, key.map(|key| *key))?)
         }
         (Made::Draped(draped, _), None) => {
             write(keys[at], frame.finished(keys[at], *draped, None)?)
@@ -333,7 +333,7 @@ enum Made {
     /// All of it.
     Finished(Box<Finished>),
     /// What the next step starts from, and what frames before and after it lie between, if any do.
-    Draped(Box<Draped>, Option<KeyFrame>),
+    Draped(Box<Draped>, Option<Box<KeyFrame>>),
 }
 
 /// A garment on a body, and how long it took.
@@ -387,7 +387,7 @@ impl Frame<'_> {
         draped.repeated = RepeatedSeconds::of(&times);
         if self.goes_on {
             let key = || KeyFrame::new(&self.ready.draper, &draped.posed, draped.drape.clone());
-            let key = self.has_between.then(key).transpose()?;
+            let key = self.has_between.then(key).transpose()?.map(Box::new);
             return Ok(Made::Draped(Box::new(draped), key));
         }
         let finished = self.finished(number, draped, None)?;
