@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use garnet::Package;
 use garnet::data::usual_package;
 use garnet::pattern::GarmentKind;
-use garnet::stress::{AXES, Broken, Method, StressOptions, holds, run};
+use garnet::stress::{AXES, Broken, Cell, Method, StressOptions, holds, run};
 
 /// Axes on which the untangled warp of the small T-shirt is known to break at the bar; the page on
 /// stress says how.
@@ -40,7 +40,7 @@ fn ours_hold_up_to_the_bar_of_each_axis() {
     options.axes = vec![first];
     let again = run(&package, &options, &[], &mut |_| {}, &stop).unwrap();
     for (a, b) in again.iter().zip(&cells) {
-        let places = |cell: &garnet::stress::Cell| {
+        let places = |cell: &Cell| {
             let measured = cell.measured.unwrap();
             (
                 measured.inside,
@@ -51,4 +51,29 @@ fn ours_hold_up_to_the_bar_of_each_axis() {
         assert_eq!(places(a), places(b));
         assert!(!matches!(a.broken, Some(Broken::Failed(_))), "{a:?}");
     }
+}
+
+#[test]
+fn what_is_known_is_not_draped_again() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/tshirt");
+    let package = Package::open(folder).unwrap();
+    let mut options = StressOptions::default();
+    options.is_quick = true;
+    // One for which networks are not asked, and one that has levels without a scene.
+    let names = ["doll", "heavy"];
+    options.axes = (AXES.iter())
+        .filter(|axis| names.contains(&axis.name))
+        .collect();
+    options.methods = vec![Method::Warp, Method::Variant("fast".to_owned())];
+    let mut stop = AtomicBool::new(false);
+    let cells = run(&package, &options, &[], &mut |_| {}, &stop).unwrap();
+    let of_network = |axis| {
+        let both = |cell: &&Cell| cell.axis == axis && cell.method.contains("fast");
+        cells.iter().filter(both).count()
+    };
+    assert!(of_network("doll") == 0 && of_network("heavy") > 0);
+    // Nothing can be draped any more.
+    *stop.get_mut() = true;
+    let again = run(&package, &options, &cells, &mut |_| {}, &stop).unwrap();
+    assert_eq!(again, cells);
 }

@@ -3,8 +3,8 @@
 use crate::aabb::Aabb;
 use crate::bvh::{Block, Bvh};
 use crate::bvh_build::NONE;
-use crate::lanes::{Lanes3, NUM_LANES, splat3};
-use crate::pair_filter::{Probe, separation};
+use crate::lanes::{NUM_LANES, splat3};
+use crate::pair_filter::{Probe, Shapes, separation};
 use crate::surface::Surface;
 use crate::triangle_pair::{neighbors_intersect, triangles_intersect};
 use rayon::prelude::*;
@@ -29,9 +29,9 @@ impl Surface {
                     .map(|lane| (block.faces[lane], Candidate::new(block.triangle(lane))))
                     .collect();
                 visit_blocks(other.bvh(), &block.bounds(), |_, other_block| {
-                    let boxes = other_block.lane_bounds();
+                    let shapes = Shapes::new(other_block);
                     for (face, candidate) in &probes {
-                        candidate.intersected(other_block, &boxes, |other_face| {
+                        candidate.intersected(other_block, &shapes, |other_face| {
                             pairs.push([*face, other_face]);
                         });
                     }
@@ -53,8 +53,8 @@ impl Surface {
                 };
                 let candidate = Candidate::new(triangle);
                 visit_blocks(other.bvh(), &Aabb::of_points(triangle), |_, other_block| {
-                    let boxes = other_block.lane_bounds();
-                    candidate.intersected(other_block, &boxes, |other_face| {
+                    let shapes = Shapes::new(other_block);
+                    candidate.intersected(other_block, &shapes, |other_face| {
                         pairs.push([face, other_face]);
                     });
                 });
@@ -71,15 +71,26 @@ impl Surface {
     /// without area are left out: their edges are those of their neighbors.
     pub fn self_intersections(&self) -> Vec<[u32; 2]> {
         let bvh = self.bvh();
+        let shapes: Vec<Shapes> = bvh.blocks.par_iter().map(Shapes::new).collect();
         let tasks = bvh.blocks.par_chunks(BLOCKS_PER_TASK).enumerate();
         sorted(tasks.flat_map_iter(|(task, blocks)| {
             let mut pairs = Vec::new();
             for (offset, block) in blocks.iter().enumerate() {
                 let index = task * BLOCKS_PER_TASK + offset;
-                visit_blocks(bvh, &block.bounds(), |other_index, other_block| {
-                    if other_index >= index {
-                        let is_same = other_index == index;
-                        neighbor_pairs(block, other_block, is_same, &mut pairs);
+                let probes: [Candidate; NUM_LANES] =
+                    std::array::from_fn(|lane| Candidate::new(block.triangle(lane)));
+                visit_blocks(bvh, &block.bounds(), |other_index, other| {
+                    if other_index < index {
+                        return;
+                    }
+                    let shapes = &shapes[other_index];
+                    for (lane, (&face, probe)) in block.faces.iter().zip(&probes).enumerate() {
+                        let first = if other_index == index { lane + 1 } else { 0 };
+                        if face != NONE {
+                            probe.neighbors(other, shapes, first, |other_face| {
+                                pairs.push([face.min(other_face), face.max(other_face)]);
+                            });
+                        }
                     }
                 });
             }
@@ -111,8 +122,8 @@ impl Candidate {
 
     /// Tells the faces of a block that the triangle intersects.
     #[inline]
-    fn intersected(&self, block: &Block, boxes: &(Lanes3, Lanes3), mut found: impl FnMut(u32)) {
-        let passed = self.probe.may_intersect(block, boxes);
+    fn intersected(&self, block: &Block, shapes: &Shapes, mut found: impl FnMut(u32)) {
+        let passed = self.probe.may_intersect(block, shapes);
         for (lane, (passed, &face)) in passed.into_iter().zip(&block.faces).enumerate() {
             if passed && face != NONE && triangles_intersect(&self.triangle, &block.triangle(lane))
             {
@@ -120,22 +131,17 @@ impl Candidate {
             }
         }
     }
-}
 
-/// Adds the intersecting pairs of faces in two blocks of one surface, or in one.
-fn neighbor_pairs(block: &Block, other: &Block, is_same: bool, pairs: &mut Vec<[u32; 2]>) {
-    let boxes = other.lane_bounds();
-    for lane in (0..NUM_LANES).filter(|&lane| block.faces[lane] != NONE) {
-        let triangle = block.triangle(lane);
-        let face = block.faces[lane];
-        let passed = Probe::new(&triangle).may_intersect(other, &boxes);
-        let first = if is_same { lane + 1 } else { 0 };
-        for (other_lane, &other_face) in other.faces.iter().enumerate().skip(first) {
-            if passed[other_lane]
-                && other_face != NONE
-                && neighbors_intersect(&triangle, &other.triangle(other_lane))
+    /// Tells the faces of a block of the same surface, from lane `first` on, that the triangle
+    /// intersects beyond what they share.
+    #[inline]
+    fn neighbors(&self, block: &Block, shapes: &Shapes, first: usize, mut found: impl FnMut(u32)) {
+        let passed = self.probe.may_intersect_beyond(block, shapes);
+        let lanes = passed.into_iter().zip(&block.faces).enumerate();
+        for (lane, (passed, &face)) in lanes.skip(first) {
+            if passed && face != NONE && neighbors_intersect(&self.triangle, &block.triangle(lane))
             {
-                pairs.push([face.min(other_face), face.max(other_face)]);
+                found(face);
             }
         }
     }

@@ -2,7 +2,7 @@
 //! intersect.
 
 use crate::bvh::Block;
-use crate::lanes::{Lanes, Lanes3, cross3, dot3, max_abs3, splat3, sub3};
+use crate::lanes::{Lanes, Lanes3, NUM_LANES, cross3, dot3, max_abs3, splat3, sub3};
 use crate::triangle_pair::Triangle;
 
 /// Rounding of a 3x3 determinant in `f32`, relative to the product of its largest entries: six
@@ -12,6 +12,27 @@ const ROUNDING: f32 = 4e-6;
 const UNDERFLOW: f32 = 1e-36;
 /// Above this a determinant may overflow.
 const OVERFLOW: f32 = 1e37;
+
+/// What of the triangles of a block is compared with others.
+pub(crate) struct Shapes {
+    min: Lanes3,
+    max: Lanes3,
+    normals: Lanes3,
+    scales: Lanes,
+}
+
+impl Shapes {
+    pub(crate) fn new(block: &Block) -> Self {
+        let (min, max) = block.lane_bounds();
+        let (normals, scales) = scaled_normal(&block.corners);
+        Self {
+            min,
+            max,
+            normals,
+            scales,
+        }
+    }
+}
 
 /// A triangle to be compared with blocks.
 pub(crate) struct Probe {
@@ -36,23 +57,67 @@ impl Probe {
         }
     }
 
-    /// Which triangles of the block have boxes that touch the box of this one, and lie neither
-    /// wholly on one side of its plane nor have it wholly on one side of theirs.
+    /// Which triangles of the block may intersect this one: their boxes touch its box, and they lie
+    /// neither wholly on one side of its plane nor have it wholly on one side of theirs.
     #[inline]
-    pub(crate) fn may_intersect(&self, block: &Block, boxes: &(Lanes3, Lanes3)) -> [bool; 4] {
-        let apart = separation((&self.min, &self.max), (&boxes.0, &boxes.1)).0;
-        let mut passed = apart.map(|distance| distance <= 0.0);
-        if passed == [false; 4] {
-            return passed;
-        }
-        let of_block = one_sided(&self.corners[0], &self.normal, self.scale, &block.corners);
-        let (normal, scale) = scaled_normal(&block.corners);
-        let of_probe = one_sided(&block.corners[0], &normal, scale, &self.corners);
-        let apart = of_block.max(of_probe).0;
-        for (passed, distance) in passed.iter_mut().zip(apart) {
-            *passed &= distance <= 0.0 || distance.is_nan();
+    pub(crate) fn may_intersect(&self, block: &Block, shapes: &Shapes) -> [bool; NUM_LANES] {
+        let mut passed = self.touches(shapes);
+        if passed != [false; NUM_LANES] {
+            let apart = self.apart(block, shapes).0;
+            for (passed, distance) in passed.iter_mut().zip(apart) {
+                *passed &= distance <= 0.0 || distance.is_nan();
+            }
         }
         passed
+    }
+
+    /// [`Probe::may_intersect`] for triangles of one mesh, where those pass, too, that share
+    /// a corner with this one by place.
+    #[inline]
+    pub(crate) fn may_intersect_beyond(&self, block: &Block, shapes: &Shapes) -> [bool; NUM_LANES] {
+        let mut passed = self.touches(shapes);
+        if passed == [false; NUM_LANES] {
+            return passed;
+        }
+        let shares = self.shares_corner(block);
+        if (0..NUM_LANES).any(|lane| passed[lane] && !shares[lane]) {
+            let apart = self.apart(block, shapes).0;
+            for lane in 0..NUM_LANES {
+                passed[lane] &= shares[lane] || apart[lane] <= 0.0 || apart[lane].is_nan();
+            }
+        }
+        passed
+    }
+
+    #[inline]
+    fn touches(&self, shapes: &Shapes) -> [bool; NUM_LANES] {
+        let apart = separation((&self.min, &self.max), (&shapes.min, &shapes.max)).0;
+        apart.map(|distance| distance <= 0.0)
+    }
+
+    /// Positive where one triangle is on one side of the plane of the other for certain.
+    #[inline]
+    fn apart(&self, block: &Block, shapes: &Shapes) -> Lanes {
+        let of_block = one_sided(&self.corners[0], &self.normal, self.scale, &block.corners);
+        let of_probe = one_sided(
+            &block.corners[0],
+            &shapes.normals,
+            shapes.scales,
+            &self.corners,
+        );
+        of_block.max(of_probe)
+    }
+
+    #[inline]
+    fn shares_corner(&self, block: &Block) -> [bool; NUM_LANES] {
+        // How far apart corners are along the axis where they are that most; 0 at one place.
+        let mut nearest = Lanes::splat(f32::INFINITY);
+        for own in &self.corners {
+            for other in &block.corners {
+                nearest = nearest.min(max_abs3(sub3(*own, *other)));
+            }
+        }
+        nearest.0.map(|distance| distance == 0.0)
     }
 }
 

@@ -4,7 +4,14 @@
 //! edge of one meets the other, which needs nothing but signs of determinants (as in Guigue and
 //! Devillers 2003); those are exact (Shewchuk 1997).
 
+use std::array;
+
 use robust::{Coord, Coord3D, orient2d, orient3d};
+
+/// More than the roundings of a sum of three products of differences, relative to its terms.
+const ROUNDING: f32 = 1e-6;
+/// More than what underflow can lose.
+const UNDERFLOW: f32 = 1e-36;
 
 pub(crate) type Corner = [f32; 3];
 pub(crate) type Triangle = [Corner; 3];
@@ -82,6 +89,9 @@ fn is_same_place(a: &Corner, b: &Corner) -> bool {
 fn fans_intersect(a: &Triangle, i: usize, b: &Triangle, j: usize) -> bool {
     let opposite_a = [&a[(i + 1) % 3], &a[(i + 2) % 3]];
     let opposite_b = [&b[(j + 1) % 3], &b[(j + 2) % 3]];
+    if fans_are_apart(&a[i], opposite_a, opposite_b) {
+        return false;
+    }
     let sides_of_b = opposite_a.map(|end| side(b, end));
     if all_on_one_side(&sides_of_b) {
         return false;
@@ -91,6 +101,22 @@ fn fans_intersect(a: &Triangle, i: usize, b: &Triangle, j: usize) -> bool {
         return false;
     }
     segment_meets(opposite_a, sides_of_b, b) || segment_meets(opposite_b, sides_of_a, a)
+}
+
+/// A fast look at two triangles that share a corner: whether a plane through it lies between them
+/// for certain, as it does where they are on different sides of a fan.
+fn fans_are_apart(shared: &Corner, a: [&Corner; 2], b: [&Corner; 2]) -> bool {
+    let offset = |end: &Corner| -> Corner { array::from_fn(|axis| end[axis] - shared[axis]) };
+    let (a, b) = (a.map(offset), b.map(offset));
+    let across: Corner =
+        array::from_fn(|axis| (a[0][axis] + a[1][axis]) - (b[0][axis] + b[1][axis]));
+    // What `across` is does not matter, so that only the products round.
+    let height = |offset: &Corner, sign: f32| {
+        let terms: Corner = array::from_fn(|axis| offset[axis] * across[axis]);
+        let size = terms[0].abs() + terms[1].abs() + terms[2].abs();
+        sign * (terms[0] + terms[1] + terms[2]) > size * ROUNDING + UNDERFLOW
+    };
+    a.iter().all(|end| height(end, 1.0)) && b.iter().all(|end| height(end, -1.0))
 }
 
 /// Whether the triangles on an edge lie in one plane and on the same side of the edge.

@@ -84,6 +84,28 @@ impl Kind {
                 | Self::AllBeyond
         )
     }
+
+    /// Whether scenes are of the package's garment on its body, so that its networks can drape.
+    pub(crate) fn is_of_package(self) -> bool {
+        !matches!(
+            self,
+            Self::Doll
+                | Self::Giant
+                | Self::FinerGarment
+                | Self::FinerBody
+                | Self::CoarserGarment
+                | Self::CoarserBody
+                | Self::Holes
+                | Self::TurnedSkin
+                | Self::Balls
+                | Self::Slivers
+                | Self::FlippedFaces
+                | Self::SplitVertices
+                | Self::Fins
+                | Self::Pieces
+                | Self::Lining
+        )
+    }
 }
 
 const DEGREES: &str = "degrees";

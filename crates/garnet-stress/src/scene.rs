@@ -39,8 +39,6 @@ pub(crate) struct Scene {
     pub(crate) posed: PosedBody,
     /// In metres.
     pub(crate) clearance: f32,
-    /// Whether the garment is that of the package, on its body.
-    pub(crate) is_of_package: bool,
     /// The skin that tells what is inside, if it is not that of the body.
     whole: Option<Surface>,
     /// What brings the scene of the first level here, where that is all that differs.
@@ -209,7 +207,6 @@ impl<'a> Scenes<'a> {
             garment: Arc::clone(self.package.garment()),
             posed,
             clearance: CLEARANCE,
-            is_of_package: true,
             whole: None,
             moved_by: None,
             num_outer: None,
@@ -360,7 +357,6 @@ impl<'a> Scenes<'a> {
         let garment = Garment::new(mesh).bind(self.package.body())?;
         Ok(Scene {
             garment: Arc::new(garment),
-            is_of_package: false,
             ..self.usual()?
         })
     }
@@ -371,7 +367,6 @@ impl<'a> Scenes<'a> {
         Ok(Scene {
             garment: Arc::new(garment),
             posed,
-            is_of_package: false,
             ..self.usual()?
         })
     }
@@ -407,7 +402,6 @@ impl<'a> Scenes<'a> {
         Ok(Scene {
             garment: Arc::new(garment),
             clearance: CLEARANCE * times,
-            is_of_package: false,
             ..self.on(body.posed(&self.usual_pose())?)
         })
     }

@@ -101,7 +101,7 @@ pub fn run(
     let mut cells = Vec::new();
     for axis in &options.axes {
         let mut of_axis = OfAxis::new(axis, &ways, known);
-        if let Some(whole) = of_axis.whole(options.is_quick) {
+        if let Some(whole) = of_axis.whole(&scenes, options.is_quick) {
             whole.iter().for_each(&mut *observer);
             cells.extend(whole);
             continue;
@@ -156,13 +156,33 @@ impl<'a> OfAxis<'a> {
         })
     }
 
-    /// All cells of the axis, if all are known: those of a motion need no drape then, either.
-    fn whole(&self, is_quick: bool) -> Option<Vec<Cell>> {
-        let levels = self.axis.levels(is_quick).iter();
-        let cells = levels.flat_map(|&level| self.ways.iter().map(move |way| (way, level)));
-        cells
-            .map(|(way, level)| self.known(way, level).cloned())
+    /// The methods that drape in scenes of the axis, each with whether it does.
+    fn asked(&self) -> impl Iterator<Item = (&'a Way<'a>, bool)> {
+        let has_network = self.axis.kind.is_of_package();
+        let ways = self.ways.iter();
+        ways.map(move |way| (way, has_network || !way.method.is_of_package()))
+    }
+
+    /// The cells of a level, if all are known.
+    fn all_known(&self, level: f64) -> Option<Vec<Cell>> {
+        let asked = self.asked().filter(|(_, is_asked)| *is_asked);
+        asked
+            .map(|(way, _)| self.known(way, level).cloned())
             .collect()
+    }
+
+    /// All cells of the axis, if all are known: those of a motion need no drape then, either.
+    fn whole(&self, scenes: &Scenes<'_>, is_quick: bool) -> Option<Vec<Cell>> {
+        let mut whole = Vec::new();
+        for &level in self.axis.levels(is_quick) {
+            match self.all_known(level) {
+                Some(cells) => whole.extend(cells),
+                // There is nothing to know where there is no scene.
+                None if matches!(scenes.at(self.axis, level), Ok(None)) => {}
+                None => return None,
+            }
+        }
+        Some(whole)
     }
 
     fn at(
@@ -171,12 +191,10 @@ impl<'a> OfAxis<'a> {
         level: f64,
         stop: &AtomicBool,
     ) -> Result<Vec<Cell>, StressError> {
-        let known = self.ways.iter().map(|way| self.known(way, level));
-        let known: Vec<Option<Cell>> = known.map(Option::<&Cell>::cloned).collect();
         // Cells of motions and comparisons need what was draped before.
         let stands_alone = !self.axis.kind.is_motion() && !is_compared(self.axis.kind);
-        if stands_alone && known.iter().all(Option::is_some) {
-            return Ok(known.into_iter().flatten().collect());
+        if let (true, Some(known)) = (stands_alone, self.all_known(level)) {
+            return Ok(known);
         }
         let scene = match scenes.at(self.axis, level) {
             Ok(Some(scene)) => scene,
@@ -186,8 +204,8 @@ impl<'a> OfAxis<'a> {
         let mut cells = Vec::new();
         let mut positions: Vec<Option<Vec<Point3>>> = Vec::new();
         let mut of_simulator: Option<(Vec<Point3>, Option<f64>)> = None;
-        for (number, way) in self.ways.iter().enumerate() {
-            if way.method.is_of_package() && !scene.is_of_package {
+        for (number, (way, is_asked)) in self.asked().enumerate() {
+            if !is_asked {
                 positions.push(None);
                 continue;
             }
@@ -208,10 +226,7 @@ impl<'a> OfAxis<'a> {
                 }
             }
             positions.push(found);
-            cells.push(match &known[number] {
-                Some(known) => known.clone(),
-                None => cell,
-            });
+            cells.push(self.known(way, level).cloned().unwrap_or(cell));
         }
         let now = Before {
             level,
@@ -227,8 +242,8 @@ impl<'a> OfAxis<'a> {
     }
 
     fn all_fail(&self, level: f64, error: &StressError) -> Vec<Cell> {
-        let ways = self.ways.iter().filter(|way| !way.method.is_of_package());
-        let cells = ways.map(|way| Cell {
+        let asked = self.asked().filter(|(_, is_asked)| *is_asked);
+        let cells = asked.map(|(way, _)| Cell {
             broken: Some(Broken::Failed(error.to_string())),
             ..self.cell(way, level)
         });

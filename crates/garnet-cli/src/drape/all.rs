@@ -48,6 +48,10 @@ use crate::{
 /// of the part before it goes. Fewer let cloth jump from part to part; more are made twice.
 const WARM_UP: usize = 24;
 
+/// Frames of a motion that are looked at together, each on a thread, once they have gone on from
+/// each other. More keep threads busier, and take memory.
+const LOOKED_AT: usize = 8;
+
 /// The part of the targets that is draped.
 pub(super) struct Part {
     /// How many of them come first to warm up, and are not written.
@@ -207,14 +211,13 @@ pub(super) fn drape_all(
         drapes.push((output, warnings.collect::<Vec<_>>()));
         Ok(())
     };
+    let mut linked = Vec::new();
     let mut take_up = |at: usize, made: Made| match (made, chain.as_mut()) {
         (Made::Finished(finished), _) => write(keys[at], *finished),
         (Made::Draped(draped, key), Some(chain)) => {
             let before = at.checked_sub(1).map_or(0, |before| keys[before] + 1);
             let mut between = before..keys[at];
-            let mut link = |next: Option<Linked>| {
-                next.map_or(Ok(()), |next| write(next.number, frame.linked(next)?))
-            };
+            let mut link = |next| frame.link(next, &mut linked, &mut write);
             between.try_for_each(|number| {
                 link(frame.between(number, (keys[at], key.as_deref()), chain)?)
             })?;
@@ -234,8 +237,9 @@ pub(super) fn drape_all(
         let Some(next) = chain.next_left()? else {
             break;
         };
-        done = write(next.number, frame.linked(next)?);
+        done = frame.link(Some(next), &mut linked, &mut write);
     }
+    let done = done.and_then(|()| frame.look_at(&mut linked, &mut write));
     bar.finish_and_clear();
     if stop.load(Ordering::Relaxed) {
         return Err(anyhow::Error::new(Interrupted {
@@ -472,9 +476,33 @@ impl Frame<'_> {
         chain.go_between(number, (posed?, fit), next, self.stop)
     }
 
-    /// A frame that goes on from the last one.
-    fn linked(&self, next: Linked) -> anyhow::Result<Finished> {
-        self.finished(next.number, next.draped, Some(next.steps))
+    /// Keeps a frame that goes on from the last one, until there are enough to look at.
+    fn link(
+        &self,
+        next: Option<Linked>,
+        linked: &mut Vec<Linked>,
+        write: &mut impl FnMut(usize, Finished) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        linked.extend(next);
+        if linked.len() < LOOKED_AT {
+            return Ok(());
+        }
+        self.look_at(linked, write)
+    }
+
+    /// Finishes frames that went on from each other, each on a thread, and writes them in order.
+    fn look_at(
+        &self,
+        linked: &mut Vec<Linked>,
+        write: &mut impl FnMut(usize, Finished) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let finished = linked.par_drain(..).map(|next| {
+            let finished = self.finished(next.number, next.draped, Some(next.steps));
+            (next.number, finished)
+        });
+        let finished: Vec<_> = finished.collect();
+        let mut finished = finished.into_iter();
+        finished.try_for_each(|(number, finished)| write(number, finished?))
     }
 
     /// A drape, written where it has a file of its own.
