@@ -450,3 +450,40 @@ fn errors_are_documents_too() {
         assert!(document["hint"].is_string(), "{document}");
     }
 }
+
+#[test]
+fn what_is_asked_for_in_vain_is_told_or_refused() {
+    let fixture = Fixture::new();
+    let drape = "drape sleeve.obj body.obj --rig body.rig.npz --pose bend.json";
+    let output = fixture.garnet(&format!("{drape} -o out.obj --ground --fabric silk"));
+    let text = stderr(&output) + &stdout(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(
+        text.contains("`bend.json` is no motion: its place"),
+        "{text}"
+    );
+    assert!(text.contains("`--fabric` changes nothing"), "{text}");
+    let output = fixture.garnet(&format!("{drape} -o out.obj"));
+    let text = stderr(&output) + &stdout(&output);
+    assert!(
+        !text.contains("no motion") && !text.contains("--fabric"),
+        "{text}"
+    );
+    for (arguments, expected) in [
+        (
+            "-o no.obj --key-spacing 5",
+            "`--key-spacing` is for the frames",
+        ),
+        ("-o no.obj --mesh Body", "and `Body` is chosen"),
+    ] {
+        refused(&fixture, &format!("{drape} {arguments}"), &[expected]);
+    }
+    for kind in ["vrm", "blend", "zip", "MA"] {
+        let arguments = format!("drape sleeve.obj body.obj body.obj -o no.{kind}");
+        refused(
+            &fixture,
+            &arguments,
+            &[&format!("cannot write into `no.{kind}`")],
+        );
+    }
+}

@@ -107,8 +107,10 @@ pub(crate) fn names_folder(path: &Path) -> bool {
 }
 
 /// Extensions of files that people may mean when a folder is needed.
-const KINDS_OF_FILES: [&str; 13] = [
-    "abc", "dae", "fbx", "glb", "gltf", "mdd", "obj", "pc2", "ply", "stl", "usd", "usda", "usdc",
+const KINDS_OF_FILES: [&str; 39] = [
+    "3ds", "3mf", "abc", "blend", "bvh", "c4d", "csv", "dae", "fbx", "gif", "glb", "gltf", "hip",
+    "html", "jpg", "json", "ma", "max", "mb", "mdd", "mp4", "npy", "npz", "obj", "off", "pc2",
+    "ply", "png", "stl", "svg", "txt", "usd", "usda", "usdc", "usdz", "vrm", "wrl", "x3d", "zip",
 ];
 
 /// Refuses what stands for stdout.

@@ -75,6 +75,22 @@ pub enum FileProblem {
         /// Names of the skeleton that resemble it, the nearest first.
         near: Vec<String>,
     },
+    /// A mesh is chosen in a file that has one alone.
+    #[error("the file has one mesh without a name, and `{name}` is chosen")]
+    NoMeshes {
+        /// The name.
+        name: String,
+    },
+    /// A map of joints calls a joint what it cannot be.
+    #[error("`{role}` cannot be `{name}`, which {reason}")]
+    JointRole {
+        /// What it is called.
+        role: String,
+        /// The joint.
+        name: String,
+        /// Why not.
+        reason: String,
+    },
     /// A rotation is no unit quaternion.
     #[error("the rotation of joint `{joint}` has the norm {norm}, expected 1")]
     NotAUnitQuaternion {

@@ -5,10 +5,11 @@ use std::{
     fmt,
     fs::File,
     io::Read,
+    iter::successors,
     path::{Path, PathBuf},
 };
 
-use garnet_body::motion::Role;
+use garnet_body::motion::{Role, joint_named};
 use garnet_skin::{Rig, Skeleton};
 use serde::{Deserialize, de::IgnoredAny};
 
@@ -131,6 +132,12 @@ pub fn read_rig(path: impl AsRef<Path>) -> Result<Rig, FileError> {
 pub fn read_rig_with(path: impl AsRef<Path>, options: &RigOptions) -> Result<ReadRig, FileError> {
     let path = path.as_ref();
     let mut read = read_any(path, options)?;
+    if let (Some(name), true) = (options.meshes.first(), read.parts.is_empty()) {
+        return Err(FileError {
+            path: path.to_path_buf(),
+            problem: FileProblem::NoMeshes { name: name.clone() },
+        });
+    }
     if let Some(map) = &options.joints {
         read.rig.skeleton = labelled(read.rig.skeleton, map)?;
     }
@@ -159,7 +166,67 @@ fn labelled(skeleton: Skeleton, map: &Path) -> Result<Skeleton, FileError> {
         };
         labels.push((role, joint));
     }
-    Ok(skeleton.with_labels(labels))
+    let roles: Vec<String> = labels.iter().map(|(role, _)| role.clone()).collect();
+    let skeleton = skeleton.with_labels(labels);
+    check_roles(&skeleton, &roles).map_err(|problem| FileError {
+        path: map.to_path_buf(),
+        problem,
+    })?;
+    Ok(skeleton)
+}
+
+/// Joints of a body, each with the next one below it.
+const CHAINS: [&[&str]; 5] = [
+    &["pelvis", "head"],
+    &["left_hip", "left_knee", "left_ankle", "left_foot"],
+    &["right_hip", "right_knee", "right_ankle", "right_foot"],
+    &["left_collar", "left_shoulder", "left_elbow", "left_wrist"],
+    &[
+        "right_collar",
+        "right_shoulder",
+        "right_elbow",
+        "right_wrist",
+    ],
+];
+
+/// Refuses `roles` that two of them have one joint for, or that hang above what they are below.
+fn check_roles(skeleton: &Skeleton, roles: &[String]) -> Result<(), FileProblem> {
+    let named = |role: &str| joint_named(skeleton, role);
+    let name = |joint: usize| skeleton.joints()[joint].name.clone();
+    let wrong = |role: &str, joint: usize, reason: String| FileProblem::JointRole {
+        role: role.to_owned(),
+        name: name(joint),
+        reason,
+    };
+    let is_below = |joint: usize, other: usize| {
+        let parent = |&joint: &usize| skeleton.joints()[joint].parent;
+        successors(parent(&joint), parent).any(|above| above == other)
+    };
+    for role in roles {
+        let Some(joint) = named(role) else { continue };
+        let mut others = CHAINS.into_iter().flatten();
+        let same = others.find(|&&other| other != role && named(other) == Some(joint));
+        if let (true, Some(same)) = (CHAINS.concat().contains(&role.as_str()), same) {
+            return Err(wrong(role, joint, format!("is `{same}`, too")));
+        }
+        for (upper, lower) in CHAINS
+            .iter()
+            .flat_map(|chain| chain.iter().zip(&chain[1..]))
+        {
+            let (Some(above), Some(below)) = (named(upper), named(lower)) else {
+                continue;
+            };
+            // Hips of some rigs hang beside the spine, but the bones of a limb hang together.
+            let is_limb = *upper != "pelvis";
+            let is_wrong = is_below(above, below) || (is_limb && !is_below(below, above));
+            if is_wrong && (role == upper || role == lower) {
+                let (above, place) = (name(above), format!("`{upper}`"));
+                let reason = format!("does not hang below {place} (`{above}`)");
+                return Err(wrong(lower, below, reason));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn is_library_name(name: &str) -> bool {
@@ -232,4 +299,36 @@ fn read_any(path: &Path, options: &RigOptions) -> Result<ReadRig, FileError> {
 /// of an earlier one.
 pub(super) fn is_pickle(start: &[u8]) -> bool {
     matches!(start, [0x80, 2..=5, ..]) || start.starts_with(b"(dp")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::smpl_skeleton;
+
+    #[test]
+    fn a_map_calls_no_joint_what_it_cannot_be() {
+        let skeleton = smpl_skeleton().unwrap();
+        let error = |map: &[(&str, &str)]| {
+            let label =
+                |(role, name): &(&str, &str)| ((*role).to_owned(), skeleton.find(name).unwrap());
+            let labels: Vec<(String, usize)> = map.iter().map(label).collect();
+            let roles: Vec<String> = labels.iter().map(|(role, _)| role.clone()).collect();
+            let labelled = skeleton.clone().with_labels(labels);
+            check_roles(&labelled, &roles).map_err(|error| error.to_string())
+        };
+        assert_eq!(
+            error(&[("head", "head"), ("left_knee", "left_knee")]),
+            Ok(())
+        );
+        let knee = "`left_knee` cannot be `right_knee`, which";
+        let both = error(&[("left_knee", "right_knee")]);
+        assert_eq!(both, Err(format!("{knee} is `right_knee`, too")));
+        let swapped = error(&[("left_knee", "right_knee"), ("right_knee", "left_knee")]);
+        let hip = "does not hang below `left_hip` (`left_hip`)";
+        assert_eq!(swapped, Err(format!("{knee} {hip}")));
+        let turned = error(&[("pelvis", "head"), ("head", "pelvis")]);
+        let reason = "`head` cannot be `pelvis`, which does not hang below `pelvis` (`head`)";
+        assert_eq!(turned, Err(reason.to_owned()));
+    }
 }

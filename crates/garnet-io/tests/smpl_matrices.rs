@@ -93,6 +93,34 @@ fn matrices_of_every_layout_are_the_motion_of_the_angles() {
 }
 
 #[test]
+fn degrees_are_refused_and_other_units_of_shifts_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut angles = vec![0.0; 2 * 66];
+    // A root may have turned often, another joint not.
+    angles[1] = 40.0;
+    let read = |angles: &[f64], shift: [f64; 3]| {
+        let shifts = [shift, shift].concat();
+        let poses = ("poses", &[2, 66][..], angles);
+        let archive = npz(&[poses, ("trans", &[2, 3], &shifts)]);
+        take(folder.path(), &archive)
+    };
+    let notes = |shift: [f64; 3]| {
+        let take = read(&angles, shift).unwrap();
+        take.motion().unwrap().notes.join("; ")
+    };
+    assert!(!notes([0.0, 0.95, 0.0]).contains("another unit"));
+    let told = notes([0.0, 95.0, 0.0]);
+    assert!(
+        told.contains("m from the floor in half of the frames"),
+        "{told}"
+    );
+    angles[66 + 12] = 30.0;
+    let error = chain(&read(&angles, [0.0; 3]).unwrap_err());
+    let expected = "frame 1, joint 4 (`left_knee`): `poses` turns by 30.0 radians";
+    assert!(error.contains(expected), "{error}");
+}
+
+#[test]
 fn a_root_is_told_by_the_frames_of_its_body() {
     let folder = tempfile::tempdir().unwrap();
     for num_frames in [1, 2, 3] {

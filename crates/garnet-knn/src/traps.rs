@@ -4,16 +4,16 @@ use garnet_mesh::{Point3, Vector3};
 
 use crate::{ClosestPoint, KnnError, Room, Surface, VertexTree};
 
-/// Skin whose middle is this near to embedded skin leaves no room either, in metres: the rim of a
-/// contact, where cloth that hangs on caught cloth has no way out. A larger one calls more of an
+/// Skin whose middle is this near to embedded skin leaves no room either, in metres on a person: the
+/// rim of a contact, where cloth that hangs on caught cloth has no way out. A larger one calls more of an
 /// armpit trapped.
 pub const TRAP_DISTANCE: f32 = 0.01;
 
 /// A slit or a crease of one part of the body catches cloth that is no deeper in it than this, in
-/// metres: what is deeper has another side to leave by. A larger one excuses deeper cloth.
+/// metres on a person: what is deeper has another side to leave by. A larger one excuses deeper cloth.
 pub const SLIT_DEPTH: f32 = 0.005;
 
-/// Skin farther from the cloth than this is not looked at, in metres: it cannot be the closest skin
+/// Skin farther from the cloth than this is not looked at, in metres on a person: it cannot be the closest skin
 /// of cloth that is in reach of a [`Traps::nearest`] contact.
 const REACH: f32 = 0.05;
 
@@ -46,13 +46,15 @@ const REACH: f32 = 0.05;
 /// let skin = Surface::new(&TriMesh::new(positions, faces)?);
 ///
 /// let [between, before] = [0.199, -0.201].map(|x| Point3::new(x, 0.01, 0.01));
-/// let traps = Traps::near(&skin, &[between, before])?;
+/// let traps = Traps::near(&skin, &[between, before], 1.0)?;
 /// assert!(traps.holds(&skin.closest(between)));
 /// assert!(!traps.holds(&skin.closest(before)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
 pub struct Traps {
+    /// What lengths of a person are multiplied by.
+    scale: f32,
     /// What is before each face `[face]`.
     rooms: Vec<Room>,
     embedded: Middles,
@@ -83,12 +85,12 @@ impl Middles {
         is_near.then(|| (near.distance_squared, self.places[near.index as usize]))
     }
 
-    /// Whether one is nearer to a point than what leaves no room.
-    fn are_near(&self, point: Point3) -> bool {
+    /// Whether one is nearer to a point than `distance`.
+    fn are_near(&self, point: Point3, distance: f32) -> bool {
         self.tree.as_ref().is_some_and(|tree| {
-            let near = tree.within(point, TRAP_DISTANCE);
+            let near = tree.within(point, distance);
             near.first()
-                .is_some_and(|n| n.distance_squared < TRAP_DISTANCE * TRAP_DISTANCE)
+                .is_some_and(|n| n.distance_squared < distance * distance)
         })
     }
 }
@@ -97,11 +99,13 @@ impl Traps {
     /// Probes the faces near points, in metres: those within 5 cm of their box. Of points that are
     /// farther from the skin nothing is known, and they count as free.
     ///
+    /// Lengths are `scale` times those of a person, for dolls and giants, or fingers.
+    ///
     /// # Errors
     ///
     /// [`KnnError`] if there are more faces than can be searched.
-    pub fn near(skin: &Surface, points: &[Point3]) -> Result<Self, KnnError> {
-        let (low, high) = bounds(points);
+    pub fn near(skin: &Surface, points: &[Point3], scale: f32) -> Result<Self, KnnError> {
+        let (low, high) = bounds(points, scale * REACH);
         let (mut probed, mut places) = (Vec::new(), Vec::new());
         for face in 0..skin.faces().len() {
             let (center, normal) = middle(skin, face);
@@ -123,6 +127,7 @@ impl Traps {
             }
         }
         Ok(Self {
+            scale,
             rooms,
             embedded: Middles::new(embedded)?,
             slits: Middles::new(slits)?,
@@ -137,8 +142,13 @@ impl Traps {
     pub fn holds(&self, closest: &ClosestPoint) -> bool {
         let distance = closest.distance_squared.sqrt();
         self.leaves_no_room(closest.face, distance)
-            || self.embedded.are_near(closest.point)
-            || (distance < SLIT_DEPTH && self.slits.are_near(closest.point))
+            || self
+                .embedded
+                .are_near(closest.point, self.scale * TRAP_DISTANCE)
+            || (distance < self.scale * SLIT_DEPTH
+                && self
+                    .slits
+                    .are_near(closest.point, self.scale * TRAP_DISTANCE))
     }
 
     /// Whether a point on a face of the skin is trapped.
@@ -148,8 +158,8 @@ impl Traps {
     /// As [`Traps::holds`].
     pub fn holds_at(&self, face: u32, point: Point3) -> bool {
         self.leaves_no_room(face, 0.0)
-            || self.embedded.are_near(point)
-            || self.slits.are_near(point)
+            || self.embedded.are_near(point, self.scale * TRAP_DISTANCE)
+            || self.slits.are_near(point, self.scale * TRAP_DISTANCE)
     }
 
     /// Whether a face itself, not one near it, leaves no room for cloth so far from it, in metres.
@@ -158,7 +168,7 @@ impl Traps {
     ///
     /// As [`Traps::holds`].
     pub fn leaves_no_room(&self, face: u32, distance: f32) -> bool {
-        self.rooms[face as usize].catches(distance, SLIT_DEPTH)
+        self.rooms[face as usize].catches(distance, self.scale * SLIT_DEPTH)
     }
 
     /// The middle of the face nearest to a point that leaves no room for cloth, if it is no farther
@@ -191,8 +201,8 @@ fn middle(skin: &Surface, face: usize) -> (Point3, Option<Vector3>) {
     (Point3::from((a + b + c) / 3.0), normal)
 }
 
-/// The box of the points, with the reach around it.
-fn bounds(points: &[Point3]) -> (Point3, Point3) {
+/// The box of the points, with a reach around it.
+fn bounds(points: &[Point3], reach: f32) -> (Point3, Point3) {
     let mut low = Point3::from([f32::INFINITY; 3]);
     let mut high = Point3::from([f32::NEG_INFINITY; 3]);
     for point in points {
@@ -200,7 +210,7 @@ fn bounds(points: &[Point3]) -> (Point3, Point3) {
         high = high.sup(point);
     }
     (
-        low.map(|value| value - REACH),
-        high.map(|value| value + REACH),
+        low.map(|value| value - reach),
+        high.map(|value| value + reach),
     )
 }

@@ -32,7 +32,7 @@ pub(crate) fn judge<'py>(
     let ((found, crossing), _) = with_target(py, body, target, |posed| {
         let skin = posed.skin();
         let crossing = untangle::free_crossing_faces(&Surface::new(&mesh), skin).len();
-        Ok((Penetration::of(mesh.positions(), skin), crossing))
+        Ok((Penetration::of(mesh.positions(), skin, 1.0), crossing))
     })?;
     let dict = PyDict::new(py);
     dict.set_item("inside", found.num_inside)?;

@@ -142,7 +142,7 @@ pub fn drape(
         balance,
         num_freed,
         penetration: surface.map_or_else(Penetration::default, |skin| {
-            Penetration::of(&positions, skin)
+            Penetration::of(&positions, skin, 1.0)
         }),
         lost: surface.map_or_else(Lost::default, |skin| Lost::of(&positions, skin)),
         self_intersections: SelfIntersections::of(scene.cloth, &positions, solver.is_squeezed()),

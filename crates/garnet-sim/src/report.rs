@@ -211,13 +211,14 @@ impl Speeds {
 const CAUGHT_DEPTH: f32 = 0.015;
 
 impl Penetration {
-    /// Counts the points `[vertex]` that are inside `skin` or trapped.
+    /// Counts the points `[vertex]` that are inside `skin` or trapped; `scale` is that of
+    /// [`Traps::near`].
     ///
     /// # Panics
     ///
     /// Never: points are finite, and no skin has more faces than can be numbered.
-    pub fn of(points: &[Point3], skin: &Surface) -> Self {
-        let traps = Traps::near(skin, points).expect("a skin can be searched");
+    pub fn of(points: &[Point3], skin: &Surface, scale: f32) -> Self {
+        let traps = Traps::near(skin, points, scale).expect("a skin can be searched");
         let is_inside = skin.contains_all(points);
         let closest = skin.closest_all(points);
         let mut penetration = Self::default();
@@ -387,7 +388,7 @@ mod tests {
     fn points_are_inside_a_sphere_or_not() {
         let sphere = Surface::new(&icosphere(3, 0.5));
         let points = [0.0, 0.45, 0.6].map(|x| Point3::new(x, 0.0, 0.0));
-        let penetration = Penetration::of(&points, &sphere);
+        let penetration = Penetration::of(&points, &sphere, 1.0);
         assert_eq!((penetration.num_inside, penetration.num_trapped), (2, 0));
         assert!((penetration.deepest - 0.5).abs() < 0.01);
         let lost = Lost::of(&points, &sphere);

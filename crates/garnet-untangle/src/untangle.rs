@@ -76,7 +76,7 @@ fn untangled(
     let mut anchors = passes::relax(garment, binding, warped, options);
     (binding.layers).place(garment.faces(), &mut anchors);
 
-    let traps = Traps::near(body.skin(), warped)?;
+    let traps = Traps::near(body.skin(), warped, binding.scale)?;
     let skin_normals = SkinNormals::new(body.skin());
     let finder = ContactFinder {
         binding,
@@ -337,7 +337,7 @@ mod tests {
         let finder = ContactFinder {
             binding: &binding,
             skin,
-            traps: &Traps::near(skin, warped).unwrap(),
+            traps: &Traps::near(skin, warped, binding.scale).unwrap(),
             normals: &SkinNormals::new(skin),
             keeps_sides: false,
             clearance: options.clearance,

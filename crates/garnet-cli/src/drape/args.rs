@@ -141,9 +141,9 @@ pub(crate) struct DrapeArgs {
     #[arg(long, hide_short_help = true)]
     frames_alone: bool,
     /// How far the body moves, in millimetres, between frames of a motion that a network drapes by
-    /// themselves; those between go along with both, which is several times as fast; 0 drapes each.
-    #[arg(long, hide_short_help = true, value_name = "MM", default_value = "20", conflicts_with = "frames_alone", value_parser = millimetres, allow_negative_numbers = true)]
-    key_spacing: f32,
+    /// themselves; those between go along with both, which is several times as fast; 20 without it, 0 drapes each.
+    #[arg(long, hide_short_help = true, value_name = "MM", conflicts_with = "frames_alone", value_parser = millimetres, allow_negative_numbers = true)]
+    key_spacing: Option<f32>,
     /// Smooth what is left of jumps between the frames of a motion, over so many frames to either
     /// side; cloth keeps out of the skin and does not lag behind [default of FRAMES: 3].
     #[arg(long, value_name = "FRAMES", num_args = 0..=1, default_missing_value = "3", conflicts_with = "frames_alone", value_parser = clap::value_parser!(u8).range(1..=12), allow_negative_numbers = true)]
@@ -458,13 +458,11 @@ impl Job {
                 "give several bodies, or a range of frames with `--pose FILE:FIRST:END`",
             ));
         }
-        if args.smooth.is_some() && !job.is_motion {
-            return Err(refused(
-                "`--smooth` is for the frames of a motion",
-                "no range of frames is draped",
-                "name one with `--pose FILE:FIRST:END`, or leave out `--smooth`",
-            ));
-        }
+        let of_motions = [
+            (args.smooth.is_some(), "--smooth"),
+            (args.key_spacing.is_some(), "--key-spacing"),
+        ];
+        job.check_motion(&of_motions)?;
         job.fabric = args.fabric.as_deref().map(fabric::fabric).transpose()?;
         job.options = DrapeOptions::default().with_warp(args.method.warp());
         if let Some(clearance) = args.clearance {
@@ -502,9 +500,24 @@ impl Job {
         job.max_crossing = args.max_crossing;
         job.repeat = args.repeat;
         job.frames_alone = args.frames_alone;
-        job.key_spacing = KeySpacing::default().with_apart(args.key_spacing);
+        job.key_spacing = args.key_spacing.map_or_else(KeySpacing::default, |apart| {
+            KeySpacing::default().with_apart(apart)
+        });
         job.smooth = args.smooth.map_or(0, usize::from);
         Ok(job)
+    }
+
+    /// Refuses options that are for the frames of a motion, each with whether it was given.
+    fn check_motion(&self, options: &[(bool, &str)]) -> anyhow::Result<()> {
+        let mut given = options.iter().filter(|(is_given, _)| *is_given);
+        match given.next() {
+            Some((_, name)) if !self.is_motion => Err(refused(
+                format!("`{name}` is for the frames of a motion"),
+                "no range of frames is draped",
+                format!("name one with `--pose FILE:FIRST:END`, or leave out `{name}`"),
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// Takes where the inputs of a network go.

@@ -236,6 +236,12 @@ impl Ready {
                 }),
             }
         }
+        if job.fabric.is_some() && draper.simulator().is_none() {
+            console.summary(
+                &"note: nothing is simulated, so that `--fabric` changes nothing; `--settle FRAMES` \
+                  or `--method sim` simulates",
+            );
+        }
         Ok(Self {
             fitting: Fitting::new(&bound, &job.source),
             bound,

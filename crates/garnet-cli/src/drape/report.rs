@@ -265,12 +265,13 @@ pub(crate) struct PenetrationReport {
 }
 
 impl PenetrationReport {
-    /// Of a garment against the skin.
-    pub(crate) fn of(garment: &TriMesh, skin: &Surface, is_simulated: bool) -> Self {
+    /// Of a garment against the skin; `scale` is that of simulated cloth, of which not all that is
+    /// inside counts.
+    pub(crate) fn of(garment: &TriMesh, skin: &Surface, scale: Option<f32>) -> Self {
         let positions = garment.positions();
         let crossing_faces = free_crossing_faces(&Surface::new(garment), skin).len();
-        if is_simulated {
-            let found = sim::Penetration::of(positions, skin);
+        if let Some(scale) = scale {
+            let found = sim::Penetration::of(positions, skin, scale);
             return Self {
                 inside: found.num_inside,
                 deepest_m: found.deepest,

@@ -15,6 +15,9 @@ pub(super) fn for_motion(problem: &MotionProblem) -> Option<&'static str> {
             "write poses as axis-angle `[frames, n, 3]`, or as whole rotation matrices \
              `[frames, n, 3, 3]`",
         ),
+        MotionProblem::TurnsOverAndOver { .. } => {
+            Some("rotations are in radians; multiply degrees by pi / 180")
+        }
         MotionProblem::File(problem)
             if matches!(
                 **problem,
@@ -83,8 +86,11 @@ pub(super) fn for_file(problem: &FileProblem) -> Option<&'static str> {
         FileProblem::Json { .. } | FileProblem::Field { .. } | FileProblem::ListLength { .. } => {
             Some("correct the field; `garnet drape --help` names the formats")
         }
-        FileProblem::UnknownJointName { .. } => {
+        FileProblem::UnknownJointName { .. } | FileProblem::JointRole { .. } => {
             Some("`garnet info RIG` lists the names of the joints")
+        }
+        FileProblem::NoMeshes { .. } => {
+            Some("`--mesh` is for GLB, glTF and VRM files: leave it out")
         }
         FileProblem::NotAUnitQuaternion { .. } => {
             Some("rotations are written as `[x, y, z, w]` with norm 1")

@@ -27,7 +27,7 @@ pub(crate) fn problems(
             mark(vertex, Problem::ThroughCloth);
         }
     }
-    let traps = Traps::near(skin, positions).context("cannot look for trapped cloth")?;
+    let traps = Traps::near(skin, positions, 1.0).context("cannot look for trapped cloth")?;
     let is_inside = skin.contains_all(positions);
     let closest = skin.closest_all(positions);
     for (vertex, (closest, is_inside)) in (0..).zip(closest.iter().zip(is_inside)) {

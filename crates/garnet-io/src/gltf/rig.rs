@@ -6,7 +6,7 @@ use garnet_body::motion::{Figure, Role, joint_named};
 use garnet_mesh::{Bounds, Point3, TriMesh};
 use garnet_skin::{Rig, Skeleton, SkinWeights, skin_linear};
 use gltf::json::{Index, Root, accessor::Type};
-use nalgebra::{Matrix4, Point3 as NaPoint3};
+use nalgebra::{Matrix4, Point3 as NaPoint3, Vector3};
 
 use super::{
     GltfProblem,
@@ -276,7 +276,7 @@ impl Reader<'_> {
         parts.append(&mut pool.faceless);
         let is_mirrored = is_mirrored(&binds[0], nodes);
         let rig = joined(placed, &weights, &pool, &kept)?;
-        let skeleton = if is_mirrored {
+        let skeleton = if is_mirrored && calls_left_right(&rig.skeleton) {
             swapped(rig.skeleton)
         } else {
             rig.skeleton
@@ -510,6 +510,25 @@ fn is_mirrored(bind: &Bind, nodes: &Nodes) -> bool {
     first.is_some_and(|(&node, matrix)| determinant(nodes.world_from_node[node] * matrix) < 0.0)
 }
 
+/// Whether the joints that are called left are on the right of a body in a file, where y points up
+/// and a body without toes looks along z. A model may be turned into its mirror image with names
+/// that are right before that, or after it.
+fn calls_left_right(skeleton: &Skeleton) -> bool {
+    let named = |name: &str| joint_named(skeleton, name);
+    let place = |joint: usize| skeleton.joints()[joint].rest_position;
+    let between = |from: &str, to: &str| Some(place(named(to)?) - place(named(from)?));
+    let toes = ["left", "right"]
+        .map(|side| between(&format!("{side}_ankle"), &format!("{side}_foot")).unwrap_or_default());
+    let toes = toes[0] + toes[1];
+    let forward = Vector3::new(toes.x, 0.0, toes.z);
+    let forward = forward.try_normalize(1e-6).unwrap_or_else(Vector3::z);
+    let left = Vector3::y().cross(&forward);
+    let pairs = ["hip", "shoulder", "elbow", "knee"];
+    let pairs = pairs.map(|part| between(&format!("right_{part}"), &format!("left_{part}")));
+    let across: f32 = pairs.iter().flatten().map(|across| across.dot(&left)).sum();
+    across < 0.0
+}
+
 /// A skeleton whose left is called right: each joint is told to be that of its other side.
 fn swapped(skeleton: Skeleton) -> Skeleton {
     let other = |name: &str| match name.split_once('_') {
@@ -522,4 +541,29 @@ fn swapped(skeleton: Skeleton) -> Skeleton {
         .filter_map(|role| Some((other(role.name()), joint_named(&skeleton, role.name())?)))
         .collect();
     skeleton.with_labels(labels)
+}
+
+#[cfg(test)]
+mod tests {
+    use garnet_skin::Joint;
+
+    use super::*;
+    use crate::motion::smpl_skeleton;
+
+    #[test]
+    fn names_are_of_the_other_side_or_not_wherever_a_body_looks() {
+        let skeleton = smpl_skeleton().unwrap();
+        let moved = |place: fn(Point3) -> Point3| {
+            let joints = skeleton.joints().iter().map(|joint| Joint {
+                rest_position: place(joint.rest_position),
+                ..joint.clone()
+            });
+            Skeleton::new(joints.collect()).unwrap()
+        };
+        assert!(!calls_left_right(&skeleton));
+        assert!(!calls_left_right(&moved(|p| Point3::new(-p.x, p.y, -p.z))));
+        assert!(!calls_left_right(&moved(|p| Point3::new(p.z, p.y, -p.x))));
+        assert!(calls_left_right(&moved(|p| Point3::new(-p.x, p.y, p.z))));
+        assert!(calls_left_right(&moved(|p| Point3::new(p.z, p.y, p.x))));
+    }
 }

@@ -93,6 +93,20 @@ pub enum MotionProblem {
         /// The joint: its number, from 0, and its name.
         joint: String,
     },
+    /// An axis-angle vector turns further than any joint does.
+    #[error(
+        "frame {frame}, joint {joint}: `{key}` turns by {radians:.1} radians, more than two whole turns"
+    )]
+    TurnsOverAndOver {
+        /// The key.
+        key: &'static str,
+        /// The frame, from 0.
+        frame: usize,
+        /// The joint: its number, from 0, and its name.
+        joint: String,
+        /// The angle.
+        radians: f64,
+    },
     /// Six numbers a joint may mean either of two rotations.
     #[error("`{key}` has six numbers a joint: two rows, or two columns, of a matrix")]
     RowsOrColumns {

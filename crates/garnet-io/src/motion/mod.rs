@@ -9,4 +9,6 @@ mod turns;
 
 pub use error::{MotionError, MotionProblem};
 pub(crate) use smpl::JOINT_PARENTS;
+#[cfg(test)]
+pub(crate) use smpl::skeleton as smpl_skeleton;
 pub use take::{Take, TakeError};

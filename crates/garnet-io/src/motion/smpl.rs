@@ -171,6 +171,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Motion, MotionP
     let why = why.unwrap_or_default();
     notes.push(format!("{up}{sort} is read as the up axis{why}"));
     turn_to_y_up(&mut frames, up);
+    notes.extend(height_note(&frames));
     Ok(Motion {
         frames,
         skeleton,
@@ -178,6 +179,24 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Motion, MotionP
             .filter(|rate| *rate > 0.0 && rate.is_finite())
             .map(|rate| 1.0 / rate),
         notes,
+    })
+}
+
+/// No body is that far above or below the floor for half of a motion, in metres.
+const FAR_FROM_FLOOR: f32 = 20.0;
+
+/// Tells of shifts that are in another unit, as it seems. Poses have Y up.
+fn height_note(frames: &[Pose]) -> Option<String> {
+    let heights = frames.iter().map(|pose| pose.root_translation.y);
+    let mut heights: Vec<f32> = heights.collect();
+    heights.sort_by(f32::total_cmp);
+    let middle = *heights.get(heights.len() / 2)?;
+    (middle.abs() > FAR_FROM_FLOOR).then(|| {
+        format!(
+            "the body is {:.0} m from the floor in half of the frames: its shifts may be in another \
+             unit than metres",
+            middle.abs()
+        )
     })
 }
 
@@ -293,7 +312,7 @@ fn shifts(
 }
 
 /// The T-pose that angles of zero stand for.
-fn skeleton() -> Result<Skeleton, MotionProblem> {
+pub(crate) fn skeleton() -> Result<Skeleton, MotionProblem> {
     let mut joints: Vec<Joint> = Vec::with_capacity(NUM_BODY_JOINTS);
     for (name, parent, offset) in JOINTS {
         let start = parent.map_or_else(Point3::origin, |parent| joints[parent].rest_position);

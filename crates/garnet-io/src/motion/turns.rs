@@ -25,6 +25,9 @@ const FEWEST_JOINTS: usize = 21;
 /// rounds, and half precision.
 const ROUNDING: f64 = 0.01;
 
+/// No joint but the root turns further, in radians: two whole turns.
+const MOST_RADIANS: f64 = 4.0 * std::f64::consts::PI;
+
 /// What an array of rotations is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -124,6 +127,9 @@ pub(super) fn turns(
         let frame = bad / num_joints;
         return Err(MotionProblem::NonFinite { frame, key });
     }
+    if let (Form::AxisAngle, Kind::Joints) = (form, kind) {
+        check_angles(key, &values, num_joints)?;
+    }
     let is_either = |row: &[f64]| two_rows(row).is_some();
     let mut all = Vec::with_capacity(values.len() / form.size());
     for (number, row) in rows().enumerate() {
@@ -155,6 +161,25 @@ pub(super) fn turns(
         all,
         note,
     })
+}
+
+/// Refuses angles in degrees. A root may have turned over and over in the course of a motion; other
+/// joints cannot.
+fn check_angles(key: &'static str, values: &[f64], num_joints: usize) -> Result<(), MotionProblem> {
+    let first = usize::from(!ROOTLESS.contains(&num_joints));
+    for (number, row) in values.chunks_exact(Form::AxisAngle.size()).enumerate() {
+        let (frame, joint) = (number / num_joints, number % num_joints);
+        let radians = row.iter().map(|value| value * value).sum::<f64>().sqrt();
+        if joint >= first && radians > MOST_RADIANS {
+            return Err(MotionProblem::TurnsOverAndOver {
+                key,
+                frame,
+                joint: joint_name(joint, num_joints),
+                radians,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// What a joint is called in messages, of those without a root, too.

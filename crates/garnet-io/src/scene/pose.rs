@@ -135,6 +135,11 @@ pub enum PoseNote {
     },
     /// What the reader of a motion file says.
     Motion(String),
+    /// What is asked of a motion is asked of poses, which stand where they stand.
+    NoMotion {
+        /// The poses.
+        path: PathBuf,
+    },
     /// Arms were kept out of other parts of the body.
     ArmsTurned {
         /// The largest turn, in degrees.
@@ -193,6 +198,11 @@ impl fmt::Display for PoseNote {
                 1e3 * distance
             ),
             Self::Motion(text) => formatter.write_str(text),
+            Self::NoMotion { path } => write!(
+                formatter,
+                "`{}` is no motion: its place and time are as they are, whatever is asked of motions",
+                path.display()
+            ),
             Self::ArmsTurned {
                 degrees,
                 num_turned,
@@ -459,6 +469,12 @@ impl PoseSource {
         let mut notes: Vec<PoseNote> = notes.map(PoseNote::Motion).collect();
         let mut poses = take.poses_of(skeleton, &moments.frames, &options)?;
         let is_motion = take.motion().is_some();
+        let of_motions = of_motion.on_ground || of_motion.in_place || of_motion.fps.is_some();
+        if of_motions && !is_motion {
+            notes.push(PoseNote::NoMotion {
+                path: self.path.clone(),
+            });
+        }
         if is_motion && !of_motion.keep_arms {
             notes.extend(keep_apart(
                 body,
