@@ -74,6 +74,12 @@ impl Fixture {
         fs::read(self.path(name)).unwrap()
     }
 
+    /// A copy of a file in a new folder.
+    pub(crate) fn folder_with(&self, folder: &str, name: &str, copy: &str) {
+        fs::create_dir(self.path(folder)).unwrap();
+        fs::copy(self.path(name), self.path(folder).join(copy)).unwrap();
+    }
+
     /// A copy of a file with its first half alone.
     pub(crate) fn half(&self, name: &str, copy: &str) {
         let bytes = self.read(name);

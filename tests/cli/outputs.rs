@@ -2,7 +2,8 @@
 //! that are named as such.
 
 use crate::fixtures::{Fixture, refused_with_hint};
-use crate::train::done;
+use crate::train::{done, prepared};
+use garnet::package::FileLock;
 
 /// Runs a command that must be refused with all of `expected`, and change nothing.
 fn refused(fixture: &Fixture, arguments: &str, expected: &[&str]) {
@@ -113,4 +114,98 @@ fn a_separator_at_the_end_means_a_folder() {
         &format!("{DRAPE} -o missing/out/"),
         &["the folder `missing` does not exist"],
     );
+}
+
+#[test]
+fn reports_are_json_and_replace_reports_alone() {
+    let fixture = prepared();
+    let eval = "eval net scenes";
+    let other = ["reports are written as JSON, not", "ends with .json"];
+    for name in ["x.obj", "x.glb", "net/template.obj", "net/README.md"] {
+        for command in [
+            format!("{DRAPE} -o out.obj"),
+            format!("{SIMULATE} -o out.obj"),
+            "eval net scenes".to_owned(),
+        ] {
+            refused(&fixture, &format!("{command} --report {name}"), &other);
+        }
+    }
+    let lost = ["a file is there that is no report", "remove this one first"];
+    let dataset = fixture.read("scenes/dataset.json");
+    fixture.text("jobs", "[]");
+    for name in [
+        "scenes/dataset.json",
+        "./scenes/../scenes/dataset.json",
+        "bend.json",
+        "jobs",
+    ] {
+        for command in [format!("{DRAPE} -o out.obj"), eval.to_owned()] {
+            refused(&fixture, &format!("{command} --report {name}"), &lost);
+        }
+    }
+    assert!(fixture.read("scenes/dataset.json") == dataset);
+    // What another run has reported is written over, and so is what is empty.
+    fixture.text("report.json", "");
+    for _ in 0..2 {
+        done(
+            &fixture,
+            &format!("{DRAPE} -o out.obj --report report.json -q"),
+        );
+        done(&fixture, "eval net scenes --report report.json -q");
+    }
+    done(&fixture, "eval net scenes --report net/eval.json -q");
+    done(&fixture, "eval net scenes --report net/eval.json -q");
+}
+
+#[test]
+fn packages_and_data_sets_that_are_read_stay_as_they_are() {
+    let fixture = prepared();
+    done(
+        &fixture,
+        "train net scenes --preset tiny --epochs 1 --kind local --variant mine -q",
+    );
+    let weights = fixture.read("net/mine.safetensors");
+    let read = ["one of the files that are read"];
+    refused(
+        &fixture,
+        "train net scenes --from net/../net/mine.safetensors --kind local --variant mine",
+        &[read[0], "another name with `--variant`"],
+    );
+    assert!(fixture.read("net/mine.safetensors") == weights);
+    // A package whose weights have the name of a chart's file.
+    let manifest = String::from_utf8(fixture.read("net/garment.toml")).unwrap();
+    let renamed = manifest.replace("mine.safetensors", "samples.json");
+    fixture.text("net/garment.toml", &renamed);
+    fixture.bytes("net/samples.json", &weights);
+    refused(
+        &fixture,
+        "chart net scenes -o net --teacher-scenes 0",
+        &read,
+    );
+    assert!(fixture.read("net/samples.json") == weights);
+    let fit = "simulate sleeve.obj way/frame_0009.obj --rig body.rig.npz --quality fast -o out.obj";
+    fixture.folder_with("way", "bent.obj", "frame_0009.obj");
+    refused(
+        &fixture,
+        &format!("{fit} --frames way"),
+        &["`way/frame_0009.obj` is read, and has the name of a frame"],
+    );
+}
+
+#[test]
+fn folders_that_are_gone_on_with_are_written_by_one_run_at_a_time() {
+    let fixture = prepared();
+    std::fs::create_dir(fixture.path("out")).unwrap();
+    let lock = FileLock::take(&fixture.path("out/garnet.lock"), &fixture.path("out")).unwrap();
+    let commands = [
+        "chart net scenes -o out --teacher-scenes 0 --repeat 1",
+        "body --sample 1 -o out",
+        "stress net -o out --quick --axis joints --method none",
+    ];
+    for command in commands {
+        refused(&fixture, command, &["is being written by another run"]);
+    }
+    drop(lock);
+    done(&fixture, "body --sample 1 -o out -q");
+    assert!(!fixture.path("out/garnet.lock").exists());
 }

@@ -392,6 +392,39 @@ fn names_of_other_files_and_methods_are_no_variants() {
 }
 
 #[test]
+fn older_names_and_names_of_other_kinds_are_told() {
+    let fixture = prepared();
+    done(
+        &fixture,
+        "train net scenes --preset tiny --epochs 1 --kind local --variant mine -q",
+    );
+    let manifest = String::from_utf8(fixture.read("net/garment.toml")).unwrap();
+    let named = manifest.replace("name = \"mine\"", "name = \"mine\"\naliases = [\"naive\"]");
+    fixture.text("net/garment.toml", &named);
+    refused(
+        &fixture,
+        "train net scenes --preset tiny --variant naive",
+        &[
+            "`naive` is an older name of the variant `mine`",
+            "`--variant mine`",
+        ],
+    );
+    refused(
+        &fixture,
+        "train net scenes --kind falling --variant local",
+        &[
+            "`local` is the name of another kind than `falling`",
+            "`--variant my-falling`",
+        ],
+    );
+    refused(
+        &fixture,
+        "drape net body.obj --method MINE -o out.obj",
+        &["`mine` may be meant"],
+    );
+}
+
+#[test]
 fn what_cannot_be_followed_is_refused() {
     let fixture = untrained();
     fixture.text("global.toml", "kind = \"global\"\npreset = \"tiny\"\n");
@@ -458,6 +491,10 @@ fn mistakes_of_a_config_are_named_with_file_and_field() {
         ("preset = \"tinny\"", "no network preset `tinny`"),
         ("epochs = 0", "`epochs` is `0`"),
         ("learning_rate = nan", "`learning_rate` is `NaN`"),
+        (
+            "[pose_space]\nhidden = 4096\nensemble = 64",
+            "GB for each region, but have to stay below 1.6 GB",
+        ),
         ("[network]\nfoo = 3", "[network]: unknown field `foo`"),
         ("[network.garment]\nheads = 0", "`garment.heads`"),
         ("[loss]\nnormal = -1", "`normal` of the loss is `-1`"),

@@ -204,7 +204,7 @@ fn pages_of_other_kinds_and_over_other_files_are_refused() {
             "pages are HTML",
         ),
         (
-            "drape sleeve.obj body.obj --pose bend.json -o out.obj --report x.html --view x.html",
+            "drape sleeve.obj body.obj --pose bend.json -o out.obj --report x --view x",
             "two outputs have this name",
         ),
         (

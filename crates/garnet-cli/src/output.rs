@@ -7,7 +7,12 @@ use std::{
 };
 
 use anyhow::Context;
-use garnet::io::{WriteError, remove_stale_temporaries, write_atomically};
+use garnet::{
+    io::{WriteError, remove_stale_temporaries, write_atomically},
+    mesh::{MOST_BYTES, read_bounded},
+    package::{FileLock, GarmentPackage, Manifest},
+};
+use serde::Deserialize;
 
 use crate::failure::refused;
 
@@ -35,6 +40,47 @@ pub(crate) fn check_obj(path: &Path) -> anyhow::Result<()> {
     check_named(path, "name a file")?;
     check_kind(path, "meshes are written as OBJ", "obj")?;
     check_file(path)
+}
+
+/// What reports say that they are, without the number of the version.
+const REPORTS: [&str; 4] = [
+    "garnet.drape",
+    "garnet.simulate",
+    "garnet.outfit",
+    "garnet.eval",
+];
+
+/// Refuses a report that cannot be written, whose name says that it is of another format, or that
+/// would take the place of a file that is no report.
+pub(crate) fn check_report(path: &Path) -> anyhow::Result<()> {
+    check_named(path, "name a file")?;
+    check_kind(path, "reports are written as JSON", "json")?;
+    check_file(path)?;
+    if !path.is_file() || is_report(path) {
+        return Ok(());
+    }
+    Err(refused(
+        format!("cannot write `{}`", path.display()),
+        "a file is there that is no report, and it would be lost",
+        "write into another file, or remove this one first",
+    ))
+}
+
+/// Whether a file is a report of an earlier run, or empty.
+fn is_report(path: &Path) -> bool {
+    #[derive(Deserialize)]
+    struct Document {
+        schema: String,
+    }
+    let Ok(bytes) = read_bounded(path, MOST_BYTES) else {
+        return false;
+    };
+    let document: Option<Document> = serde_json::from_slice(&bytes).ok();
+    let is_ours = |document: Document| {
+        let (name, _) = document.schema.split_once('/').unwrap_or_default();
+        REPORTS.contains(&name)
+    };
+    bytes.is_empty() || document.is_some_and(is_ours)
 }
 
 /// How drapes can be written.
@@ -211,8 +257,32 @@ pub(crate) fn check_apart(outputs: &[&Path], inputs: &[&Path]) -> anyhow::Result
     Ok(())
 }
 
+/// The files of a garment package that are read, its weights among them.
+pub(crate) fn files_of_package(folder: &Path, manifest: &Manifest) -> Vec<PathBuf> {
+    let fixed = GarmentPackage::file_names().into_iter().map(PathBuf::from);
+    let weights = (manifest.variants.iter()).map(|variant| PathBuf::from(&variant.weights));
+    let rig = PathBuf::from(&manifest.rest_body.rig);
+    let all = fixed.chain(weights).chain([rig]);
+    all.map(|name| folder.join(name)).collect()
+}
+
+/// The files of a data set: its manifest and its shards.
+pub(crate) fn files_of_dataset(folder: &Path) -> Vec<PathBuf> {
+    let shards = fs::read_dir(folder.join("shards")).into_iter().flatten();
+    let shards = shards.filter_map(|entry| Some(entry.ok()?.path()));
+    std::iter::once(folder.join("dataset.json"))
+        .chain(shards)
+        .collect()
+}
+
+/// Takes a folder that is there for this run alone, until the value is dropped: other runs of the
+/// same kind would mix their files with those of this one.
+pub(crate) fn lock_folder(folder: &Path) -> anyhow::Result<FileLock> {
+    Ok(FileLock::take(&folder.join("garnet.lock"), folder)?)
+}
+
 /// Where a file is or would be, of whose folders some may be still to be made.
-fn place_of(path: &Path) -> PathBuf {
+pub(crate) fn place_of(path: &Path) -> PathBuf {
     match (fs::canonicalize(path), path.file_name()) {
         (Ok(place), _) => place,
         (Err(_), Some(name)) => place_of(folder_of(path)).join(name),

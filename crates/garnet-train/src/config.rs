@@ -263,8 +263,9 @@ impl TrainConfig {
     ///
     /// # Errors
     ///
-    /// [`TrainError::Config`] with the first number out of range, [`TrainError::NoLoss`] if no term
-    /// of the loss has a weight, [`TrainError::Net`] for a loss or a network that cannot be, and as
+    /// [`TrainError::Config`] with the first number out of range, [`TrainError::Memory`] for numbers
+    /// that ask for too much together, [`TrainError::NoLoss`] if no term of the loss has a weight,
+    /// [`TrainError::Net`] for a loss or a network that cannot be, and as
     /// [`TrainConfig::network_config`].
     pub fn validate(&self) -> Result<(), TrainError> {
         for number in self.numbers() {
@@ -279,6 +280,7 @@ impl TrainConfig {
                 max: MOST_FOLDS,
             });
         }
+        self.pose_space.check_size()?;
         self.loss.check()?;
         if self.loss.is_nothing() {
             return Err(TrainError::NoLoss);
@@ -436,6 +438,24 @@ mod tests {
                 .validate()
                 .is_err()
         );
+    }
+
+    #[test]
+    fn networks_of_regions_that_memory_has_no_room_for_are_refused() {
+        for (text, is_fine) in [
+            ("hidden = 4096\nensemble = 64", false),
+            ("hidden = 4096\nensemble = 1", true),
+            ("hidden = 384\nensemble = 64", true),
+        ] {
+            let config = TrainConfig::parse(&format!("[pose_space]\n{text}")).unwrap();
+            match config.validate() {
+                Ok(()) => assert!(is_fine, "{text}"),
+                Err(error) => {
+                    assert!(matches!(error, TrainError::Memory { .. }), "{error}");
+                    assert!(!is_fine && error.to_string().contains("GB"), "{error}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -97,6 +97,34 @@ pub enum TrainError {
         /// The name.
         name: String,
     },
+    /// A name is that of another kind than is trained.
+    #[error("`{name}` is the name of another kind than `{kind}`")]
+    NameOfKind {
+        /// The name.
+        name: String,
+        /// The kind that is trained.
+        kind: String,
+    },
+    /// A name is an alias, which a variant of the package had before.
+    #[error("`{name}` is an older name of the variant `{variant}`")]
+    OlderName {
+        /// The name.
+        name: String,
+        /// What it is called now.
+        variant: String,
+    },
+    /// Numbers of the configuration that are in their ranges ask for too much memory together.
+    #[error(
+        "{fields} together take some {found:.1} GB for each region, but have to stay below {most:.1} GB"
+    )]
+    Memory {
+        /// Which numbers, with their values.
+        fields: String,
+        /// The estimate, in gigabytes.
+        found: f64,
+        /// The most that is allowed, in gigabytes.
+        most: f64,
+    },
     /// The weights of a variant would take the place of another file of the package.
     #[error(
         "the weights of `{name}` would take the place of `{file}`, another file of the package"

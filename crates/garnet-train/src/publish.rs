@@ -93,8 +93,19 @@ pub(crate) fn weights_file(name: &str) -> String {
     format!("{name}.safetensors")
 }
 
-/// Refuses a name whose weights would take the place of another file of the package.
+/// Refuses a name that another variant had before, or whose weights would take the place of another
+/// file of the package.
 pub(crate) fn check_free(manifest: &Manifest, name: &str) -> Result<(), TrainError> {
+    let is_older = |names: &[String]| names.iter().any(|known| known == name);
+    let variants = &manifest.variants;
+    if let Some(variant) = variants.iter().find(|variant| is_older(&variant.aliases))
+        && variants.iter().all(|variant| variant.name != name)
+    {
+        return Err(TrainError::OlderName {
+            name: name.to_owned(),
+            variant: variant.name.clone(),
+        });
+    }
     let file = weights_file(name);
     let mut others = (manifest.variants.iter()).filter(|variant| variant.name != name);
     let is_taken = others.any(|variant| variant.weights == file)

@@ -72,7 +72,8 @@ impl Recipe {
     ///
     /// # Errors
     ///
-    /// [`TrainError::UnknownKind`], or as [`Recipe::of_name`].
+    /// [`TrainError::UnknownKind`], [`TrainError::NameOfKind`] for the name of another kind, or as
+    /// [`Recipe::of_name`].
     pub fn of_kind(kind: &str, name: &str) -> Result<Self, TrainError> {
         let unknown = || TrainError::UnknownKind {
             kind: kind.to_owned(),
@@ -81,11 +82,24 @@ impl Recipe {
         if !recipe.says_what() {
             return Err(unknown());
         }
-        Self::of_name(name)?;
-        Ok(Self {
+        let named = Self::of_name(name)?;
+        let asked = Self {
             name: name.to_owned(),
             ..recipe
-        })
+        };
+        if named.is_kind() && named != asked {
+            return Err(TrainError::NameOfKind {
+                name: name.to_owned(),
+                kind: kind.to_owned(),
+            });
+        }
+        Ok(asked)
+    }
+
+    /// Whether the name is that of a kind, or of a fine-tuning of one.
+    fn is_kind(&self) -> bool {
+        let base = self.fine_tuned.as_ref().map(|(base, _)| base.as_str());
+        kind_names().any(|kind| kind == self.name || Some(kind) == base)
     }
 
     /// What a variant is that was trained before, by its weights.
@@ -212,6 +226,23 @@ mod tests {
             assert!(matches!(error, TrainError::UnknownKind { .. }), "{error}");
         }
         assert!(Recipe::of_kind("local", "auto").is_err());
+        for (kind, name) in [
+            ("falling", "local"),
+            ("falling", "midway"),
+            ("local", "midway"),
+            ("local", "local-rq"),
+            ("local-mc", "local-rq"),
+        ] {
+            let error = Recipe::of_kind(kind, name).unwrap_err();
+            assert!(matches!(error, TrainError::NameOfKind { .. }), "{error}");
+        }
+        for (kind, name) in [
+            ("local", "local"),
+            ("local-rq", "local-rq"),
+            ("local", "mine-rq"),
+        ] {
+            Recipe::of_kind(kind, name).unwrap();
+        }
     }
 
     #[test]

@@ -58,6 +58,14 @@ pub struct TrainJob {
     pub makes_default: bool,
 }
 
+impl TrainJob {
+    /// The file in the package that the weights are written to.
+    pub fn weights(&self) -> PathBuf {
+        let name = publish::weights_file(&self.recipe.name);
+        self.package.join(name)
+    }
+}
+
 /// Where a training begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Begin {

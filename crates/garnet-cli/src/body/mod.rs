@@ -223,6 +223,7 @@ fn sample(
     report: &mut BodyReport,
 ) -> anyhow::Result<()> {
     output::open_folder(&args.output)?;
+    let _lock = output::lock_folder(&args.output)?;
     let population = Population::new(args.seed);
     let bar = console.progress(count as usize);
     let numbers: Vec<u32> = (0..count).collect();

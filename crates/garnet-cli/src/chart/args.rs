@@ -1,10 +1,10 @@
 //! The arguments of `chart`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use garnet::{
-    package::{GarmentPackage, Quality},
+    package::{GarmentPackage, Manifest, Quality},
     train::Candidate,
     untangle::UntangleOptions,
 };
@@ -89,10 +89,29 @@ DIR gets
   chart.csv, chart.json    the same as numbers, with all other scores
   samples.json             all samples: a run that is repeated or was stopped goes on from there";
 
+/// What is written.
+const FILES: [&str; 5] = [
+    "chart.svg",
+    "chart.png",
+    "chart.csv",
+    "chart.json",
+    "samples.json",
+];
+
 impl ChartArgs {
     /// Refuses an output that cannot be written.
     pub(crate) fn check(&self) -> anyhow::Result<()> {
         output::check_folder(&self.output)
+    }
+
+    /// Refuses outputs that would take the place of what is read.
+    pub(crate) fn check_apart(&self, manifest: &Manifest) -> anyhow::Result<()> {
+        let outputs = FILES.map(|name| self.output.join(name));
+        let package = (self.package.as_path(), manifest);
+        eval::check_apart(&outputs, package, &self.dataset, &self.model)?;
+        let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
+        let peers: Vec<&Path> = self.peers.iter().map(PathBuf::as_path).collect();
+        output::check_apart(&outputs, &peers)
     }
 
     /// Skinning, warp, and the models.

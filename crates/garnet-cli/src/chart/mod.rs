@@ -40,6 +40,7 @@ pub(crate) fn run(args: &ChartArgs, console: &Console) -> anyhow::Result<ExitSta
     let start = Instant::now();
     args.check()?;
     let package = read_package(&args.package)?;
+    args.check_apart(&package.manifest)?;
     let peers = args.peers.as_ref();
     let peers = peers.map(|path| peers::read(path, &package.manifest.name));
     let peers = peers.transpose()?.unwrap_or_default();
@@ -48,8 +49,9 @@ pub(crate) fn run(args: &ChartArgs, console: &Console) -> anyhow::Result<ExitSta
     let scenes = Chosen::new(args, &stage)?;
     let methods = Method::all(candidates, &args.qualities())?;
 
-    let mut keeper = Keeper::open(args, Setting::new(args, &stage))?;
     output::open_folder(&args.output)?;
+    let _lock = output::lock_folder(&args.output)?;
+    let mut keeper = Keeper::open(args, Setting::new(args, &stage))?;
     let job = Job {
         args,
         stage: &stage,

@@ -250,6 +250,11 @@ pub(super) struct OutfitArgs {
 }
 
 impl DrapeArgs {
+    /// The garment or package.
+    pub(super) fn package(&self) -> Option<&Path> {
+        self.input.garment.as_deref()
+    }
+
     /// The outfit, if there are several packages before the body.
     pub(super) fn outfit(&self) -> anyhow::Result<Option<OutfitArgs>> {
         let first = (self.input.garment.as_ref()).filter(|garment| GarmentPackage::is_at(garment));
@@ -618,7 +623,7 @@ impl Job {
     pub(crate) fn take_report(&mut self, report: Option<PathBuf>) -> anyhow::Result<()> {
         self.prints_report = report.as_ref().is_some_and(|path| path.as_os_str() == "-");
         self.report = report.filter(|_| !self.prints_report);
-        self.report.as_deref().map_or(Ok(()), output::check_file)
+        self.report.as_deref().map_or(Ok(()), output::check_report)
     }
 }
 

@@ -13,7 +13,7 @@ use std::{
 use anyhow::Context;
 use garnet::{
     Point3, PosedBody, Vector3,
-    package::{MovingCloth, Quality, Simulator},
+    package::{FileLock, MovingCloth, Quality, Simulator},
     sim::Event,
 };
 use serde::{Deserialize, Serialize};
@@ -48,6 +48,8 @@ struct State {
 pub(super) struct Followed {
     folder: PathBuf,
     num_vertices: usize,
+    /// Keeps other runs out of the folder.
+    _lock: FileLock,
 }
 
 impl Followed {
@@ -58,8 +60,12 @@ impl Followed {
         stop: &AtomicBool,
         console: &Console,
     ) -> anyhow::Result<Self> {
+        let folder = folder_of(job);
+        let mut lock = folder.clone().into_os_string();
+        lock.push(".lock");
         let followed = Self {
-            folder: folder_of(job),
+            _lock: FileLock::take(Path::new(&lock), &folder)?,
+            folder,
             num_vertices: bound.garment.mesh().num_vertices(),
         };
         let fingerprint = fingerprint(bound, job, quality)?;

@@ -1,6 +1,9 @@
 //! Several garments on one body, the inner first.
 
-use std::sync::{Arc, atomic::AtomicBool};
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, atomic::AtomicBool},
+};
 
 use anyhow::Context;
 use garnet::{
@@ -17,7 +20,7 @@ use super::{
     all::{All, Draped, Frame, Part},
     args::{Job, OutfitArgs},
     judge,
-    outputs::{check_outputs, outputs_on},
+    outputs::{check_outputs, files_in, outputs_on},
     prepared::Prepared,
     ready::{Found, Ready},
     report::{DrapeReport, OnceSeconds},
@@ -130,8 +133,9 @@ type Reports = Vec<(DrapeReport, Job)>;
 
 fn drape_all(args: OutfitArgs, console: &Console) -> anyhow::Result<(Reports, Vec<LayerReport>)> {
     if let Some(path) = args.report.as_ref().filter(|path| path.as_os_str() != "-") {
-        output::check_file(path)?;
+        output::check_report(path)?;
     }
+    check_apart(&args)?;
     let is_new = !args.folder.is_dir();
     // Each garment has a file in it, which is checked before any is read.
     output::open_folder(&args.folder)?;
@@ -146,6 +150,23 @@ fn drape_all(args: OutfitArgs, console: &Console) -> anyhow::Result<(Reports, Ve
         let _ = std::fs::remove_dir(&args.folder);
     }
     done
+}
+
+/// Refuses drapes that would take the place of a file of another package.
+fn check_apart(args: &OutfitArgs) -> anyhow::Result<()> {
+    let outputs: Vec<&Path> = args
+        .garments
+        .iter()
+        .map(|args| args.output.as_path())
+        .collect();
+    let mut read = Vec::new();
+    for package in args.garments.iter().filter_map(|args| args.package()) {
+        read.extend(files_in(package)?);
+    }
+    output::check_apart(
+        &outputs,
+        &read.iter().map(PathBuf::as_path).collect::<Vec<_>>(),
+    )
 }
 
 /// Reads and binds a garment.

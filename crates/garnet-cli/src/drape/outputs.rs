@@ -13,7 +13,7 @@ use super::{
     followed::folder_of,
     prepared::Prepared,
 };
-use crate::output;
+use crate::{failure::refused, output};
 
 /// Where the drape on each target goes.
 ///
@@ -65,6 +65,10 @@ pub(super) fn check_outputs(
         output::check_folder(&folder_of(job))?;
     }
     inputs.extend(in_package.iter().map(PathBuf::as_path));
+    if let Source::Files(files) = &job.source {
+        inputs.extend(files.scene.rig_options.joints.as_deref());
+    }
+    check_frames(&inputs, job)?;
     let bodies = bodies_out(&prepared.targets, job);
     let own = job
         .report
@@ -81,6 +85,36 @@ pub(super) fn check_outputs(
         None => outputs.iter().map(PathBuf::as_path).chain(beside).collect(),
     };
     output::check_apart(&all, &inputs)
+}
+
+/// Refuses a folder of frames in which something that is read has the name of a frame, which would
+/// be written over, or removed as one of an earlier run.
+fn check_frames(inputs: &[&Path], job: &Job) -> anyhow::Result<()> {
+    let simulation = job.simulation.as_ref();
+    let Some(folder) = simulation.and_then(|simulation| simulation.frames.as_deref()) else {
+        return Ok(());
+    };
+    let folder = output::place_of(folder);
+    let is_frame = |path: &&&Path| {
+        let place = output::place_of(path);
+        let name = place.file_name().and_then(|name| name.to_str());
+        // Those of several targets are in folders of their own.
+        place
+            .ancestors()
+            .skip(1)
+            .take(2)
+            .any(|around| around == folder)
+            && name.is_some_and(|name| name.starts_with("frame_"))
+            && place.extension().is_some_and(|kind| kind == "obj")
+    };
+    match inputs.iter().find(is_frame) {
+        None => Ok(()),
+        Some(path) => Err(refused(
+            format!("cannot write frames into `{}`", folder.display()),
+            format!("`{}` is read, and has the name of a frame", path.display()),
+            "name another folder with `--frames`",
+        )),
+    }
 }
 
 /// Where the posed bodies go.
@@ -110,7 +144,8 @@ pub(super) fn body_out_of(path: &Path, target: &Target) -> PathBuf {
     }
 }
 
-fn files_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+/// All files in the folder of a package.
+pub(super) fn files_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let cannot = || format!("cannot read the folder `{}`", folder.display());
     let entries = fs::read_dir(folder).with_context(cannot)?;
     let paths: Result<Vec<PathBuf>, _> = entries.map(|entry| Ok(entry?.path())).collect();

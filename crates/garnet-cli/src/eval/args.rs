@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use garnet::{
     data::Split,
-    package::GarmentPackage,
+    package::{GarmentPackage, Manifest},
     train::{Candidate, Finish},
     untangle::UntangleOptions,
 };
 
+use super::curves;
 use crate::{
     failure::Hint,
     models, output,
@@ -68,8 +69,24 @@ enum SplitName {
 impl EvalArgs {
     /// Refuses outputs that cannot be written.
     pub(crate) fn check(&self) -> anyhow::Result<()> {
-        self.report.as_deref().map_or(Ok(()), output::check_file)?;
+        self.report
+            .as_deref()
+            .map_or(Ok(()), output::check_report)?;
         self.curves.as_deref().map_or(Ok(()), output::check_folder)
+    }
+
+    /// Refuses outputs that would take the place of a file of the package or the data set, or of
+    /// weights.
+    pub(crate) fn check_apart(&self, manifest: &Manifest) -> anyhow::Result<()> {
+        let curves = self.curves.iter();
+        let curves = curves.flat_map(|folder| curves::FILES.map(|name| folder.join(name)));
+        let outputs: Vec<PathBuf> = self.report.iter().cloned().chain(curves).collect();
+        check_apart(
+            &outputs,
+            (&self.package, manifest),
+            &self.dataset,
+            &self.model,
+        )
     }
 
     pub(crate) fn split(&self) -> Split {
@@ -94,6 +111,21 @@ impl EvalArgs {
     pub(crate) fn candidates(&self, package: &GarmentPackage) -> anyhow::Result<Vec<Candidate>> {
         candidates(&self.package, package, &self.model, self.settle)
     }
+}
+
+/// Refuses outputs that would take the place of a file of a package or a data set, or of weights
+/// among the models.
+pub(crate) fn check_apart(
+    outputs: &[PathBuf],
+    (package, manifest): (&Path, &Manifest),
+    dataset: &Path,
+    models: &[String],
+) -> anyhow::Result<()> {
+    let mut read = output::files_of_package(package, manifest);
+    read.extend(output::files_of_dataset(dataset));
+    read.extend(models.iter().map(PathBuf::from));
+    let [outputs, read] = [outputs, &read].map(|paths| paths.iter().map(PathBuf::as_path));
+    output::check_apart(&outputs.collect::<Vec<_>>(), &read.collect::<Vec<_>>())
 }
 
 /// Skinning, warp, and models of a package in a folder by name or file, each also settled; all of

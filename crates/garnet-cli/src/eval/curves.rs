@@ -7,6 +7,9 @@ use garnet_view::{Axis, Chart, Series};
 
 use crate::output;
 
+/// What is written.
+pub(super) const FILES: [&str; 3] = ["ap.csv", "ap-distance.svg", "ap-normal.svg"];
+
 /// Writes `ap.csv`, `ap-distance.svg` and `ap-normal.svg`.
 pub(super) fn write(folder: &Path, found: &Evaluation) -> anyhow::Result<()> {
     let mut text = String::from("curve,threshold");

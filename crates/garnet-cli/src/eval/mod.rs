@@ -11,7 +11,7 @@ use garnet::{
     train::{EvalEvent, Stage, evaluate},
 };
 
-pub(crate) use args::{EvalArgs, candidates};
+pub(crate) use args::{EvalArgs, candidates, check_apart};
 use report::EvalReport;
 
 use crate::{
@@ -27,6 +27,7 @@ pub(crate) fn run(args: &EvalArgs, console: &Console) -> anyhow::Result<ExitStat
     let start = Instant::now();
     args.check()?;
     let package = read_package(&args.package)?;
+    args.check_apart(&package.manifest)?;
     let candidates = args.candidates(&package)?;
     let stage = Stage::new(package, Dataset::open(&args.dataset)?).map_err(advised)?;
     let mut bar = None;

@@ -1,8 +1,9 @@
 //! What a mistyped name may be meant for.
 
-/// The name that a mistyped one differs from least, if that is by little.
+/// The name that a mistyped one differs from least, if that is by little; capitals do not count.
 pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let with_changes = known.map(|known| (changes(name, known), known));
+    let name = &name.to_lowercase();
+    let with_changes = known.map(|known| (changes(name, &known.to_lowercase()), known));
     let (least, near) = with_changes.min_by_key(|(changes, _)| *changes)?;
     (least <= 1 + name.chars().count() / 4).then_some(near)
 }
@@ -34,6 +35,8 @@ mod tests {
             ("lokal", Some("local")),
             ("pose_space", Some("pose-space")),
             ("midwya", Some("midway")),
+            ("LOCAL", Some("local")),
+            ("Midwya", Some("midway")),
             ("my-shirt", None),
         ] {
             assert_eq!(nearest(name, known.into_iter()), near, "{name}");

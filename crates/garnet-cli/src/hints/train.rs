@@ -35,6 +35,12 @@ fn advice_on_job(error: &TrainError) -> Option<String> {
         TrainError::ReservedName { name } | TrainError::Taken { name, .. } => {
             format!("give another name, as in `--variant my-{name}`")
         }
+        TrainError::NameOfKind { kind, .. } => format!(
+            "leave out `--variant`, or give a name of your own, as in `--variant my-{kind}`"
+        ),
+        TrainError::OlderName { name, variant } => format!(
+            "train that one with `--variant {variant}`, or give another name, as in `--variant my-{name}`"
+        ),
         TrainError::UnknownKind { kind } => {
             let kinds: Vec<&str> = kind_names().collect();
             let meant = nearest(kind, kinds.iter().copied());
@@ -44,9 +50,10 @@ fn advice_on_job(error: &TrainError) -> Option<String> {
                 kinds.join(", ")
             )
         }
-        TrainError::Config { .. } | TrainError::ConfigText { .. } | TrainError::NoLoss => {
-            CONFIG_HINT.to_owned()
-        }
+        TrainError::Config { .. }
+        | TrainError::ConfigText { .. }
+        | TrainError::Memory { .. }
+        | TrainError::NoLoss => CONFIG_HINT.to_owned(),
         TrainError::OtherKind { name, found, .. } => format!(
             "name weights of the kind `{name}`, or give another name, as in `--variant my-{found}`"
         ),

@@ -1,9 +1,12 @@
 //! The arguments of `stress`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use garnet::stress::{AXES, Axis, Method, StressOptions};
+use garnet::{
+    package::Manifest,
+    stress::{AXES, Axis, Method, StressOptions},
+};
 
 use crate::{failure::refused, models, output};
 
@@ -57,10 +60,30 @@ DIR gets
 /// Variants that are taken by default, as far as a package has them.
 const SHIPPED: [&str; 3] = ["fast", "balanced", "accurate"];
 
+/// What is written.
+const FILES: [&str; 5] = [
+    "stress.md",
+    "stress.svg",
+    "stress.png",
+    "stress.json",
+    "cells.json",
+];
+
 impl StressArgs {
     /// Refuses an output that cannot be written.
     pub(crate) fn check(&self) -> anyhow::Result<()> {
         output::check_output_folder(&self.output)
+    }
+
+    /// Refuses outputs that would take the place of a file of the package.
+    pub(crate) fn check_apart(&self, folder: &Path, manifest: &Manifest) -> anyhow::Result<()> {
+        let outputs = FILES.map(|name| self.output.join(name));
+        let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
+        let read = output::files_of_package(folder, manifest);
+        output::check_apart(
+            &outputs,
+            &read.iter().map(PathBuf::as_path).collect::<Vec<_>>(),
+        )
     }
 
     /// What is run on a package with these variants.

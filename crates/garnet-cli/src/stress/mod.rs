@@ -41,9 +41,11 @@ pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitSt
     }
     if let Some(folder) = &args.package {
         // What can't be read leaves no folder behind.
-        read_package(folder)?;
+        let package = read_package(folder)?;
+        args.check_apart(folder, &package.manifest)?;
     }
     output::open_folder(&args.output)?;
+    let _lock = output::lock_folder(&args.output)?;
     let folder = match &args.package {
         Some(folder) => folder.clone(),
         None => cut(&args.output)?,

@@ -6,12 +6,16 @@ mod followed;
 mod progress;
 mod report;
 
-use std::{sync::atomic::AtomicBool, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    sync::atomic::AtomicBool,
+    time::Instant,
+};
 
 use garnet::{
     io::remove_stale_temporaries,
     package::GarmentPackage,
-    train::{train, training_folder},
+    train::{TrainJob, train, training_folder},
 };
 
 pub(crate) use args::TrainArgs;
@@ -21,8 +25,9 @@ use report::TrainReport;
 use crate::{
     console::{Console, print_document},
     dataset::read_package,
-    failure::ExitStatus,
+    failure::{ExitStatus, Hint},
     hints::advised,
+    output,
 };
 
 /// Trains, or goes on with a training, and adds the network to the package.
@@ -32,6 +37,7 @@ pub(crate) fn run(args: &TrainArgs, console: &Console) -> anyhow::Result<ExitSta
         read_package(&args.package)?;
     }
     let job = args.job()?;
+    check_apart(&job, args)?;
     let folder = training_folder(&job.package, &job.recipe.name);
     for folder in [&job.package, &folder] {
         remove_stale_temporaries(folder);
@@ -50,4 +56,17 @@ pub(crate) fn run(args: &TrainArgs, console: &Console) -> anyhow::Result<ExitSta
     }
     console.summary(&report);
     Ok(ExitStatus::Done)
+}
+
+/// Refuses weights that would take the place of those that they start from, or of the
+/// configuration or data that they learn from.
+fn check_apart(job: &TrainJob, args: &TrainArgs) -> anyhow::Result<()> {
+    let weights = job.weights();
+    let datasets = std::iter::once(&job.dataset).chain(&job.more);
+    let datasets = datasets.flat_map(|folder| output::files_of_dataset(folder));
+    let read: Vec<PathBuf> = job.base.iter().chain(&args.config).cloned().collect();
+    let read: Vec<PathBuf> = read.into_iter().chain(datasets).collect();
+    let read: Vec<&Path> = read.iter().map(PathBuf::as_path).collect();
+    output::check_apart(&[&weights], &read)
+        .hint(|| "give the variant another name with `--variant`".to_owned())
 }

@@ -114,6 +114,44 @@ impl Default for PoseSpaceConfig {
     }
 }
 
+/// Most memory of the networks of a region, in bytes: as much as that of a network of GarNet.
+const MOST_BYTES: f64 = 1.6e9;
+
+/// Inputs of a network of a region, more than bodies have features.
+const MOST_INPUTS: f64 = 512.0;
+
+/// Numbers of four bytes that a training keeps for each weight: itself, its derivative, and the two
+/// means of Adam.
+const NUMBERS_A_WEIGHT: f64 = 4.0;
+
+impl PoseSpaceConfig {
+    /// Checks that memory has room for the networks of a region: an ensemble is kept until it is
+    /// distilled.
+    ///
+    /// # Errors
+    ///
+    /// [`TrainError::Memory`].
+    pub(crate) fn check_size(&self) -> Result<(), TrainError> {
+        let [hidden, shapes, ensemble] =
+            [self.hidden, self.region_shapes, self.ensemble].map(f64::from);
+        let between = (regions::HIDDEN_LAYERS - 1) as f64;
+        let weights = hidden * (MOST_INPUTS + between * hidden + shapes);
+        let kept = if self.ensemble > 1 { ensemble } else { 0.0 };
+        let found = 4.0 * weights * (NUMBERS_A_WEIGHT + kept);
+        if found <= MOST_BYTES {
+            return Ok(());
+        }
+        Err(TrainError::Memory {
+            fields: format!(
+                "`pose_space.hidden` of {}, `region_shapes` of {} and `ensemble` of {}",
+                self.hidden, self.region_shapes, self.ensemble
+            ),
+            found: 1e-9 * found,
+            most: 1e-9 * MOST_BYTES,
+        })
+    }
+}
+
 /// Fits a pose-space deformation and adds it to its package. Its scores are those of what it tells.
 #[expect(clippy::too_many_lines, reason = "a step after the other")]
 pub(crate) fn fit(

@@ -24,6 +24,7 @@ use super::principal::principal_of;
 use super::scenes::evenly;
 use super::{PoseSpaceConfig, TrainEvent};
 use crate::{Stage, TrainError};
+pub(super) use network::HIDDEN_LAYERS;
 pub(super) use samples::{Sample, samples_of};
 use search::Search;
 

@@ -24,7 +24,7 @@ const WARM_UP: usize = 500;
 const DECAY: f32 = 0.1;
 
 /// Layers with as many numbers as asked for.
-const HIDDEN_LAYERS: usize = 3;
+pub(in super::super) const HIDDEN_LAYERS: usize = 3;
 
 /// The smallest square of what is missed that has a root with a slope.
 const LEAST_SQUARE: f32 = 1e-6;
