@@ -191,7 +191,10 @@ const CHAINS: [&[&str]; 5] = [
 
 /// Refuses `roles` that two of them have one joint for, or that hang above what they are below.
 fn check_roles(skeleton: &Skeleton, roles: &[String]) -> Result<(), FileProblem> {
-    let named = |role: &str| joint_named(skeleton, role);
+    let named = |role: &str| {
+        let labelled = skeleton.labels().get(role).copied();
+        labelled.or_else(|| joint_named(skeleton, role))
+    };
     let name = |joint: usize| skeleton.joints()[joint].name.clone();
     let wrong = |role: &str, joint: usize, reason: String| FileProblem::JointRole {
         role: role.to_owned(),

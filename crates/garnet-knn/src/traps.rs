@@ -4,17 +4,18 @@ use garnet_mesh::{Point3, Vector3};
 
 use crate::{ClosestPoint, KnnError, Room, Surface, VertexTree};
 
-/// Skin whose middle is this near to embedded skin leaves no room either, in metres on a person: the
-/// rim of a contact, where cloth that hangs on caught cloth has no way out. A larger one calls more of an
-/// armpit trapped.
+/// Skin whose middle is this near to embedded skin leaves no room either, in metres on a person:
+/// the rim of a contact, where cloth that hangs on caught cloth has no way out. A larger one calls
+/// more of an armpit trapped.
 pub const TRAP_DISTANCE: f32 = 0.01;
 
 /// A slit or a crease of one part of the body catches cloth that is no deeper in it than this, in
-/// metres on a person: what is deeper has another side to leave by. A larger one excuses deeper cloth.
+/// metres on a person: what is deeper has another side to leave by. A larger one excuses deeper
+/// cloth.
 pub const SLIT_DEPTH: f32 = 0.005;
 
-/// Skin farther from the cloth than this is not looked at, in metres on a person: it cannot be the closest skin
-/// of cloth that is in reach of a [`Traps::nearest`] contact.
+/// Skin farther from the cloth than this is not looked at, in metres on a person: it cannot be the
+/// closest skin of cloth that is in reach of a [`Traps::nearest`] contact.
 const REACH: f32 = 0.05;
 
 /// The places of a skin where cloth is *trapped*: this is the one definition of the word.

@@ -263,9 +263,9 @@ impl TrainConfig {
     ///
     /// # Errors
     ///
-    /// [`TrainError::Config`] with the first number out of range, [`TrainError::Memory`] for numbers
-    /// that ask for too much together, [`TrainError::NoLoss`] if no term of the loss has a weight,
-    /// [`TrainError::Net`] for a loss or a network that cannot be, and as
+    /// [`TrainError::Config`] with the first number out of range, [`TrainError::Memory`] for
+    /// numbers that ask for too much together, [`TrainError::NoLoss`] if no term of the loss has
+    /// a weight, [`TrainError::Net`] for a loss or a network that cannot be, and as
     /// [`TrainConfig::network_config`].
     pub fn validate(&self) -> Result<(), TrainError> {
         for number in self.numbers() {

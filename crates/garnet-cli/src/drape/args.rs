@@ -141,7 +141,8 @@ pub(crate) struct DrapeArgs {
     #[arg(long, hide_short_help = true)]
     frames_alone: bool,
     /// How far the body moves, in millimetres, between frames of a motion that a network drapes by
-    /// themselves; those between go along with both, which is several times as fast; 20 without it, 0 drapes each.
+    /// themselves; those between go along with both, which is several times as fast; 0 drapes each
+    /// [default: 20]
     #[arg(long, hide_short_help = true, value_name = "MM", conflicts_with = "frames_alone", value_parser = millimetres, allow_negative_numbers = true)]
     key_spacing: Option<f32>,
     /// Smooth what is left of jumps between the frames of a motion, over so many frames to either
