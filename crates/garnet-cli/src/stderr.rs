@@ -14,6 +14,12 @@ use crate::{
     hints,
 };
 
+/// Longer words are cut in messages: longer than names are, and than most paths.
+const LONGEST_WORD: usize = 300;
+
+/// The same of numbers.
+const LONGEST_NUMBER: usize = 40;
+
 /// Prints a line to stderr; there is nowhere to report that this fails.
 pub(crate) fn tell(text: &impl Display) {
     let _ = writeln!(io::stderr().lock(), "{text}");
@@ -81,9 +87,27 @@ fn text_of(link: &(dyn Error + 'static)) -> String {
     one_line(&link.to_string())
 }
 
-/// Texts of systems and parsers may have several lines.
+/// Texts of systems and parsers may have several lines, and quote what is in a file.
 fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    let words: Vec<String> = text.split_whitespace().map(shortened).collect();
+    words.join(" ")
+}
+
+/// A word, or what is left of one that nobody reads.
+fn shortened(word: &str) -> String {
+    let count = word.chars().count();
+    let is_number = |c: char| c.is_ascii_digit() || "+-.eE'`\",:() \n".contains(c);
+    let most = if word.chars().all(is_number) {
+        LONGEST_NUMBER
+    } else {
+        LONGEST_WORD
+    };
+    if count <= most {
+        return word.to_owned();
+    }
+    let first: String = word.chars().take(most / 2).collect();
+    let last: String = word.chars().skip(count - 8).collect();
+    format!("{first}… ({count} characters) …{last}")
 }
 
 /// Prints a failure as JSON to stderr.
@@ -102,13 +126,23 @@ pub(crate) fn usage(found: &clap::Error) -> ExitStatus {
     if std::env::args_os().any(|argument| argument == "--json") {
         let text = found.render().to_string();
         let first = text.lines().next().unwrap_or_default();
-        let error = first.trim_start_matches("error: ").to_owned();
+        let error = one_line(first.trim_start_matches("error: "));
         tell_json(&Failure {
             hint: Some("`garnet --help` lists the arguments".to_owned()),
             ..Failure::without_cause(error)
         });
     } else {
-        let _ = found.print();
+        let text = found.render().to_string();
+        let lines = text.split_inclusive('\n').map(|line| {
+            let words = line.split_inclusive(' ').map(shortened);
+            words.collect::<String>()
+        });
+        let short: String = lines.collect();
+        if short == text {
+            let _ = found.print();
+        } else {
+            tell(&short.trim_end());
+        }
     }
     ExitStatus::NotDone
 }
@@ -131,6 +165,19 @@ mod tests {
         assert_eq!(failure.error, "cannot read `a`");
         assert_eq!(failure.causes, ["the line is bad"]);
         assert_eq!(failure.hint.as_deref(), Some("mend it"));
+    }
+
+    #[test]
+    fn what_nobody_reads_is_cut() {
+        let (name, number) = ("ä".repeat(70_000), "1".repeat(300));
+        let error = format!("no joint `{name}` at {number}: `a/path/of/usual/length.obj`");
+        let told = Failure::new(&anyhow::anyhow!(error)).error;
+        assert!(
+            told.starts_with("no joint `ääää") && told.len() < 1000,
+            "{told}"
+        );
+        assert!(told.contains("… (70002 characters) …ä") && told.contains("(301 characters)"));
+        assert!(told.ends_with(": `a/path/of/usual/length.obj`"), "{told}");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::{
 use garnet_body::{motion::RetargetError, shape::ShapeError};
 use garnet_drape::PackageError;
 use garnet_io::{FileError, ObjError};
-use garnet_mesh::{Fingerprint, MeshDifference, MeshError, WriteError};
+use garnet_mesh::{Fingerprint, MOST_BYTES, MeshDifference, MeshError, WriteError, read_bounded};
 use garnet_pattern::PatternError;
 use garnet_sim::SimError;
 use garnet_skin::SkinError;
@@ -247,6 +247,18 @@ fn of_package(difference: MeshDifference, of: &str) -> String {
     difference.told(&format!("the {of} of the package"))
 }
 
+/// The text of a file, which a manifest or a folder names: no pipe, and of no more bytes than fit.
+///
+/// # Errors
+///
+/// [`DataError::Read`].
+pub(crate) fn text_of(path: &Path) -> Result<String, DataError> {
+    let text = read_bounded(path, MOST_BYTES).and_then(|bytes| {
+        String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+    });
+    text.map_err(|source| DataError::read(path, source))
+}
+
 impl DataError {
     pub(crate) fn read(path: &Path, source: io::Error) -> Self {
         Self::Read {
@@ -293,5 +305,23 @@ impl DataError {
             path: path.to_path_buf(),
             what: what.into(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(unix)]
+    fn what_never_ends_is_not_read() {
+        let error = text_of(Path::new("/dev/zero")).unwrap_err();
+        let DataError::Read { source, .. } = error else {
+            panic!("{error}");
+        };
+        assert!(
+            source.to_string().contains("a pipe or a device"),
+            "{source}"
+        );
     }
 }

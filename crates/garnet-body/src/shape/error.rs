@@ -2,13 +2,19 @@
 
 use super::Measure;
 
+/// The next tenth at or above a bound (`side` 1), or at or below it (-1): what is printed is
+/// allowed.
+fn within(bound: f64, side: f64) -> f64 {
+    side * (side * bound * 10.0).ceil() / 10.0
+}
+
 /// Why a body cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
     /// A measure is not a number, or no body of this sex and stature has it.
     #[error(
-        "{measure} of `{value_cm:.1}` cm is not possible for this body, which allows {low_cm:.1} to {high_cm:.1} cm"
+        "{measure} of `{value_cm:.1}` cm is not possible for this body, which allows {:.1} to {:.1} cm", within(*low_cm, 1.0), within(*high_cm, -1.0)
     )]
     MeasureOutOfRange {
         /// The measure.

@@ -192,6 +192,23 @@ mod tests {
     }
 
     #[test]
+    fn bounds_that_are_printed_are_allowed() {
+        for (sex, stature) in [(0.0, 1.78), (1.0, 1.65), (0.3, 1.912)] {
+            let body = BodyParameters::new(sex).with(Measure::Stature, stature);
+            for measure in [Measure::Chest, Measure::Hip, Measure::Thigh, Measure::Calf] {
+                let text = refused(&body.clone().with(measure, 9.0));
+                let bounds = text.split("which allows ").nth(1).unwrap();
+                let mut bounds = bounds.trim_end_matches(" cm").split(" to ");
+                for _ in 0..2 {
+                    let bound: f64 = bounds.next().unwrap().parse().unwrap();
+                    let allowed = body.clone().with(measure, bound / 100.0).check();
+                    assert_eq!(allowed, Ok(()), "{text}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn a_measure_that_contradicts_the_others_is_refused() {
         let slim = BodyParameters::new(0.0)
             .with(Measure::Stature, 1.80)

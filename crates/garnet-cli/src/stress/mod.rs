@@ -32,6 +32,12 @@ use crate::{
 /// Vertices of the T-shirt that is cut where no package is given.
 const VERTICES: usize = 1250;
 
+/// The names of the variants of a package.
+fn names(package: &GarmentPackage) -> Vec<String> {
+    let variants = package.manifest.variants.iter();
+    variants.map(|variant| variant.name.clone()).collect()
+}
+
 /// Drapes all cells, writes the table, and tells whether one of ours breaks.
 pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitStatus> {
     args.check()?;
@@ -43,6 +49,7 @@ pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitSt
         // What can't be read leaves no folder behind.
         let package = read_package(folder)?;
         args.check_apart(folder, &package.manifest)?;
+        args.options(&names(&package))?;
     }
     output::open_folder(&args.output)?;
     let _lock = output::lock_folder(&args.output)?;
@@ -51,13 +58,7 @@ pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitSt
         None => cut(&args.output)?,
     };
     let content = read_package(&folder)?;
-    let variants: Vec<String> = content
-        .manifest
-        .variants
-        .iter()
-        .map(|v| v.name.clone())
-        .collect();
-    let options = args.options(&variants)?;
+    let options = args.options(&names(&content))?;
     let mut keeper = Keeper::open(
         &args.output,
         &content.manifest.positions,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::plan::{Counts, Protocol};
 use super::variations::Variations;
-use crate::{DataError, Limits, Moment};
+use crate::{DataError, Limits, Moment, error::text_of};
 
 /// What this version writes and reads.
 pub const DATASET_SCHEMA: &str = "garnet.dataset/1";
@@ -146,7 +146,7 @@ impl DatasetManifest {
     ///
     /// [`DataError::Read`], [`DataError::Text`], or [`DataError::Foreign`] for another version.
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let text = std::fs::read_to_string(path).map_err(|source| DataError::read(path, source))?;
+        let text = text_of(path)?;
         let manifest: Self =
             serde_json::from_str(&text).map_err(|source| DataError::json(path, &source))?;
         if manifest.schema == DATASET_SCHEMA {

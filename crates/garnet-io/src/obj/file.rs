@@ -208,14 +208,22 @@ impl ObjFile {
     }
 }
 
+/// The most that is read of a pipe or a device, in bytes: some may go on for ever.
+const LONGEST_STREAM: u64 = 1 << 29;
+
 fn read_limited(path: &Path) -> Result<Vec<u8>, ObjError> {
     let failed = |source| ObjError::Read {
         path: path.to_path_buf(),
         source,
     };
     let file = File::open(path).map_err(failed)?;
-    let num_bytes = file.metadata().map_err(failed)?.len();
-    let limit = u64::from(u32::MAX);
+    let data = file.metadata().map_err(failed)?;
+    let num_bytes = data.len();
+    let limit = if data.is_file() {
+        u64::from(u32::MAX)
+    } else {
+        LONGEST_STREAM
+    };
     let mut source = Vec::new();
     if num_bytes <= limit {
         source.reserve(num_bytes as usize + 1);

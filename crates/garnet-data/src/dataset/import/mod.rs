@@ -20,7 +20,7 @@ use super::plan::{Counts, Protocol};
 use super::record::{BodyRecord, Posed, SceneRecord, Split};
 use super::shard::{Layout, Shard};
 use super::variations::Variations;
-use crate::{DataError, Limits, Moment};
+use crate::{DataError, Limits, Moment, error::text_of};
 use list::{List, Place};
 use meshes::Reader;
 use staged::Staged;
@@ -73,7 +73,7 @@ impl ImportManifest {
     ///
     /// [`DataError::Read`], [`DataError::Text`] with line and column, or [`DataError::Foreign`].
     pub fn read(path: &Path) -> Result<Self, DataError> {
-        let text = fs::read_to_string(path).map_err(|source| DataError::read(path, source))?;
+        let text = text_of(path)?;
         let manifest: Self =
             serde_json::from_str(&text).map_err(|source| DataError::json(path, &source))?;
         if manifest.schema != IMPORT_SCHEMA {
@@ -138,7 +138,7 @@ impl ImportManifest {
 
 /// The numbers of the last line, as `p0`, `p1`, ….
 fn shirt_parameters(path: &Path) -> Result<BTreeMap<String, f64>, DataError> {
-    let text = fs::read_to_string(path).map_err(|source| DataError::read(path, source))?;
+    let text = text_of(path)?;
     let lines = text.lines().enumerate();
     let last = lines.filter(|(_, line)| !line.trim().is_empty()).last();
     let (number, line) = last.unwrap_or_default();
