@@ -130,12 +130,6 @@ impl BoundGarment {
         &self.binding
     }
 
-    /// What lengths of a person are multiplied by for the limbs that the garment lies on: 1, but
-    /// for dolls, giants and fingers.
-    pub fn scale(&self) -> f32 {
-        self.cloth.scale()
-    }
-
     /// How many nodes lie on other cloth of the garment and follow it.
     pub fn num_layered(&self) -> usize {
         self.binding.num_layered()

@@ -191,42 +191,46 @@ const CHAINS: [&[&str]; 5] = [
 
 /// Refuses `roles` that two of them have one joint for, or that hang above what they are below.
 fn check_roles(skeleton: &Skeleton, roles: &[String]) -> Result<(), FileProblem> {
-    let named = |role: &str| {
+    let named = |role: &'static str| {
         let labelled = skeleton.labels().get(role).copied();
-        labelled.or_else(|| joint_named(skeleton, role))
+        Some((role, labelled.or_else(|| joint_named(skeleton, role))?))
     };
+    let joints: BTreeMap<&str, usize> = CHAINS
+        .into_iter()
+        .flatten()
+        .copied()
+        .filter_map(named)
+        .collect();
     let name = |joint: usize| skeleton.joints()[joint].name.clone();
-    let wrong = |role: &str, joint: usize, reason: String| FileProblem::JointRole {
+    let wrong = |role: &str, reason: String| FileProblem::JointRole {
         role: role.to_owned(),
-        name: name(joint),
+        name: name(joints[role]),
         reason,
     };
+    for role in roles {
+        let Some(joint) = joints.get(role.as_str()) else {
+            continue;
+        };
+        let mut others = joints.iter().filter(|(other, _)| *other != role);
+        if let Some((same, _)) = others.find(|(_, other)| *other == joint) {
+            return Err(wrong(role, format!("is `{same}`, too")));
+        }
+    }
     let is_below = |joint: usize, other: usize| {
         let parent = |&joint: &usize| skeleton.joints()[joint].parent;
         successors(parent(&joint), parent).any(|above| above == other)
     };
-    for role in roles {
-        let Some(joint) = named(role) else { continue };
-        let mut others = CHAINS.into_iter().flatten();
-        let same = others.find(|&&other| other != role && named(other) == Some(joint));
-        if let (true, Some(same)) = (CHAINS.concat().contains(&role.as_str()), same) {
-            return Err(wrong(role, joint, format!("is `{same}`, too")));
-        }
-        for (upper, lower) in CHAINS
-            .iter()
-            .flat_map(|chain| chain.iter().zip(&chain[1..]))
-        {
-            let (Some(above), Some(below)) = (named(upper), named(lower)) else {
-                continue;
-            };
-            // Hips of some rigs hang beside the spine, but the bones of a limb hang together.
-            let is_limb = *upper != "pelvis";
-            let is_wrong = is_below(above, below) || (is_limb && !is_below(below, above));
-            if is_wrong && (role == upper || role == lower) {
-                let (above, place) = (name(above), format!("`{upper}`"));
-                let reason = format!("does not hang below {place} (`{above}`)");
-                return Err(wrong(lower, below, reason));
-            }
+    let pairs = CHAINS.iter().flat_map(|chain| chain.windows(2));
+    for (upper, lower) in pairs.map(|pair| (pair[0], pair[1])) {
+        let (Some(&above), Some(&below)) = (joints.get(upper), joints.get(lower)) else {
+            continue;
+        };
+        // Hips of some rigs hang beside the spine, but the bones of a limb hang together.
+        let is_limb = upper != "pelvis";
+        let is_wrong = is_below(above, below) || (is_limb && !is_below(below, above));
+        if is_wrong && roles.iter().any(|role| role == upper || role == lower) {
+            let reason = format!("does not hang below `{upper}` (`{}`)", name(above));
+            return Err(wrong(lower, reason));
         }
     }
     Ok(())

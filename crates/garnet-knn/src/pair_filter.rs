@@ -3,13 +3,11 @@
 
 use crate::bvh::Block;
 use crate::lanes::{Lanes, Lanes3, NUM_LANES, cross3, dot3, max_abs3, splat3, sub3};
-use crate::triangle_pair::Triangle;
+use crate::triangle_pair::{Triangle, UNDERFLOW};
 
 /// Rounding of a 3x3 determinant in `f32`, relative to the product of its largest entries: six
 /// products of three differences, with eight roundings each, stay below 6 * 8 * 6e-8.
 const ROUNDING: f32 = 4e-6;
-/// More than what underflow can lose.
-const UNDERFLOW: f32 = 1e-36;
 /// Above this a determinant may overflow.
 const OVERFLOW: f32 = 1e37;
 
@@ -61,25 +59,28 @@ impl Probe {
     /// neither wholly on one side of its plane nor have it wholly on one side of theirs.
     #[inline]
     pub(crate) fn may_intersect(&self, block: &Block, shapes: &Shapes) -> [bool; NUM_LANES] {
-        let mut passed = self.touches(shapes);
-        if passed != [false; NUM_LANES] {
-            let apart = self.apart(block, shapes).0;
-            for (passed, distance) in passed.iter_mut().zip(apart) {
-                *passed &= distance <= 0.0 || distance.is_nan();
-            }
-        }
-        passed
+        self.passed(block, shapes, || [false; NUM_LANES])
     }
 
-    /// [`Probe::may_intersect`] for triangles of one mesh, where those pass, too, that share
-    /// a corner with this one by place.
+    /// [`Probe::may_intersect`] for triangles of one mesh: those that share a corner with this one
+    /// by place pass wherever they lie, which saves looking at most pairs.
     #[inline]
     pub(crate) fn may_intersect_beyond(&self, block: &Block, shapes: &Shapes) -> [bool; NUM_LANES] {
+        self.passed(block, shapes, || self.shares_corner(block))
+    }
+
+    #[inline]
+    fn passed(
+        &self,
+        block: &Block,
+        shapes: &Shapes,
+        shares: impl Fn() -> [bool; NUM_LANES],
+    ) -> [bool; NUM_LANES] {
         let mut passed = self.touches(shapes);
         if passed == [false; NUM_LANES] {
             return passed;
         }
-        let shares = self.shares_corner(block);
+        let shares = shares();
         if (0..NUM_LANES).any(|lane| passed[lane] && !shares[lane]) {
             let apart = self.apart(block, shapes).0;
             for lane in 0..NUM_LANES {

@@ -215,3 +215,36 @@ fn bounds(points: &[Point3], reach: f32) -> (Point3, Point3) {
         high.map(|value| value + reach),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::{both, sphere, surface};
+
+    #[test]
+    fn a_doll_traps_where_a_person_does() {
+        let balls = |scale: f32| {
+            let ball = |x: f32| sphere([scale * x, 0.0, 0.0], scale * 0.2, 33, 49);
+            surface(both(ball(0.0), ball(0.3)))
+        };
+        let trapped = |scale: f32, lengths: f32| -> Vec<bool> {
+            let skin = balls(scale);
+            let places = (0..200).map(|number| {
+                let angle = number as f32 / 100.0 * std::f32::consts::PI;
+                Point3::from(Vector3::new(angle.cos(), angle.sin(), 0.02) * (0.205 * scale))
+            });
+            let places: Vec<Point3> = places.collect();
+            let traps = Traps::near(&skin, &places, lengths).unwrap();
+            let closest = skin.closest_all(&places);
+            closest.iter().map(|found| traps.holds(found)).collect()
+        };
+        let count = |trapped: &[bool]| trapped.iter().filter(|is_trapped| **is_trapped).count();
+        let person = trapped(1.0, 1.0);
+        assert!((10..100).contains(&count(&person)), "{}", count(&person));
+        // Rounding may move one at the rim.
+        let doll = trapped(0.05, 0.05);
+        let differ = doll.iter().zip(&person).filter(|(a, b)| a != b).count();
+        assert!(differ <= 4, "{differ}");
+        assert!(count(&trapped(0.05, 1.0)) > count(&person) + 50);
+    }
+}

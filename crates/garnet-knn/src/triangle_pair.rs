@@ -11,7 +11,7 @@ use robust::{Coord, Coord3D, orient2d, orient3d};
 /// More than the roundings of a sum of three products of differences, relative to its terms.
 const ROUNDING: f32 = 1e-6;
 /// More than what underflow can lose.
-const UNDERFLOW: f32 = 1e-36;
+pub(crate) const UNDERFLOW: f32 = 1e-36;
 
 pub(crate) type Corner = [f32; 3];
 pub(crate) type Triangle = [Corner; 3];

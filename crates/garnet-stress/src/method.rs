@@ -224,7 +224,7 @@ fn simulated(package: &Package, scene: &Scene, stop: &AtomicBool) -> Result<Drap
     let result = simulator.drape(&path, Quality::Fast, stop, &mut |_| {})?;
     let positions = home.to_target(result.positions);
     let skin = scene.posed.skin();
-    let traps = Traps::near(skin, &positions, scene.garment.scale())?;
+    let traps = Traps::near(skin, &positions, scene.garment.cloth().scale())?;
     let closest = skin.closest_all(&positions);
     Ok(Draped {
         is_trapped: Some(closest.iter().map(|found| traps.holds(found)).collect()),

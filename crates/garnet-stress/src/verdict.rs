@@ -99,7 +99,7 @@ pub(crate) fn measured(scene: &Scene, draped: &Draped) -> Result<Option<Measured
     let trapped = if let Some(told) = &draped.is_trapped {
         told.clone()
     } else {
-        let traps = Traps::near(skin, positions, scene.garment.scale())?;
+        let traps = Traps::near(skin, positions, scene.garment.cloth().scale())?;
         let closest = skin.closest_all(positions);
         closest.iter().map(|found| traps.holds(found)).collect()
     };

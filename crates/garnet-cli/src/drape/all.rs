@@ -557,7 +557,7 @@ impl Frame<'_> {
             let mesh = bound.garment.mesh();
             let draped = mesh.with_positions(drape.positions.clone())?;
             let is_simulated = simulated.is_some() || self.followed.is_some();
-            let scale = is_simulated.then(|| bound.garment.scale());
+            let scale = is_simulated.then(|| bound.garment.cloth().scale());
             let found = PenetrationReport::of(&draped, posed.skin(), scale);
             problems.extend(warning::of_penetration(&found));
             Some(found)

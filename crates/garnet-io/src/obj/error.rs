@@ -48,10 +48,12 @@ pub enum ObjParseError {
     #[error("the file is empty")]
     Empty,
     /// Offsets in it do not fit 32 bits.
-    #[error("the file has {num_bytes} bytes, more than the 4294967295 that an OBJ may have here")]
+    #[error("the file has {num_bytes} bytes, more than the {most} that an OBJ may have here")]
     TooLarge {
         /// Its size, in bytes.
         num_bytes: u64,
+        /// The most that is read, in bytes: less of a pipe than of a file.
+        most: u64,
     },
     /// It is another kind of file.
     #[error("the file is not an OBJ mesh, it looks like {looks_like}")]

@@ -235,7 +235,10 @@ fn read_limited(path: &Path) -> Result<Vec<u8>, ObjError> {
     if num_bytes > limit {
         return Err(ObjError::Parse {
             path: path.to_path_buf(),
-            source: ObjParseError::TooLarge { num_bytes },
+            source: ObjParseError::TooLarge {
+                num_bytes,
+                most: limit,
+            },
         });
     }
     Ok(source)

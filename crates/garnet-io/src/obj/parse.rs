@@ -38,8 +38,10 @@ impl Parsed {
 /// Parses the bytes of an OBJ file.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, ObjParseError> {
     if bytes.len() > u32::MAX as usize {
-        let num_bytes = bytes.len() as u64;
-        return Err(ObjParseError::TooLarge { num_bytes });
+        return Err(ObjParseError::TooLarge {
+            num_bytes: bytes.len() as u64,
+            most: u64::from(u32::MAX),
+        });
     }
     if bytes.is_empty() {
         return Err(ObjParseError::Empty);
