@@ -559,6 +559,29 @@ fn a_body_at_rest_tells_unit_and_axis() {
 }
 
 #[test]
+fn a_posed_body_lies_under_the_drape_whatever_its_file_is_in() {
+    let fixture = Fixture::new();
+    reported(
+        &fixture,
+        "drape sleeve.obj body.obj --pose bend.json -o out.obj --body-out b.obj",
+    );
+    let upright = |p: &Point3| Point3::new(p.x, -p.z, p.y);
+    fixture.moved("body.obj", "large.obj", |p| 100.0 * upright(p));
+    fixture.moved("sleeve.obj", "upright.obj", upright);
+    let arguments = "drape upright.obj large.obj --rig body.rig.npz --pose bend.json --units m,cm \
+                     --up z -o upright_out.obj --body-out upright_b.obj";
+    let report = reported(&fixture, arguments);
+    for (part, units) in [("garment", "m"), ("rest_body", "cm")] {
+        assert_eq!(report[part]["units"], units, "{part}");
+        assert_eq!(report[part]["up"], "z", "{part}");
+    }
+    for [level, upright] in [["out.obj", "upright_out.obj"], ["b.obj", "upright_b.obj"]] {
+        fixture.moved(upright, "back.obj", |p| Point3::new(p.x, p.z, -p.y));
+        assert!(distance(&fixture, level, "back.obj") < RECOVERED, "{level}");
+    }
+}
+
+#[test]
 fn a_new_body_is_in_the_units_of_the_drape() {
     let fixture = Fixture::new();
     glb_of_body(&fixture);

@@ -88,6 +88,37 @@ const MAX_LINES: usize = 800;
 const MAX_COLUMNS: usize = 100;
 
 /// The packages of the workspace, each with the names of all that it depends on.
+/// Crates whose public items users of the facade see.
+const SHOWN: [&str; 13] = [
+    "garnet-mesh",
+    "garnet-knn",
+    "garnet-skin",
+    "garnet-untangle",
+    "garnet-body",
+    "garnet-io",
+    "garnet-pattern",
+    "garnet-sim",
+    "garnet-drape",
+    "garnet-data",
+    "garnet-net",
+    "garnet-train",
+    "garnet-stress",
+];
+
+/// How public items other than fields begin.
+const ITEMS: [&str; 7] = [
+    "pub fn ",
+    "pub const ",
+    "pub struct ",
+    "pub enum ",
+    "pub trait ",
+    "pub type ",
+    "pub mod ",
+];
+
+/// A list of documentation shows a summary beside the name alone; fewer words say too little there.
+const LEAST_WORDS: usize = 4;
+
 fn packages() -> BTreeMap<String, (PathBuf, Vec<String>)> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
@@ -208,6 +239,41 @@ fn comments_are_no_wider_than_code() {
     assert!(
         wide.is_empty(),
         "wider than {MAX_COLUMNS} columns: {wide:#?}"
+    );
+}
+
+#[test]
+fn summaries_of_public_items_stand_alone() {
+    let mut short = Vec::new();
+    for (path, text) in sources() {
+        let is_shown = |name: &&str| path.starts_with(root().join("crates").join(name).join("src"));
+        if !SHOWN.iter().any(is_shown) {
+            continue;
+        }
+        let mut summary: Option<(usize, Vec<&str>)> = None;
+        let mut is_over = false;
+        for (number, line) in text.lines().enumerate() {
+            let line = line.trim_start();
+            if let Some(words) = line.strip_prefix("///") {
+                let (_, known) = summary.get_or_insert((number + 1, Vec::new()));
+                is_over |= words.trim().is_empty();
+                if !is_over {
+                    known.extend(words.split_whitespace());
+                }
+            } else if !line.starts_with('#') {
+                let found = summary.take();
+                let is_item = ITEMS.iter().any(|item| line.starts_with(item));
+                let is_short = |(_, words): &(usize, Vec<&str>)| words.len() < LEAST_WORDS;
+                if let Some((at, words)) = found.filter(|found| is_item && is_short(found)) {
+                    short.push(format!("{}:{at}: {}", path.display(), words.join(" ")));
+                }
+                is_over = false;
+            }
+        }
+    }
+    assert!(
+        short.is_empty(),
+        "summaries of fewer than {LEAST_WORDS} words: {short:#?}"
     );
 }
 

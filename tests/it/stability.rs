@@ -101,7 +101,7 @@ fn one_bound_garment_drapes_many_bodies_at_once() {
 /// cloth on the trunk must neither jump from one step to the next nor be drawn along.
 ///
 /// Some steps farther on the arms run into the trunk, and cloth that is caught between them may
-/// jump by centimeters: README, known limits.
+/// jump by centimetres: README, known limits.
 #[test]
 fn an_arm_that_comes_to_rest_on_the_trunk_does_not_make_the_shirt_jump() {
     const STEP: f32 = 0.018;

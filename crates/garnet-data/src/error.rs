@@ -244,7 +244,7 @@ fn of_process(number: Option<u32>) -> String {
 }
 
 fn of_package(difference: MeshDifference, of: &str) -> String {
-    difference.told(&format!("the {of} of the package"))
+    difference.described(&format!("the {of} of the package"))
 }
 
 /// The text of a file, which a manifest or a folder names: no pipe, and of no more bytes than fit.

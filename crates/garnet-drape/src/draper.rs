@@ -107,7 +107,7 @@ impl DrapeOptions {
     }
 }
 
-/// A draped garment.
+/// A garment that was draped, and the report.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Drape {
@@ -272,7 +272,7 @@ pub struct DrapeSeconds {
 }
 
 impl DrapeSeconds {
-    /// All steps together.
+    /// Seconds of all steps together.
     pub fn total(&self) -> f64 {
         self.warp + self.predict + self.relax + self.untangle
     }
@@ -280,6 +280,7 @@ impl DrapeSeconds {
 
 /// What has brought a garment to where it is untangled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PlacedBy {
     /// Skinning: cloth is stretched and compressed where the body bends.
     Warp,

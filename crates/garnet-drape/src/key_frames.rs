@@ -143,7 +143,7 @@ impl KeyFrame {
         })
     }
 
-    /// Its drape.
+    /// The drape of this key frame.
     pub fn drape(&self) -> &Drape {
         &self.drape
     }

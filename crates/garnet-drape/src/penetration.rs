@@ -5,6 +5,7 @@ use garnet_mesh::Point3;
 
 /// How much of a garment is inside a body, wherever the body runs through itself as well.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Penetration {
     /// Vertices whose winding number is above 0.5.
     pub inside: usize,

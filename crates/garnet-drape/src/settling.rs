@@ -2,7 +2,7 @@
 
 use garnet_sim::Moment;
 
-/// How cloth settles.
+/// From which moment, and for how long, cloth settles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settling {
     /// The moment at which the cloth is where it was put.

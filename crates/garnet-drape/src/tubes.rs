@@ -28,6 +28,7 @@ const OUT_SHARE: f32 = 0.4;
 
 /// A limb that is out of the cloth which was round it at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct LimbOutside {
     /// The joint that its skin follows most.
     pub joint: usize,

@@ -58,9 +58,9 @@ const FAR: f32 = 0.12;
 /// Depth in the body counts so much more than distance from it.
 const INSIDE: f32 = 4.0;
 
-/// Cloth that is deeper than this is in the body, over the height of the body; and the share of a
-/// garment that may be if it lies on it.
+/// Cloth that is deeper than this is in the body, over the height of the body.
 const DEEP: f32 = 0.002;
+/// Share of a garment that may be in the body if it lies on it.
 const INSIDE_SHARE: f32 = 0.15;
 
 /// What an opening without a limb through it counts, if all are, over the height of the body.

@@ -46,9 +46,9 @@ pub use pose_json::read_pose;
 pub use read_rig::{PartsNote, ReadRig, RigOptions, read_rig, read_rig_with};
 pub use rig_npz::{WriteRigError, read_rig_npz, rig_npz, write_rig_npz};
 pub use scene::{
-    Aim, Frame, MotionOptions, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource,
-    Posing, RestSource, RigRest, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem,
-    SceneUnits, ShownMesh, Target, is_rig, largest_distance, read_mesh, read_mesh_of,
+    Frame, MotionOptions, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource, Posing,
+    RestSource, RigRest, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem, SceneUnits,
+    ShownMesh, Target, TargetSource, is_rig, largest_distance, read_mesh, read_mesh_of,
     read_shown_mesh, rig_beside,
 };
 pub use scene_json::SceneJson;

@@ -37,7 +37,7 @@ impl NpzFile {
         }
     }
 
-    /// The keys, sorted.
+    /// The names of the arrays, sorted.
     pub fn keys(&self) -> Vec<String> {
         let names = self.archive.file_names().filter_map(Result::ok);
         let mut keys: Vec<String> = names

@@ -47,6 +47,7 @@ pub struct RigOptions {
 
 /// A rig and what its file holds besides.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ReadRig {
     /// The rig.
     pub rig: Rig,
@@ -63,6 +64,7 @@ impl ReadRig {
 
 /// Which meshes of a file are the body.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct PartsNote {
     /// The file.
     pub path: PathBuf,

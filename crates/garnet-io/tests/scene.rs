@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use garnet_io::{
-    Aim, Misplaced, ObjFile, PoseNote, Scene, SceneError, SceneFiles, SceneProblem, is_rig,
-    read_mesh, write_obj, write_rig_npz,
+    Misplaced, ObjFile, PoseNote, Scene, SceneError, SceneFiles, SceneProblem, TargetSource,
+    is_rig, read_mesh, write_obj, write_rig_npz,
 };
 use garnet_mesh::{
     TriMesh, Unit, UpAxis,
@@ -59,7 +59,7 @@ fn a_rig_beside_the_body_is_found() {
     let scene = Scene::load(&files(folder.path(), &shirt())).unwrap();
     assert_eq!(scene.rest.rig_path, folder.path().join("body.rig.npz"));
     assert_eq!(scene.garment.mesh.positions(), shirt().positions());
-    assert!(matches!(scene.targets[0].aim, Aim::Vertices(_)));
+    assert!(matches!(scene.targets[0].source, TargetSource::Vertices(_)));
     assert!(scene.own.is_none() && scene.notes.is_empty());
     scene.targets[0].posed(&scene.body).unwrap();
 }
@@ -249,7 +249,7 @@ fn vertices_that_an_exporter_numbered_anew_are_matched_by_their_places() {
         write_obj(folder.path().join("bent.obj"), &posed).unwrap();
         files.bodies = vec![folder.path().join("bent.obj")];
         let scene = Scene::load(&files).unwrap();
-        let Aim::Vertices(found) = &scene.targets[0].aim else {
+        let TargetSource::Vertices(found) = &scene.targets[0].source else {
             panic!("a mesh is where its vertices are");
         };
         for (found, expected) in found.iter().zip(mixed(&bent).positions()) {
@@ -291,7 +291,7 @@ fn vertices_that_an_exporter_split_are_matched_by_their_places() {
         scene.body.rest().num_vertices(),
         whole.rest().num_vertices()
     );
-    let Aim::Vertices(found) = &scene.targets[0].aim else {
+    let TargetSource::Vertices(found) = &scene.targets[0].source else {
         panic!("a mesh is where its vertices are");
     };
     assert_eq!(found.len(), whole.rest().num_vertices());

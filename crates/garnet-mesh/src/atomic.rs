@@ -153,7 +153,7 @@ enum Open {
 }
 
 impl OpenFile {
-    /// Begins a file.
+    /// Begins a file under a temporary name beside its place.
     ///
     /// # Errors
     ///

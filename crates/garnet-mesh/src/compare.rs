@@ -130,6 +130,7 @@ pub fn share_below(values: &[f32], threshold: f32) -> f64 {
 
 /// Length over rest length of the edges of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct StretchSummary {
     /// The smallest.
     pub min: f32,

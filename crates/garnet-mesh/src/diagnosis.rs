@@ -64,7 +64,7 @@ impl Bounds {
         apart.map(|length| length.max(0.0)).norm()
     }
 
-    /// The middle.
+    /// The middle of the box.
     pub fn center(&self) -> Point3 {
         nalgebra::center(&self.min, &self.max)
     }

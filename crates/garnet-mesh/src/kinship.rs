@@ -24,10 +24,9 @@ const NUM_FACES: usize = 4000;
 /// How much more the longest edges of one mesh may be stretched than the median ones.
 const MAX_SPREAD: f32 = 8.0;
 
-/// The stretch that one edge in ten exceeds may be so many times the one that nine in ten exceed.
-/// Between bodies of one topology it is 1.0 to 1.5; between a
-/// body and itself with its vertices in another order 6: places of the same body, anyhow mixed,
-/// have no long tail.
+/// The stretch that one edge in ten exceeds may be so many times the one that nine in ten exceed:
+/// far more than between bodies of one topology, and less than between a body and itself with its
+/// vertices in another order, since places of one body, anyhow mixed, have no long tail.
 const MAX_RANGE: f32 = 4.0;
 
 /// Compares edge lengths, which a pose hardly changes.
@@ -85,7 +84,7 @@ pub enum MeshDifference {
         /// Those of the known mesh.
         expected: usize,
     },
-    /// Vertices that are neighbors in the known mesh are far from each other.
+    /// Vertices that are neighbours in the known mesh are far from each other.
     Order,
     /// Most of its edges are none of the known mesh.
     Edges {
@@ -100,7 +99,7 @@ pub enum MeshDifference {
 
 impl MeshDifference {
     /// The difference in words; `known` stands for the known mesh: "the rest body", say.
-    pub fn told(self, known: &str) -> String {
+    pub fn described(self, known: &str) -> String {
         match self {
             Self::VertexCount { found, expected } => {
                 format!("it has {found} vertices, {known} has {expected}")
@@ -129,7 +128,7 @@ impl<'a> KnownMesh<'a> {
         }
     }
 
-    /// The mesh.
+    /// The mesh that others are compared with.
     pub const fn mesh(&self) -> &'a TriMesh {
         self.mesh
     }
@@ -159,7 +158,7 @@ impl<'a> KnownMesh<'a> {
     /// let known = KnownMesh::of(&ball);
     /// assert_eq!(known.check_order(ball.positions(), &[]), Ok(0));
     /// let difference = known.check_order(ball.positions(), &[[0, 3], [0, 6], [1, 2]]).unwrap_err();
-    /// assert_eq!(difference.told("the ball"), "0 of 3 of its edges are edges of the ball");
+    /// assert_eq!(difference.described("the ball"), "0 of 3 of its edges are edges of the ball");
     /// ```
     ///
     /// # Errors

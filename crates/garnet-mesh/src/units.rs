@@ -22,13 +22,14 @@ pub enum Unit {
 /// A word that names no unit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` is not a unit; expected `m`, `dm`, `cm`, `mm`, `in` or `ft`")]
+#[non_exhaustive]
 pub struct UnitError {
     /// The word.
     pub text: String,
 }
 
 impl Unit {
-    /// All units.
+    /// All units that files may have.
     pub const ALL: [Self; 6] = [
         Self::Metre,
         Self::Decimetre,

@@ -85,7 +85,7 @@ impl GarmentGraph {
         &self.template
     }
 
-    /// The sewing parameters.
+    /// The sewing parameters of the garment.
     pub fn sewing_parameters(&self) -> &[f32] {
         &self.sewing_parameters
     }

@@ -182,7 +182,7 @@ impl Model {
         (self.config()).is_some_and(GarNetConfig::needs_body_normals)
     }
 
-    /// Size and work.
+    /// Weights and operations of a prediction.
     ///
     /// # Errors
     ///

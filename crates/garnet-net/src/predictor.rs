@@ -144,7 +144,7 @@ impl Predictor {
         Ok(())
     }
 
-    /// The model.
+    /// The network that predicts.
     pub fn model(&self) -> &GarNet {
         &self.model
     }
@@ -154,7 +154,7 @@ impl Predictor {
         self.model.config()
     }
 
-    /// Size and work.
+    /// Weights and operations of a prediction.
     ///
     /// # Errors
     ///

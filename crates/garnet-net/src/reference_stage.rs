@@ -40,7 +40,7 @@ impl ReferenceStage {
         &self.template
     }
 
-    /// The body.
+    /// The body of the stage.
     pub fn body(&self) -> &TriMesh {
         &self.body
     }

@@ -69,7 +69,7 @@ impl ScalingSums {
         add(&mut self.vertices, &scene.features, width);
     }
 
-    /// The scales.
+    /// The scales that were found.
     pub fn scaling(&self) -> InputScaling {
         let of = |sums: &[Sums]| sums.iter().map(Sums::scale).collect();
         InputScaling {

@@ -40,7 +40,7 @@ impl GarmentKind {
         }
     }
 
-    /// The mean pattern.
+    /// The parameters of the mean pattern.
     pub fn parameters(self) -> Parameters {
         Parameters::new(self)
     }

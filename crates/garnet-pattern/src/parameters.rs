@@ -107,7 +107,7 @@ impl Parameters {
         Self { garment, values }
     }
 
-    /// The garment.
+    /// The garment that these are parameters of.
     pub fn garment(&self) -> GarmentKind {
         self.garment
     }

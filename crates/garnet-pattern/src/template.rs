@@ -98,7 +98,7 @@ impl Template {
         Self::meshed(garment, &draft, edge)
     }
 
-    /// The garment.
+    /// The garment that was sewn.
     pub fn garment(&self) -> GarmentKind {
         self.garment
     }

@@ -187,7 +187,7 @@ impl Cloth {
         &self.spare
     }
 
-    /// Vertex numbers `[face][corner]`.
+    /// Faces of the cloth `[face][corner]`, as numbers of vertices.
     pub fn faces(&self) -> &[[u32; 3]] {
         self.topology.faces()
     }

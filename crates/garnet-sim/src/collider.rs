@@ -83,7 +83,7 @@ impl Collider {
         Ok(self)
     }
 
-    /// Vertex numbers `[face][corner]`.
+    /// Faces of the body `[face][corner]`, as numbers of vertices.
     pub fn faces(&self) -> &[[u32; 3]] {
         self.adjacency.topology.faces()
     }

@@ -10,7 +10,7 @@ use crate::report::{Lost, Penetration, SelfIntersections, Speeds, Strain, free};
 use crate::solver::Solver;
 use crate::{Cloth, DrapeReport, Energy, Point3, Scene, Schedule, SimError, Stage};
 
-/// A draped garment.
+/// Cloth that was simulated, and the report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drape {
     /// Where the vertices are `[vertex]`, in metres.
@@ -58,7 +58,7 @@ const FLOWN_APART: f32 = 5.0 * TORN_STRETCH;
 /// Speeds are measured over the frames of the last so many seconds.
 const SPEED_SECONDS: f32 = 0.1;
 
-/// Simulates a scene.
+/// Simulates cloth on a body that moves to its pose.
 ///
 /// Each of the [patches](Schedule::patches) takes a substep on one of the threads that rayon has,
 /// while another one moves the body; contacts are looked for on all of them. The same scene and

@@ -27,12 +27,12 @@ use crate::SimError;
 pub struct Fabric {
     /// Areal density, kg/m².
     pub density: f32,
-    /// Young's modulus times thickness, N/m: the force a meter of width that doubles the length.
+    /// Young's modulus times thickness, N/m: the force a metre of width that doubles the length.
     pub membrane: f32,
     /// The share of the membrane's stiffness that acts against being shortened, from 0 to 1: 1 for
     /// a sheet that the mesh is fine enough for.
     pub compression: f32,
-    /// Bending rigidity B, N m: the moment a meter of width over the curvature.
+    /// Bending rigidity B, N m: the moment a metre of width over the curvature.
     pub bending: f32,
     /// Coulomb's coefficient, of cloth on skin and of cloth on cloth.
     pub friction: f32,
@@ -88,7 +88,7 @@ impl Fabric {
         Self::of(0.25, 1000.0, 5e-5, 0.3)
     }
 
-    /// Cotton shirting.
+    /// The fabric of cotton shirts.
     pub const fn cotton() -> Self {
         Self::of(0.13, 1000.0, 1e-5, 0.3)
     }

@@ -37,6 +37,7 @@ pub struct DrapeReport {
 
 /// Length over rest length − 1, over the edges of a garment.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Strain {
     /// The median.
     pub p50: f32,
@@ -50,6 +51,7 @@ pub struct Strain {
 
 /// Speeds of the vertices of a garment, m/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Speeds {
     /// Root of the mean square.
     pub rms: f32,
@@ -132,7 +134,7 @@ impl Energy {
         energy
     }
 
-    /// The sum.
+    /// The sum of all energies, in joules.
     pub fn total(&self) -> f64 {
         self.stretch + self.bending + self.gravity
     }

@@ -19,8 +19,8 @@ const OWN_SHIFT: f64 = 0.05;
 /// of who lies, no joint is as low as the skin.
 const OWN_RISE: f64 = 0.25;
 
-/// A body turns by this much as part of its pose, in radians. In 4,621 poses of the library the
-/// pelvis turns by 24° at most.
+/// A body turns by this much as part of its pose, in radians: more than the pelvis does in poses of
+/// the library.
 const OWN_TURN: f64 = 0.45;
 
 /// A posed body near its rest, and the way back to where it stands.

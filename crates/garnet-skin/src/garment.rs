@@ -180,7 +180,7 @@ impl BoundGarment {
         &self.rest
     }
 
-    /// Faces between nodes.
+    /// Faces of the garment `[face][corner]`, as numbers of nodes.
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }
@@ -217,7 +217,7 @@ impl BoundGarment {
         self.scale
     }
 
-    /// Weights `[node]`.
+    /// Skinning weights of the nodes, `[node]`.
     pub fn weights(&self) -> &SkinWeights {
         &self.weights
     }

@@ -20,7 +20,7 @@ pub struct PosedBody {
 }
 
 impl PosedBody {
-    /// The posed skin.
+    /// The skin in the pose, as a surface to ask.
     pub fn skin(&self) -> &Surface {
         &self.skin
     }

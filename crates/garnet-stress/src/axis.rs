@@ -162,7 +162,7 @@ const DEPTHS: &[f64] = &[0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0];
 
 const SIZES: &[f64] = &[1.0, 2.0, 5.0, 10.0];
 
-/// All axes.
+/// All axes of the stress test.
 pub const AXES: &[Axis] = &[
     bend("elbow", "both elbows bend from rest", Kind::Elbow, 150.0),
     bend("knee", "both knees bend from rest", Kind::Knee, 150.0),

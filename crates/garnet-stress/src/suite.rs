@@ -16,7 +16,7 @@ use crate::verdict::{Broken, Measured, broken, jump, measured};
 /// precision at the distance of the bar.
 const MOST_DIFFERENCE: f64 = 1e-4;
 
-/// What is run.
+/// What a stress test runs, and how.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct StressOptions {

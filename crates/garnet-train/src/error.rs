@@ -359,6 +359,7 @@ pub enum TrainError {
 
 /// What was not finite in a scene, which therefore gave no step.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Trouble {
     /// The scene.
     pub scene: SceneName,
@@ -368,6 +369,7 @@ pub struct Trouble {
 
 /// What was not finite.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum TroubleKind {
     /// The network gave a vertex no finite place.
     Place {

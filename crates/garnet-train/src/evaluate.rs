@@ -11,7 +11,9 @@ use crate::bound_candidate::BoundCandidate;
 use crate::curves::Counts;
 use crate::measure::Measure;
 use crate::scores::{Sums, Tally};
-use crate::{Curves, Finish, Left, Percentiles, Scores, Stage, StagedScene, TrainError};
+use crate::{
+    Curves, Finish, PenetrationCount, Percentiles, Scores, Stage, StagedScene, TrainError,
+};
 
 /// A way to drape that is measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,7 +142,7 @@ pub struct Untangled {
     pub scores: Scores,
     /// What is still not as it should be, in all scenes.
     #[serde(flatten)]
-    pub left: Left,
+    pub left: PenetrationCount,
 }
 
 /// Times of the stages of a drape, in seconds.
@@ -216,7 +218,7 @@ struct Entrant<'a> {
     distances: Counts,
     angles: Counts,
     untangled: Option<Tally>,
-    left: Left,
+    left: PenetrationCount,
     unsettled: usize,
     fallbacks: usize,
     unfamiliar: usize,
@@ -232,7 +234,7 @@ impl<'a> Entrant<'a> {
             distances: Counts::of_distances(),
             angles: Counts::of_angles(),
             untangled: None,
-            left: Left::NOTHING,
+            left: PenetrationCount::NOTHING,
             unsettled: 0,
             fallbacks: 0,
             unfamiliar: 0,
@@ -317,7 +319,7 @@ fn scene(
                 return Ok(());
             };
             times[3].push(drape.seconds.untangle);
-            left.add(Left::of(&drape));
+            left.add(PenetrationCount::of(&drape));
             let tally = untangled.get_or_insert_with(Tally::default);
             measure.add(tally, staged, &drape.positions)?;
             Ok(())

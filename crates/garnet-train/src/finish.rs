@@ -12,10 +12,10 @@ pub enum Finish {
     Untangle(UntangleOptions),
 }
 
-/// What is not as it should be in drapes that are done.
+/// Penetrations that are left in drapes that are done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Left {
+pub struct PenetrationCount {
     /// Vertices inside the body that are not caught where it runs through itself.
     pub inside: usize,
     /// Vertices that are caught there.
@@ -24,7 +24,7 @@ pub struct Left {
     pub crossing_faces: Option<usize>,
 }
 
-impl Left {
+impl PenetrationCount {
     /// Of no scenes.
     pub(crate) const NOTHING: Self = Self {
         inside: 0,
@@ -46,7 +46,7 @@ impl Left {
     }
 }
 
-impl From<&UntangleReport> for Left {
+impl From<&UntangleReport> for PenetrationCount {
     fn from(report: &UntangleReport) -> Self {
         Self {
             inside: report.inside,

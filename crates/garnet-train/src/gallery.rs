@@ -9,6 +9,7 @@ use crate::{Candidate, Finish, SceneName, Stage, StagedScene, TrainError};
 
 /// A scene with all its drapes; places are in metres.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct DrapedScene {
     /// Which it is.
     pub scene: SceneName,

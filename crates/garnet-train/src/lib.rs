@@ -71,7 +71,7 @@ pub use curves::{Curve, Curves};
 pub use error::{SceneName, TrainError, Trouble, TroubleKind};
 pub use evaluate::{Candidate, EvalEvent, Evaluation, Row, StageSeconds, Untangled, evaluate};
 pub use event::{Began, EpochRecord, TrainEvent};
-pub use finish::{Finish, Left};
+pub use finish::{Finish, PenetrationCount};
 pub use gallery::{DrapedScene, drape_scenes};
 pub use garnet_net::losses::{LossConfig, LossValue, Term};
 pub use garnet_net::{GarNetConfig, Moment, PRESET_NAMES, Precision, Variant};

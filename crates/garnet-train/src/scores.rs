@@ -174,7 +174,7 @@ impl Tally {
         self.stretch_max = self.stretch_max.max(other.stretch_max);
     }
 
-    /// The means.
+    /// The means of what was added.
     pub fn scores(&self) -> Scores {
         let scenes = self.scenes.max(1) as f64;
         let [distance, distance_std] = self.distances.mean_and_std();

@@ -11,7 +11,7 @@ use crate::skin_normals::SkinNormals;
 use crate::sweep::Sweeper;
 use crate::{Binding, UntangleError, UntangleOptions, UntangleReport};
 
-/// What untangling gives.
+/// A garment that was untangled, and the report.
 #[derive(Debug, Clone)]
 pub struct Untangled {
     /// Positions `[node]`, in metres.
@@ -28,13 +28,18 @@ pub struct Untangled {
 /// 2. *push* moves nodes in front of the skin and draws the cloth around them along, so that the
 ///    displacement is smooth.
 /// 3. *mend* starts again where pushes have torn the cloth, with neighbours on one side of a limb.
-/// 4. *lift* raises triangles that still cross the skin between corners that do not. Where that
+/// 4. *unfold* smooths cloth with layers where it runs through itself, and once more after the
+///    next pass.
+/// 5. *lift* raises triangles that still cross the skin between corners that do not. Where that
 ///    tears the cloth, it is mended and lifted once more.
-/// 5. *rescue* looks for free places for the single nodes that are still inside or too near.
-/// 6. *ease* lets the neighbours of nodes that are far from them follow, from free place to free
+/// 6. *rescue* looks for free places for the single nodes that are still inside or too near.
+/// 7. *ease* lets the neighbours of nodes that are far from them follow, from free place to free
 ///    place.
-/// 7. *give in* lets cloth that goes round a contact of the body with itself into the contact.
-/// 8. *verify* tests every node and face exactly and counts what is left.
+/// 8. *give in* lets cloth that goes round a contact of the body with itself into the contact.
+/// 9. *follow* moves layers that lie on the moved cloth along with it.
+/// 10. *flatten* brings layers that are inside the body nearer to the cloth that they follow; those
+///     of their nodes that are left are rescued.
+/// 11. *verify* tests every node and face exactly and counts what is left.
 ///
 /// `warped_nodes` are positions `[node]` in metres, as of [`BoundGarment::warped_nodes`].
 ///

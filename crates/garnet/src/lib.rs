@@ -4,6 +4,9 @@
 //! on the pose; [`Draper::drape`] then takes milliseconds for each pose: it warps the garment by
 //! dual-quaternion skinning and frees it of every penetration.
 //!
+//! The root has the 26 names that a drape needs, with the default features; all others are in the
+//! modules, one for each crate of the workspace.
+//!
 //! ```
 //! use garnet::{Body, Draper, Garment, Joint, Point3, Pose, Skeleton, SkinWeights, UnitQuaternion, Vector3, mesh::primitives};
 //!

@@ -27,7 +27,7 @@ pub struct FrameRange {
 const MOST_SAMPLES: f64 = 1e7;
 
 impl FrameRange {
-    /// All frames.
+    /// All frames of a motion.
     pub const ALL: Self = Self {
         first: Place::Frame(0),
         end: None,
@@ -43,7 +43,7 @@ impl FrameRange {
         }
     }
 
-    /// One frame.
+    /// The range of one frame.
     pub const fn single(frame: usize) -> Self {
         Self {
             first: Place::Frame(frame),

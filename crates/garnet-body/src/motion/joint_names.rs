@@ -40,7 +40,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// Left, then right.
+    /// Both sides, the left one first.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
     /// 0 for left, 1 for right.
@@ -64,7 +64,7 @@ impl Side {
 pub(super) const NUM_ROLES: usize = 17;
 
 impl Role {
-    /// All roles.
+    /// All roles that a joint may have.
     pub const ALL: [Self; NUM_ROLES] = {
         use Side::{Left, Right};
         [

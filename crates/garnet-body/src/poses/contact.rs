@@ -153,7 +153,7 @@ impl SelfContact {
         })
     }
 
-    /// The body.
+    /// The body whose parts may touch.
     pub fn body(&self) -> &Body {
         &self.body
     }

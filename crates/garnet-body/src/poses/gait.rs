@@ -64,7 +64,7 @@ const SOLE: [Node; 6] = [
     (0.85, 0.0),
 ];
 
-/// A walk.
+/// How a figure walks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaitCycle {
     /// Speed against the natural one, about 1.35 m/s: 0.5 strolls, 1.5 hurries. Strides grow with

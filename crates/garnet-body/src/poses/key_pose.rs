@@ -2,7 +2,7 @@
 
 use super::{Arm, Bend, BodyAngles, Group, Leg, library};
 
-/// A named pose.
+/// A pose of the library, with its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeyPose {
     /// Its name.

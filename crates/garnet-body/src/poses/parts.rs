@@ -30,7 +30,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// All parts.
+    /// All parts of a body.
     pub const ALL: [Self; 10] = [
         Self::Trunk,
         Self::Head,

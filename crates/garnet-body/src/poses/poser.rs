@@ -116,7 +116,7 @@ impl Poser {
         })
     }
 
-    /// The skeleton.
+    /// The skeleton that is posed.
     pub fn skeleton(&self) -> &Skeleton {
         &self.skeleton
     }

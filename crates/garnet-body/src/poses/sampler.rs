@@ -32,7 +32,7 @@ pub struct PoseSampler {
     sequences: SequenceSet,
 }
 
-/// A drawn pose.
+/// A pose that was drawn from the library.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SampledPose {

@@ -18,7 +18,7 @@ pub enum Group {
 }
 
 impl Group {
-    /// All groups.
+    /// All groups of sequences.
     pub const ALL: [Self; 5] = [
         Self::Walk,
         Self::Yoga,
@@ -70,7 +70,7 @@ const fn keys(name: &'static str, group: Group, names: &'static str) -> Sequence
     }
 }
 
-/// All sequences.
+/// All sequences of the library.
 pub const SEQUENCES: &[Sequence] = &[
     walk("walk_stroll", 0.5, 0.8),
     walk("walk_slow", 0.75, 1.0),
@@ -272,7 +272,7 @@ pub struct SequenceSet(u64);
 const _: () = assert!(SEQUENCES.len() <= 64, "a set has one bit a sequence");
 
 impl SequenceSet {
-    /// All sequences.
+    /// The set of all sequences.
     pub const ALL: Self = Self(u64::MAX);
 
     /// The sequences for which `is_in` holds, given the number of the sequence in its group.

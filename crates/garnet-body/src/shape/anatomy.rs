@@ -24,7 +24,7 @@ pub(crate) const UNDER_BUST_DROP: f64 = 0.05;
 
 /// How far the legs stand apart: the thigh from the vertical, in radians.
 const THIGH_ABDUCTION: f64 = 0.145;
-/// And the shank.
+/// How far the legs stand apart: the shank from the vertical, in radians.
 const SHANK_ABDUCTION: f64 = 0.095;
 /// How far the arms hang from the vertical, in radians.
 const ARM_ABDUCTION: f64 = 0.785;

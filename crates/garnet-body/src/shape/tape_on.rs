@@ -50,7 +50,7 @@ pub enum Tube {
 }
 
 impl Tube {
-    /// All of them.
+    /// All tubes of a body.
     pub const ALL: [Self; 5] = [
         Self::Trunk,
         Self::LeftArm,

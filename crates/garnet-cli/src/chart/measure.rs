@@ -5,7 +5,7 @@ use garnet::{
     package::{Quality, quality_of},
     train::{
         SceneName, Stage,
-        chart::{Answer, Question, Sample, Task, Timing, ask_teacher, time_drapes},
+        chart::{Answer, Question, Sample, Task, Timing, time_drapes, time_simulations},
     },
 };
 
@@ -107,7 +107,7 @@ pub(super) fn simulations(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> 
             written = keeper.write();
         }
     };
-    let done = ask_teacher(job.stage, SPLIT, &questions, &mut take);
+    let done = time_simulations(job.stage, SPLIT, &questions, &mut take);
     bar.finish_and_clear();
     written?;
     done.map_err(advised)

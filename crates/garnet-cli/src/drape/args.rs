@@ -77,8 +77,8 @@ pub(crate) struct DrapeArgs {
     #[command(flatten)]
     input: InputArgs,
     /// Where the drape goes: an OBJ, or a GLB with the body; for several bodies a folder of OBJ, or
-    /// one file of all frames: .pc2, .mdd, .npz or .glb; for an outfit a folder. A name that ends
-    /// with `/` is a folder.
+    /// one file of all frames: .pc2, .mdd, .npz or .glb; for an outfit, or if it ends with `/`, a
+    /// folder.
     #[arg(
         short,
         long,
@@ -103,7 +103,7 @@ pub(crate) struct DrapeArgs {
     /// distance to the skin or problems, as HTML.
     #[arg(long, value_name = "HTML")]
     view: Option<PathBuf>,
-    /// Write what the network is told of the body and what it says, for other implementations:
+    /// Write the inputs and outputs of the network on the body, for other implementations:
     /// arrays as safetensors (docs/guide/pytorch.md).
     #[arg(long, hide_short_help = true, value_name = "FILE")]
     export_inputs: Option<PathBuf>,
@@ -357,7 +357,7 @@ pub(crate) struct Job {
     pub(crate) hide: Option<PathBuf>,
     /// Where a page shows the drapes.
     pub(crate) view: Option<PathBuf>,
-    /// Where it is told what the network is told.
+    /// Where the inputs and outputs of the network go.
     pub(crate) export_inputs: Option<PathBuf>,
     /// Whether the cloth is simulated along the motion, instead of on each pose.
     pub(crate) follows: bool,

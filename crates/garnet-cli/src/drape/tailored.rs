@@ -7,7 +7,7 @@ use garnet::{
     Body, Point3,
     body::shape::{tape_measures, unposed},
     data::recut,
-    io::{Aim, Target},
+    io::{Target, TargetSource},
     package::GarmentPackage,
 };
 
@@ -117,7 +117,8 @@ enum Wearer {
 
 impl Wearer {
     fn of(target: &Target, body: &Body) -> anyhow::Result<Self> {
-        let (Aim::Vertices(places) | Aim::Transforms(places, _)) = &target.aim else {
+        let (TargetSource::Vertices(places) | TargetSource::Transforms(places, _)) = &target.source
+        else {
             return Ok(Self::Own);
         };
         let cannot = || format!("cannot fit the body to `{}`", target.path.display());
@@ -182,9 +183,9 @@ impl Prepared {
         self.body = cut.body.clone();
         for target in &mut self.targets {
             // How the joints of the other body moved says nothing of those of this one.
-            if let Aim::Transforms(places, _) = &mut target.aim {
+            if let TargetSource::Transforms(places, _) = &mut target.source {
                 let places: Vec<Point3> = std::mem::take(places);
-                target.aim = Aim::Vertices(places);
+                target.source = TargetSource::Vertices(places);
             }
         }
         self.cut = Some(Arc::new(Cut {

@@ -634,14 +634,8 @@ mod tests {
     #[test]
     fn tight_cloth_and_torn_cloth_are_told_apart() {
         let kinds = |p99, max| {
-            let stretch = StretchSummary {
-                min: 0.9,
-                p50: 1.0,
-                p99,
-                max,
-                mean: 1.0,
-                count: 100,
-            };
+            let mut stretch = StretchSummary::default();
+            (stretch.p99, stretch.max, stretch.count) = (p99, max, 100);
             let problems = of_stretch(&stretch);
             problems.iter().map(Problem::kind).collect::<Vec<_>>()
         };

@@ -4,7 +4,7 @@ use std::{fmt, time::Duration};
 
 use garnet::data::Protocol;
 use garnet::train::{
-    Curves, Evaluation, GarNetConfig, Left, Row, Scores, Stage, StageSeconds, Untangled,
+    Curves, Evaluation, GarNetConfig, PenetrationCount, Row, Scores, Stage, StageSeconds, Untangled,
 };
 use serde::Serialize;
 
@@ -189,7 +189,7 @@ struct Line<'a> {
     /// itself by nothing.
     seconds: Option<f64>,
     /// What untangling left.
-    left: Option<Left>,
+    left: Option<PenetrationCount>,
     /// Scenes that fell back; none without a network.
     fallbacks: Option<usize>,
 }
@@ -216,7 +216,7 @@ impl<'a> Line<'a> {
         Self { fallbacks, ..self }
     }
 
-    fn left(self, left: Left) -> Self {
+    fn left(self, left: PenetrationCount) -> Self {
         Self {
             left: Some(left),
             ..self

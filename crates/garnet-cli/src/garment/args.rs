@@ -108,7 +108,7 @@ pub(crate) struct OwnArgs {
     /// are in metres.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = units)]
     pub(crate) units: SceneUnits,
-    /// Axis of the OBJ files that points up. In packages it is y.
+    /// Axis of the OBJ files that points up, which is y in packages.
     #[arg(long, value_name = "AXIS", default_value = "auto")]
     pub(crate) up: UpName,
 }

@@ -23,16 +23,16 @@ pub(crate) struct TrainArgs {
     pub(crate) dataset: PathBuf,
     /// Name of the variant [default: that of its kind].
     ///
-    /// A kind is a name, too; a name of your own needs `--kind`, unless the package has it, the
-    /// configuration says the `kind`, or `--from` does.
+    /// A name of your own needs `--kind`, unless the package has it, the configuration says the
+    /// `kind`, or `--from` does.
     #[arg(long, value_name = "NAME")]
     variant: Option<String>,
     /// What is trained, as `midway`, `falling` or `local` [default: what the name says, else
     /// local].
     ///
-    /// By pose and shape alone, midway, arrival and falling predict where cloth is on its way,
-    /// pose-space where it rests. The paper's networks are naive, global, local, global-params and
-    /// local-params; with -rq, -mc, -mcrq or -umc after it, such a variant is fine-tuned.
+    /// By pose and shape alone, midway, arrival and falling predict where cloth is on its way and
+    /// pose-space where it rests; the paper's networks are naive, global, local, global-params and
+    /// local-params, which -rq, -mc, -mcrq or -umc after the name fine-tunes.
     #[arg(long, value_name = "KIND", conflicts_with = "resume")]
     pub(super) kind: Option<String>,
     /// Make the variant the default of the package, whichever is the best on validation.
@@ -68,8 +68,8 @@ pub(crate) struct TrainArgs {
     pub(super) from: Option<PathBuf>,
     /// Learn from the training bodies of this data set, too.
     ///
-    /// For kinds of deformations; with another seed, and of `garnet dataset --until`
-    /// that moment or later. May be given several times.
+    /// For kinds of deformations, of another seed, and of `garnet dataset --until` that moment or
+    /// later; may be given several times.
     #[arg(long, value_name = "DATASET")]
     more: Vec<PathBuf>,
     /// Go on with a training that was interrupted.

@@ -31,7 +31,7 @@ pub(crate) struct ViewArgs {
     /// Where the page goes, as HTML.
     #[arg(short, long, value_name = "HTML")]
     output: PathBuf,
-    /// A body; then all of MESH are garments. Named again: a body for each garment, in their order.
+    /// A body, beside which all of MESH are garments; named again, a body for each, in their order.
     #[arg(long, value_name = "OBJ")]
     body: Vec<PathBuf>,
     /// How rigs are read.

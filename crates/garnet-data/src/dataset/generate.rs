@@ -57,7 +57,7 @@ pub struct DatasetOptions {
     pub threads: usize,
 }
 
-/// What happened.
+/// What happened while a data set is made.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum DatasetEvent {

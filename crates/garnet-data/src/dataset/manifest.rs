@@ -75,7 +75,7 @@ pub struct DatasetManifest {
     pub imported: Option<String>,
 }
 
-/// Who wears what.
+/// Who wears which garment in a data set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sizing {
@@ -140,7 +140,7 @@ impl DatasetManifest {
         }
     }
 
-    /// Reads `dataset.json`.
+    /// Reads `dataset.json` of a folder.
     ///
     /// # Errors
     ///
@@ -159,7 +159,7 @@ impl DatasetManifest {
         Err(DataError::foreign(path, what))
     }
 
-    /// Writes `dataset.json`.
+    /// Writes `dataset.json` of a folder.
     ///
     /// # Errors
     ///

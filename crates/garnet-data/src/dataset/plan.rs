@@ -31,7 +31,7 @@ impl Counts {
         }
     }
 
-    /// All bodies.
+    /// The number of all bodies.
     pub const fn total(self) -> u32 {
         self.train + self.valid + self.test
     }

@@ -123,7 +123,7 @@ impl FitWord {
     /// All of them, from little ease to much.
     pub const ALL: [Self; 4] = [Self::Tight, Self::Close, Self::Regular, Self::Loose];
 
-    /// The word.
+    /// The word that reports have.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Tight => "tight",
@@ -142,6 +142,7 @@ impl fmt::Display for FitWord {
 
 /// How a garment fits in one region.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct RegionFit {
     /// Where.
     pub region: Region,

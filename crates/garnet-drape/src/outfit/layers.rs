@@ -33,13 +33,15 @@ const ALONG: f32 = 0.0;
 /// Rounds in which layers are parted. More part what is left of deep folds.
 const ROUNDS: usize = 24;
 
-/// By how much more nodes of crossing faces are parted, each round, in metres; and at most.
+/// By how much more nodes of crossing faces are parted, each round, in metres.
 const MORE: f32 = 7e-4;
+/// By how much more such nodes are parted after many rounds, at most, in metres.
 const MOST_MORE: f32 = 7e-3;
 
-/// How often a push is handed on to neighbours, and which share of it. Less leaves spikes, more
-/// moves cloth that was in order.
+/// How often a push is handed on to neighbours. Less leaves spikes, more moves cloth that was in
+/// order.
 const SPREADS: usize = 4;
+/// Which share of a push is handed on each time; less and more do as with [`SPREADS`].
 const HANDED_ON: f32 = 0.8;
 
 /// A node is moved by this at most in a round, in metres.
@@ -68,6 +70,7 @@ impl Default for LayerOptions {
 
 /// How two layers run through each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct LayerCount {
     /// Faces of the outer garment that cross the inner one, and all of its faces.
     pub outer_crossing: usize,

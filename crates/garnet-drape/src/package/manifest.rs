@@ -16,7 +16,7 @@ const PARAMETERS: [&str; 2] = ["params", "global-params"];
 /// What this version writes and reads.
 pub const PACKAGE_SCHEMA: &str = "garnet.garment/1";
 
-/// `garment.toml`.
+/// All that `garment.toml` holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -247,7 +247,7 @@ impl StoredFabric {
         }
     }
 
-    /// The fabric.
+    /// The fabric that is simulated.
     pub const fn fabric(&self) -> Fabric {
         Fabric {
             density: self.density,

@@ -146,7 +146,7 @@ impl GarmentPackage {
         folder.join(TEMPLATE_FILE)
     }
 
-    /// Reads a package.
+    /// Reads a package from its folder.
     ///
     /// # Errors
     ///
@@ -192,7 +192,7 @@ impl GarmentPackage {
         Ok((package.manifest.fabric, package.rest))
     }
 
-    /// Reads `garment.toml` alone.
+    /// Reads `garment.toml` of a package alone.
     ///
     /// # Errors
     ///

@@ -33,7 +33,7 @@ impl From<&BodyParameters> for StoredParameters {
 }
 
 impl StoredParameters {
-    /// The parameters.
+    /// The parameters as the body is built from them.
     ///
     /// # Errors
     ///

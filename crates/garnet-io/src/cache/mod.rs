@@ -19,6 +19,7 @@ use points::PointsWriter;
 
 /// A format of moving meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum CacheKind {
     /// The point cache that Blender's Mesh Cache and 3ds Max play.
     Pc2,
@@ -99,7 +100,7 @@ impl CachePart {
         }
     }
 
-    /// A plain mesh.
+    /// A part of a mesh without materials or texture coordinates.
     pub fn of_mesh(name: &str, mesh: &TriMesh, frame: Frame) -> Self {
         let faces = mesh.faces().to_vec();
         let corners = (0..faces.len() as u32).map(|face| (face, [0, 1, 2].map(|k| 3 * face + k)));

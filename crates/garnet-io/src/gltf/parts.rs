@@ -46,6 +46,7 @@ impl LeftOut {
 
 /// A mesh of a rig file, and whether it is of the body.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RigPart {
     /// Its name: that of its node, and of its material if that is more than the name.
     pub name: String,

@@ -40,7 +40,7 @@ pub struct ObjFile {
 }
 
 impl ObjFile {
-    /// Reads a file.
+    /// Reads and parses an OBJ file.
     ///
     /// # Errors
     ///

@@ -221,7 +221,7 @@ pub enum SceneProblem {
         rig: PathBuf,
     },
     /// The mesh differs from that of the rest body.
-    #[error("{}", .0.told("the rest body"))]
+    #[error("{}", .0.described("the rest body"))]
     Difference(MeshDifference),
     /// Edges are too long or too short for any unit.
     #[error("its edges are 10^{decades} times as long")]

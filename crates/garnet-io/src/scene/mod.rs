@@ -80,11 +80,11 @@ pub struct RestSource {
     pub path: PathBuf,
     /// The file with its skeleton and weights.
     pub rig_path: PathBuf,
-    /// Unit and up axis of the mesh.
+    /// Unit and up axis of that file.
     pub frame: Frame,
-    /// The OBJ in which a posed body is written; none if the mesh came from the rig alone.
+    /// The OBJ whose text posed bodies are written with; none if the mesh came from the rig alone.
     pub file: Option<ObjFile>,
-    /// Unit and up axis of that OBJ; those of the garment without it.
+    /// Unit and up axis in which posed bodies are written: those of the garment.
     pub file_frame: Frame,
 }
 
@@ -96,14 +96,14 @@ pub struct Target {
     pub path: PathBuf,
     /// What outputs are called, if it is one frame of several.
     pub stem: Option<String>,
-    /// What is known of it.
-    pub aim: Aim,
+    /// Where its pose and shape come from.
+    pub source: TargetSource,
 }
 
-/// What is known of a target.
+/// Where the pose and shape of a target come from.
 #[derive(Debug)]
 #[non_exhaustive]
-pub enum Aim {
+pub enum TargetSource {
     /// Where its vertices are.
     Vertices(Vec<Point3>),
     /// Where its vertices are, and how each joint moved.
@@ -125,11 +125,13 @@ impl Target {
     ///
     /// [`SceneError::Unfitted`] if the body cannot take the pose.
     pub fn posed(&self, body: &Body) -> Result<PosedBody, SceneError> {
-        let posed = match &self.aim {
-            Aim::Vertices(positions) => body.fitted(positions),
-            Aim::Transforms(positions, transforms) => body.fitted_by(positions, transforms.clone()),
-            Aim::Pose(pose) => body.posed(pose),
-            Aim::PoseOfRig(pose, rig) => rig.posed(pose, body),
+        let posed = match &self.source {
+            TargetSource::Vertices(positions) => body.fitted(positions),
+            TargetSource::Transforms(positions, transforms) => {
+                body.fitted_by(positions, transforms.clone())
+            }
+            TargetSource::Pose(pose) => body.posed(pose),
+            TargetSource::PoseOfRig(pose, rig) => rig.posed(pose, body),
         };
         posed.map_err(|source| SceneError::Unfitted {
             path: self.path.clone(),
@@ -203,9 +205,9 @@ impl Scene {
             &target.polygon_edges(),
             &KnownMesh::of(body.rest()),
         )?;
-        let aim = match scene.posed_from_rest {
-            Some(transforms) => Aim::Transforms(positions, transforms),
-            None => Aim::Vertices(positions),
+        let source = match scene.posed_from_rest {
+            Some(transforms) => TargetSource::Transforms(positions, transforms),
+            None => TargetSource::Vertices(positions),
         };
         Ok(Self {
             garment: SceneGarment {
@@ -225,7 +227,7 @@ impl Scene {
             targets: vec![Target {
                 path: scene.target_body,
                 stem: None,
-                aim,
+                source,
             }],
             notes: Vec::new(),
             frame_time: None,
@@ -342,13 +344,12 @@ impl Scene {
                     None => taken.path,
                 },
                 rig_path,
-                frame: frames.rest,
-                // A body that is written anew is in the units of the drape beside it.
-                file_frame: if rest_obj.is_some() {
-                    frames.obj
-                } else {
-                    frame
+                frame: match &rest_obj {
+                    Some(_) => frames.obj,
+                    None => frames.rest,
                 },
+                // A posed body lies under the drape beside it.
+                file_frame: frame,
                 file: rest_obj,
             },
             body: rest,
@@ -457,7 +458,7 @@ fn mesh_targets(
         targets.push(Target {
             path: body.path,
             stem: None,
-            aim: Aim::Vertices(positions),
+            source: TargetSource::Vertices(positions),
         });
     }
     Ok(targets)
@@ -505,9 +506,9 @@ fn posed_targets(
     } = posing.map_err(|error| error.of_rig(rig))?;
     let mut targets = Vec::with_capacity(poses.len());
     for named in poses {
-        let aim = match zero {
-            None => Aim::Pose(named.pose),
-            Some(zero) => Aim::PoseOfRig(named.pose, RigRest(Arc::clone(zero))),
+        let of_target = match zero {
+            None => TargetSource::Pose(named.pose),
+            Some(zero) => TargetSource::PoseOfRig(named.pose, RigRest(Arc::clone(zero))),
         };
         let is_several = source.is_several();
         targets.push(Target {
@@ -517,7 +518,7 @@ fn posed_targets(
                 source.path.clone()
             },
             stem: is_several.then_some(named.stem),
-            aim,
+            source: of_target,
         });
     }
     Ok((targets, notes, seconds))

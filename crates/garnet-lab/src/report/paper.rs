@@ -243,7 +243,7 @@ impl Reports {
             "parameters" => self.parameters(),
             "sewing" => self.sewing(),
             "losses" => self.varied(&LOSSES, "loss"),
-            "neighborhoods" => self.varied(&NEIGHBORHOODS, "neighbors"),
+            "neighborhoods" => self.varied(&NEIGHBORHOODS, "neighbours"),
             "curvature" => self.curvature(),
             "kinds" => self.kinds(),
             "family" => self.family(),

@@ -12,7 +12,7 @@ use crate::{CheckpointError, GarNet, GarmentGraph, NetError, TrainedRange, UNIT,
 /// A model with all that its file says.
 #[derive(Debug)]
 pub struct Checkpoint {
-    /// The network.
+    /// The network of the file.
     pub model: GarNet,
     /// The garment it was trained for.
     pub garment: Fingerprint,

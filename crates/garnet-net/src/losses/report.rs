@@ -26,7 +26,7 @@ pub struct LossReport {
 }
 
 impl LossReport {
-    /// The weighted sum.
+    /// The weighted sum of all terms.
     pub fn total(&self) -> f64 {
         let weighted = self.values.iter().filter(|value| value.weight > 0.0);
         weighted.map(|value| value.weight * value.value).sum()

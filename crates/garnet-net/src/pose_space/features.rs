@@ -35,7 +35,7 @@ impl Aspect {
         }
     }
 
-    /// Never.
+    /// Whether there are no features, which is never so.
     pub const fn is_empty(self) -> bool {
         false
     }

@@ -144,7 +144,7 @@ impl PoseSpace {
         Ok(write_atomically(path, |writer| writer.write_all(&bytes))?)
     }
 
-    /// Reads a file.
+    /// Reads a deformation from its file.
     ///
     /// # Errors
     ///

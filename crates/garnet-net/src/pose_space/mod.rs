@@ -24,7 +24,7 @@ mod regions;
 pub use features::{Aspect, Feature, Features};
 pub use file::PoseSpaceHeader;
 pub(crate) use file::is_pose_space;
-pub use regions::{Image, Layer, Region, RegionMirror, Regions, silu, told};
+pub use regions::{Image, Layer, Region, RegionMirror, Regions, predicted, silu};
 
 use std::collections::BTreeMap;
 
@@ -307,7 +307,7 @@ impl PoseSpace {
         }
     }
 
-    /// Size and work.
+    /// Weights and operations of a prediction.
     pub fn cost(&self) -> Cost {
         let PoseSpaceParts {
             scales,

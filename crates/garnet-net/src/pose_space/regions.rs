@@ -74,8 +74,8 @@ impl Layer {
     }
 }
 
-/// What layers tell of [inputs](Region::inputs): the share of each shape, in metres.
-pub fn told(layers: &[Layer], inputs: Vec<f32>) -> Vec<f32> {
+/// What layers predict from [inputs](Region::inputs): the share of each shape, in metres.
+pub fn predicted(layers: &[Layer], inputs: Vec<f32>) -> Vec<f32> {
     let mut values = inputs;
     for (number, layer) in layers.iter().enumerate() {
         if number > 0 {
@@ -99,7 +99,7 @@ impl Region {
         self.layers.last().map_or(0, |layer| layer.bias.len())
     }
 
-    /// The numbers of features that the network is told: those of a scale above zero, scaled.
+    /// The inputs of the network: the numbers of features of a scale above zero, scaled.
     pub fn inputs(&self, owners: &[usize], center: &[f32], numbers: &[f32]) -> Vec<f32> {
         let numbers = numbers.iter().zip(center).zip(owners);
         let kept = numbers.filter(|&(_, &owner)| self.scales[owner] > 0.0);
@@ -109,7 +109,7 @@ impl Region {
 
     /// The share of each shape, in metres.
     fn shares(&self, owners: &[usize], center: &[f32], numbers: &[f32]) -> Vec<f32> {
-        told(&self.layers, self.inputs(owners, center, numbers))
+        predicted(&self.layers, self.inputs(owners, center, numbers))
     }
 
     /// Adds the shapes, by their shares, to the offsets of the garment `[vertex][3]`.

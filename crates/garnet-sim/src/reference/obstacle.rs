@@ -26,7 +26,7 @@ pub trait Obstacle: Sync {
     fn nearest(&self, vertex: usize, place: &Vector3<f64>, reach: f64) -> Option<Nearest>;
 }
 
-/// Empty space.
+/// Empty space, without an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Nothing;
 
@@ -52,7 +52,7 @@ impl Obstacle for Plane {
     }
 }
 
-/// A ball.
+/// A ball as an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
     /// Center, in metres.

@@ -59,7 +59,7 @@ pub struct Energies {
 }
 
 impl Energies {
-    /// The sum.
+    /// The sum of all energies, in joules.
     pub fn total(&self) -> f64 {
         self.membrane + self.bending + self.loads + self.contact
     }

@@ -17,8 +17,10 @@ use crate::layers::Layers;
 use crate::rest_shape::check_count;
 use crate::{Cloth, Point3, RestShape, SimError};
 
-/// Weight of a kilogram in the unit of residuals, N.
-const STANDARD_GRAVITY: f64 = 9.81;
+/// Weight of a kilogram in the unit of residuals, N. It is rounded, unlike
+/// [`STANDARD_GRAVITY`](crate::STANDARD_GRAVITY), because the residuals in stored data sets and
+/// reports are in this unit; no force depends on it.
+const RESIDUAL_GRAVITY: f64 = 9.81;
 
 /// Longest way of a vertex in one Newton step, in metres.
 const MAX_NEWTON_STEP: f64 = 0.1;
@@ -198,7 +200,7 @@ impl<'a> Reference<'a> {
         &self.x
     }
 
-    /// Velocities `[vertex]`, m/s.
+    /// Velocities of the vertices `[vertex]`, in m/s.
     pub fn velocities(&self) -> &[Vector3<f64>] {
         &self.velocities
     }
@@ -252,7 +254,7 @@ impl<'a> Reference<'a> {
 
     fn mean_weight(&self) -> f64 {
         let masses = &self.potential.masses;
-        STANDARD_GRAVITY * masses.iter().sum::<f64>() / masses.len() as f64
+        RESIDUAL_GRAVITY * masses.iter().sum::<f64>() / masses.len() as f64
     }
 
     /// Moves on by `seconds`: one step of implicit Euler.

@@ -110,8 +110,26 @@ pub enum SelfContact {
     },
 }
 
-/// Standard gravity, m/s².
+/// Gravity in production, in m/s²: the standard of the SI.
 pub const STANDARD_GRAVITY: f32 = 9.80665;
+
+/// Substeps a second of the motion and of the first stage for each metre of 1/Δx: less is cheaper,
+/// and leaves more strain for the stages that follow.
+const FIRST_RATE: f32 = 34.0;
+
+/// [`Schedule::drag`], 1/s: less lets cloth swing longer, more slows what falls.
+const DRAG: f32 = 10.0;
+
+/// [`Schedule::max_speed`], m/s, faster than limbs move: less holds cloth back, far more lets a
+/// vertex that was thrown pass through what it meets within a substep.
+const MAX_SPEED: f32 = 8.0;
+
+/// [`Schedule::max_push_speed`], m/s: less lets cloth stay inside longer, more throws it off.
+const MAX_PUSH_SPEED: f32 = 0.2;
+
+/// Share of the distance between vertices that those of several layers keep at least, which start
+/// near each other: more blows pockets and collars up, less lets them run through each other.
+const LEAST_REPULSION: f32 = 0.5;
 
 /// Substeps a second of the second and the last stage for each metre of 1/Δx.
 ///
@@ -225,10 +243,10 @@ impl Schedule {
             frame_seconds: MOTION_SECONDS / motion_frames as f32,
             motion_frames,
             motion_part: [0.0, 1.0],
-            motion_rate: rate(34.0),
+            motion_rate: rate(FIRST_RATE),
             motion_friction: SHAKEN,
             stages: vec![
-                stage(first, 34.0),
+                stage(first, FIRST_RATE),
                 settle(second, LAST_RATE),
                 last(third, LAST_RATE),
             ],
@@ -246,14 +264,14 @@ impl Schedule {
             contraction_frames: 0,
             length_share: 1.0,
             over_relaxation: 1.0,
-            drag: 10.0,
+            drag: DRAG,
             carry: CARRY,
-            max_speed: 8.0,
-            max_push_speed: 0.2,
+            max_speed: MAX_SPEED,
+            max_push_speed: MAX_PUSH_SPEED,
             gravity: STANDARD_GRAVITY,
             self_contact: SelfContact::Repulsion {
                 distance: REPULSION,
-                least: 0.5,
+                least: LEAST_REPULSION,
             },
         }
     }

@@ -179,11 +179,11 @@ const FORWARD: [[i32; 3]; 13] = [
 impl Grid {
     /// Sorts points into cubes of this size: the largest distance of a pair.
     fn fill(&mut self, points: &[Quad], radii: &[f32], size: f32) {
-        let per_meter = 1.0 / size;
+        let per_metre = 1.0 / size;
         let num_slots = (2 * points.len()).next_power_of_two();
         let cell = |point: &Quad| {
             let [x, y, z, _] = point.0;
-            [x, y, z].map(|value| floor(value * per_meter))
+            [x, y, z].map(|value| floor(value * per_metre))
         };
         self.cells.clear();
         self.cells.extend(points.iter().map(cell));

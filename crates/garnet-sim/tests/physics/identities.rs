@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use crate::sheets::{Cut, cloth_of, noise, rest_of, sheet};
 
-/// Rounding of positions of about a meter, in metres.
+/// Rounding of positions of about a metre, in metres.
 const ROUNDING: f64 = 1e-12;
 
 /// Analytic gradient against central differences.

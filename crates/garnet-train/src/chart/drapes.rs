@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::sample::{Sample, Seconds};
 use crate::bound_candidate::BoundCandidate;
 use crate::measure::Measure;
-use crate::{Candidate, Finish, Left, SceneName, Stage, StagedScene, Tally, TrainError};
+use crate::{
+    Candidate, Finish, PenetrationCount, SceneName, Stage, StagedScene, Tally, TrainError,
+};
 
 /// A candidate and the scenes that it is to be measured on.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,7 +92,7 @@ struct Run {
     seconds: Seconds,
     before: Vec<Point3>,
     after: Vec<Point3>,
-    left: Left,
+    left: PenetrationCount,
 }
 
 fn run(
@@ -103,7 +105,7 @@ fn run(
         let before = placed.positions(draper.garment());
         let Some(drape) = drape else {
             let (after, seconds) = (before.clone(), Seconds::default());
-            let left = Left::NOTHING;
+            let left = PenetrationCount::NOTHING;
             return Ok(Run {
                 seconds,
                 before,
@@ -119,7 +121,7 @@ fn run(
                 simulation: drape.seconds.relax,
             },
             before,
-            left: Left::of(&drape),
+            left: PenetrationCount::of(&drape),
             after: drape.positions,
         })
     })

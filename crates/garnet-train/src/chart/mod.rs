@@ -1,7 +1,7 @@
 //! Time against accuracy of all ways to drape a garment.
 //!
-//! [`time_drapes`] and [`ask_teacher`] give samples of single scenes, which can be kept and added
-//! to; [`Figures`] are what they come to.
+//! [`time_drapes`] and [`time_simulations`] give samples of single scenes, which can be kept and
+//! added to; [`Figures`] are what they come to.
 
 mod drapes;
 mod front;
@@ -13,6 +13,6 @@ mod targets;
 pub use drapes::{NetworkCost, Task, Timing, time_drapes};
 pub use front::pareto_front;
 pub use sample::{Figures, Sample, Seconds, Times};
-pub use simulations::{Answer, Question, ask_teacher};
+pub use simulations::{Answer, Question, time_simulations};
 pub use spread::spread;
 pub use targets::{header_of, targets};

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Left, Percentiles, SceneName, Scores, Tally};
+use crate::{PenetrationCount, Percentiles, SceneName, Scores, Tally};
 
 /// A way to drape, measured on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ pub struct Sample {
     /// After untangling; none of simulations, which are left as they are.
     pub after: Option<Tally>,
     /// What is not as it should be, after untangling or as the simulation left it.
-    pub left: Left,
+    pub left: PenetrationCount,
 }
 
 /// Wall times of the stages of one drape, in seconds.
@@ -69,7 +69,7 @@ pub struct Figures {
     pub scene_distance: Percentiles,
     /// What is not as it should be, after untangling or as the simulation left it, in all scenes.
     #[serde(flatten)]
-    pub left: Left,
+    pub left: PenetrationCount,
 }
 
 impl Seconds {
@@ -92,7 +92,7 @@ impl Sample {
 }
 
 impl Figures {
-    /// Of samples.
+    /// The tally of some samples.
     pub fn of<'a>(samples: impl IntoIterator<Item = &'a Sample>) -> Self {
         let samples: Vec<&Sample> = samples.into_iter().collect();
         let times = |stage: fn(&Seconds) -> f64| {
@@ -100,7 +100,7 @@ impl Figures {
             Percentiles::of(times.collect())
         };
         let (mut before, mut after) = (Tally::default(), Tally::default());
-        let mut left = Left::NOTHING;
+        let mut left = PenetrationCount::NOTHING;
         for sample in &samples {
             before.merge(&sample.before);
             after.merge(sample.used());

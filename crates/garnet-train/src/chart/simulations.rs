@@ -9,7 +9,7 @@ use garnet_drape::{Quality, Simulator};
 use super::sample::{Sample, Seconds};
 use crate::measure::Measure;
 use crate::simulators::Simulators;
-use crate::{Left, SceneName, Stage, StagedScene, Tally, TrainError};
+use crate::{PenetrationCount, SceneName, Stage, StagedScene, Tally, TrainError};
 
 /// What is asked of the teacher on a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub enum Answer {
 /// # Errors
 ///
 /// Those of the data set, or of a garment that cannot be simulated at all.
-pub fn ask_teacher(
+pub fn time_simulations(
     stage: &Stage,
     split: Split,
     questions: &[(SceneName, Vec<Question>)],
@@ -96,7 +96,7 @@ fn answer(
         },
         before,
         after: None,
-        left: Left {
+        left: PenetrationCount {
             inside: penetration.num_inside,
             trapped: penetration.num_trapped,
             crossing_faces: None,

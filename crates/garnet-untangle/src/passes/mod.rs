@@ -1,5 +1,5 @@
-//! The passes of untangling, one a file, in the order in which [`untangle`](crate::untangle) runs
-//! them.
+//! The passes of untangling, one a file but for `flatten`, which is in that of `follow`;
+//! [`untangle`](crate::untangle) lists them in the order in which it runs them.
 
 mod ease;
 mod follow;

@@ -67,7 +67,7 @@ pub struct ImportScene {
 }
 
 impl ImportManifest {
-    /// Reads a manifest.
+    /// Reads a manifest of drapes made elsewhere.
     ///
     /// # Errors
     ///

@@ -5,7 +5,7 @@
 //! them, where no scene was simulated.
 
 use faer::Mat;
-use garnet_net::pose_space::{Layer, told};
+use garnet_net::pose_space::{Layer, predicted};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -68,7 +68,7 @@ pub(super) fn learned(
 fn mean(networks: &[Vec<Layer>], input: &[f32]) -> Vec<f32> {
     let mut sum: Vec<f32> = Vec::new();
     for layers in networks {
-        let shares = told(layers, input.to_vec());
+        let shares = predicted(layers, input.to_vec());
         sum.resize(shares.len(), 0.0);
         for (sum, share) in sum.iter_mut().zip(shares) {
             *sum += share / networks.len() as f32;
@@ -123,7 +123,7 @@ mod tests {
         assert!(seen.iter().copied().eq(1..=passes(&asked)), "{seen:?}");
         let missed = inputs
             .iter()
-            .map(|input| (told(&layers, input.clone())[0] - 0.01 * input[0]).abs());
+            .map(|input| (predicted(&layers, input.clone())[0] - 0.01 * input[0]).abs());
         assert!(missed.fold(0.0, f32::max) < 1e-3);
     }
 

@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
 use faer::Mat;
-use garnet_net::pose_space::{Feature, Features, Region, RegionMirror, Regions, told};
+use garnet_net::pose_space::{Feature, Features, Region, RegionMirror, Regions, predicted};
 use rayon::prelude::*;
 
 use super::folds::Fold;
@@ -279,7 +279,7 @@ impl<'a> Ground<'a> {
             let before = distil::passes(asked) + (number - 1) * asked.passes;
             let layers = fit.learned(&mut |pass, loss| tell(Told::Learned(before + pass, loss)));
             for row in with_images(&fold.told) {
-                left_out[row] = told(&layers, inputs[row].clone());
+                left_out[row] = predicted(&layers, inputs[row].clone());
             }
         }
         // A vertex is moved by as much as it counts.
