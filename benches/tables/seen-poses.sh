@@ -26,13 +26,15 @@ config() {
 train() {
   local name=$1 kind=$2 epochs=$3 loss=$4
   [ -f "$garment/$name.done" ] && return
-  local resume= rate=2e-3
+  local rate=2e-3
   [ "$epochs" = "$tuned" ] && rate=3e-4
-  [ -d "$garment/training/$name" ] && resume=--resume
   config "epochs = $epochs
 learning_rate = $rate" "$loss" > "$garment-$name.toml"
-  "$garnet" train "$garment" "$garment-data" --kind "$kind" --variant "$name" \
-    --config "$garment-$name.toml" --no-progress $resume > "$garment-$name.log" 2>&1
+  # What was stopped goes on with the kind and configuration it began with.
+  local how=(--kind "$kind" --config "$garment-$name.toml")
+  [ -f "$garment/training/$name/state.safetensors" ] && how=(--resume)
+  "$garnet" train "$garment" "$garment-data" --variant "$name" "${how[@]}" \
+    --no-progress >> "$garment-$name.log" 2>&1
   touch "$garment/$name.done"
   tail -4 "$garment-$name.log"
 }
