@@ -1,7 +1,13 @@
 //! Drapes of generated garments on generated bodies.
 
+use std::sync::atomic::AtomicBool;
+
 use garnet::io::ObjFile;
-use garnet::{Garment, Point3, Pose, TriMesh, mesh::primitives};
+use garnet::package::{Moment, Settling, Simulator};
+use garnet::sim::{Fabric, RestShape};
+use garnet::{
+    Body, Garment, Joint, Point3, Pose, Skeleton, TriMesh, Warp, mesh::primitives,
+};
 use garnet_tests::capsules::{
     arm, bent, figure, joined, lowered, moved, shirt, skirt, sleeve, step,
 };
@@ -53,6 +59,56 @@ fn shirt_skirt_and_sleeve_hold_on_a_figure_that_runs_through_itself() {
             let name = format!("{name}, {pose_name}");
             draped(&name, garment, &body, &pose, Bars::default());
         }
+    }
+}
+
+/// A body, a garment and a pose, all so many times as large.
+fn sized(body: &Body, garment: &TriMesh, pose: &Pose, size: f32) -> (Body, TriMesh, Pose) {
+    let of_mesh = |mesh: &TriMesh| {
+        let places = mesh.positions().iter().map(|place| place * size);
+        mesh.with_positions(places.collect()).unwrap()
+    };
+    let joints = body.skeleton().joints().iter().map(|joint| Joint {
+        rest_position: joint.rest_position * size,
+        ..joint.clone()
+    });
+    let skeleton = Skeleton::new(joints.collect()).unwrap();
+    let body = Body::new(of_mesh(body.rest()), skeleton, body.weights().clone()).unwrap();
+    let mut pose = pose.clone();
+    pose.root_translation *= size;
+    (body, of_mesh(garment), pose)
+}
+
+#[test]
+fn dolls_and_giants_are_simulated_as_people() {
+    let (body, garment) = (mannequin(0.03), tunic(1_000).mesh);
+    let settled = |size: f32| {
+        let (body, garment, pose) = sized(&body, &garment, &reach(), size);
+        let bound = Garment::new(garment).bind(&body).unwrap();
+        let worn = RestShape::Worn(bound.mesh().positions().to_vec());
+        let cloth = bound.shared_cloth().clone();
+        let simulator = Simulator::of_garment(cloth, &body, &worn, &Fabric::cotton()).unwrap();
+        let posed = body.posed(&pose).unwrap();
+        let home = posed.at_home(&body).unwrap();
+        let from = bound.warped(home.body(), Warp::Shape).unwrap();
+        let settling = Settling {
+            from: Moment::Rest,
+            frames: 12,
+        };
+        let never = AtomicBool::new(false);
+        let places = simulator.settled(&body, home.body(), &from, settling, &never);
+        let places = places.unwrap().into_iter().map(|place| place / size);
+        (simulator.size(), places.collect::<Vec<Point3>>())
+    };
+    let (one, person) = settled(1.0);
+    assert!((one - 1.0).abs() < f32::EPSILON, "{one}");
+    for size in [0.1, 10.0] {
+        let (found, places) = settled(size);
+        assert!((found / size - 1.0).abs() < 0.1, "{found}");
+        let apart = places.iter().zip(&person).map(|(a, b)| (a - b).norm());
+        let mean = apart.sum::<f32>() / person.len() as f32;
+        // The height of a mannequin is not quite that of a person.
+        assert!(mean < 2e-3, "{size}: {mean}");
     }
 }
 

@@ -138,7 +138,7 @@ impl Tailor {
             cloth: &cloth,
             start: &sewn.start,
             body: Some(MovingBody {
-                collider: &collider(body)?,
+                collider: &collider(body, 1.0)?,
                 motion: &|_| positions.to_vec(),
                 wind: None,
                 allowed_parts: None,

@@ -19,6 +19,31 @@ pub enum Limit {
     Distance(f64),
 }
 
+/// What is asked of a choice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ChoiceOptions {
+    /// What the variant has to keep within.
+    pub limit: Limit,
+    /// With so many frames all variants are relaxed for as many, with 0 none is; `None` leaves that
+    /// to the choice.
+    pub relax_frames: Option<u32>,
+    /// How far the pose is from the middle of the package's poses, in radians: the farthest of
+    /// several. `None` takes the mean over all scenes of the test.
+    pub far: Option<f64>,
+}
+
+impl ChoiceOptions {
+    /// Nothing but a limit.
+    pub const fn new(limit: Limit) -> Self {
+        Self {
+            limit,
+            relax_frames: None,
+            far: None,
+        }
+    }
+}
+
 /// A variant, relaxed or not, that may be chosen.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -33,6 +58,9 @@ pub struct Candidate {
     pub frames: u32,
     /// Mean distance to the teacher on the test split of its training, in metres.
     pub distance_error: Option<f64>,
+    /// What nine of ten drapes keep within where the pose is as far from the middle as was asked,
+    /// in metres; `None` if that is not known.
+    pub bound: Option<f64>,
     /// Operations of the network.
     pub flop: Option<f64>,
     /// About how long a drape takes here, in seconds: what the package says, times how much slower
@@ -57,14 +85,13 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// Chooses among the variants of the package in `folder`. With `relax_frames` all are relaxed
-    /// for so many frames, or none is.
-    pub fn new(
-        folder: &Path,
-        manifest: &Manifest,
-        limit: Limit,
-        relax_frames: Option<u32>,
-    ) -> Self {
+    /// Chooses among the variants of the package in `folder`.
+    pub fn new(folder: &Path, manifest: &Manifest, options: &ChoiceOptions) -> Self {
+        let ChoiceOptions {
+            limit,
+            relax_frames,
+            far,
+        } = *options;
         let factor = match (limit, manifest.cost) {
             (Limit::Seconds(_), Some(cost)) => Some(calibration() / cost.calibration),
             _ => None,
@@ -79,7 +106,8 @@ impl Choice {
             let header = ModelHeader::read(folder.join(&variant.weights));
             let moment = header.map_or(Moment::Rest, |header| header.moment);
             let of = move |&is_relaxed: &bool| {
-                Candidate::of(variant, moment, is_relaxed, relax_frames, factor)
+                let found = Candidate::of(variant, moment, is_relaxed, relax_frames, factor);
+                found.expecting(variant, relax_frames, far)
             };
             ways.iter().map(of).collect::<Vec<_>>()
         };
@@ -117,7 +145,10 @@ impl Choice {
     fn by_tolerance(mut candidates: Vec<Candidate>, tolerance: f64) -> Self {
         // Simulation costs more than any network.
         candidates.sort_by(|a, b| (a.frames.cmp(&b.frames)).then(ascending(a.flop, b.flop)));
-        let error = |found: &Candidate| found.distance_error.unwrap_or(f64::INFINITY);
+        let error = |found: &Candidate| {
+            let known = found.bound.or(found.distance_error);
+            known.unwrap_or(f64::INFINITY)
+        };
         let within = candidates
             .iter()
             .position(|found| error(found) <= tolerance);
@@ -159,10 +190,23 @@ impl Candidate {
             moment,
             frames,
             distance_error,
+            bound: None,
             flop: variant.flop,
             seconds: seconds
                 .zip(factor)
                 .map(|(seconds, factor)| seconds * share * factor),
+        }
+    }
+
+    /// The same with what is expected of the variant so far from the middle of the poses. That is
+    /// known of the way alone in which the variant drapes unless told otherwise.
+    fn expecting(self, variant: &Variant, relax_frames: Option<u32>, far: Option<f64>) -> Self {
+        let is_usual =
+            relax_frames.is_none() && variant.settling(self.moment).takes_time() == self.is_relaxed;
+        let expected = variant.expected.filter(|_| is_usual).zip(far);
+        Self {
+            bound: expected.map(|(expected, far)| expected.bound(far)),
+            ..self
         }
     }
 
@@ -242,6 +286,7 @@ mod tests {
             moment: Moment::Rest,
             frames: 0,
             distance_error: error,
+            bound: None,
             flop: seconds,
             seconds,
         }
@@ -284,6 +329,19 @@ mod tests {
         assert_eq!(chosen(0.006), (true, Some("fast".to_owned())));
         assert_eq!(chosen(0.003), (true, Some("accurate".to_owned())));
         assert_eq!(chosen(0.0001), (false, Some("unmeasured".to_owned())));
+    }
+
+    #[test]
+    fn a_pose_far_from_the_middle_asks_for_a_better_variant() {
+        let chosen = |bound| {
+            let mut all = all();
+            all[0].bound = bound;
+            let choice = Choice::by_tolerance(all, 0.006);
+            choice.candidate().map(|found| found.variant.clone())
+        };
+        assert_eq!(chosen(Some(0.0055)), Some("fast".to_owned()));
+        assert_eq!(chosen(Some(0.007)), Some("accurate".to_owned()));
+        assert_eq!(chosen(None), Some("fast".to_owned()));
     }
 
     #[test]

@@ -77,7 +77,7 @@ impl Simulator {
         let motion = |time: f32| {
             let (frame, share) = place(time);
             let ends = [frame, frame + 1].map(|frame| frames[frame].skin().positions());
-            between_points(ends[0], ends[1], share)
+            self.simulated_skin(between_points(ends[0], ends[1], share))
         };
         // Only the start asks for the air.
         let warped = |frame: usize| -> Result<Vec<Point3>, Error> {

@@ -25,6 +25,8 @@ mod choice;
 #[cfg(feature = "package")]
 mod familiar;
 #[cfg(feature = "package")]
+mod familiarity;
+#[cfg(feature = "package")]
 mod fit;
 #[cfg(feature = "package")]
 mod following;
@@ -55,13 +57,15 @@ mod unfamiliar;
 #[cfg(feature = "package")]
 pub use body_path::BodyPath;
 #[cfg(feature = "package")]
-pub use choice::{Candidate, Choice, Limit, calibration};
+pub use choice::{Candidate, Choice, ChoiceOptions, Limit, calibration};
 pub use coverage::{Coverage, CoverageOptions};
 pub use draper::{
     Drape, DrapeOptions, DrapeQuality, DrapeSeconds, Draper, Fallback, Placed, PlacedBy,
     Provenance, Worsened,
 };
 pub use error::Error;
+#[cfg(feature = "package")]
+pub use familiarity::{Expectation, StoredPoses, familiarity, rank_correlation};
 #[cfg(feature = "package")]
 pub use fit::{FitLines, FitWord, NoFit, Region, RegionFit, fit_map, wearer_tape};
 pub use garment::{BoundGarment, Garment};

@@ -9,8 +9,8 @@ use garnet_sim::Moment;
 use garnet_skin::{Body, Pose, PosedBody};
 
 use crate::{
-    BoundGarment, Choice, Draper, Error, Garment, GarmentPackage, Limit, Manifest, Network,
-    PackageError, Settling, Simulator, StoredCost, calibration,
+    BoundGarment, Choice, ChoiceOptions, Draper, Error, Garment, GarmentPackage, Limit, Manifest,
+    Network, PackageError, Settling, Simulator, StoredCost, calibration,
 };
 
 /// Poses of the library in which costs are measured: arms up, legs bent, and wide.
@@ -145,7 +145,29 @@ impl Package {
     ///
     /// As [`Package::draper`].
     pub fn draper_within(&self, limit: Limit) -> Result<(Draper, Choice), Error> {
-        let choice = Choice::new(&self.folder, self.manifest(), limit, None);
+        self.chosen(&ChoiceOptions::new(limit))
+    }
+
+    /// The same for a posed body: within a distance is what is so in nine of ten poses that are as
+    /// far from the training.
+    ///
+    /// # Errors
+    ///
+    /// As [`Package::draper`].
+    pub fn draper_within_on(
+        &self,
+        limit: Limit,
+        body: &PosedBody,
+    ) -> Result<(Draper, Choice), Error> {
+        let poses = self.manifest().poses.as_ref();
+        self.chosen(&ChoiceOptions {
+            far: poses.and_then(|poses| poses.distance_of(body, &self.garment)),
+            ..ChoiceOptions::new(limit)
+        })
+    }
+
+    fn chosen(&self, options: &ChoiceOptions) -> Result<(Draper, Choice), Error> {
+        let choice = Choice::new(&self.folder, self.manifest(), options);
         let draper = match choice.candidate() {
             Some(chosen) => self.draper_relaxed(&chosen.variant, Some(chosen.is_relaxed))?,
             None => Draper::new(Arc::clone(&self.garment)),

@@ -4,18 +4,24 @@ use garnet_body::poses::{Part, parts_of_vertices};
 use garnet_sim::{Collider, SimError};
 use garnet_skin::{Body, SkinWeights};
 
+use crate::simulator::is_one;
+
 /// Weight of a joint above which a vertex of the garment belongs to its part, too.
 const MIN_WEIGHT: f32 = 0.05;
 
-/// A body's skin and, if its skeleton is a human figure, the parts of it.
+/// A body's skin, in a scene that is `scale` times as large, and, if its skeleton is a human
+/// figure, the parts of it.
 ///
 /// # Errors
 ///
 /// Those of [`Collider::new`].
-pub fn collider(body: &Body) -> Result<Collider, SimError> {
+pub fn collider(body: &Body, scale: f32) -> Result<Collider, SimError> {
     let rest = body.rest();
     let collider = Collider::new(body.skin().faces(), rest.num_vertices())?;
-    let collider = collider.with_surface(body.skin().clone())?;
+    let skin = body.skin();
+    let scaled = (!is_one(scale)).then(|| skin.positions().iter().map(|place| place * scale));
+    let scaled = scaled.and_then(|places| skin.moved(places.collect()).ok());
+    let collider = collider.with_surface(scaled.unwrap_or_else(|| skin.clone()))?;
     let Ok(parts) = parts_of_vertices(body) else {
         return Ok(collider);
     };

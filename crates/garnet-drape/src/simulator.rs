@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use garnet_mesh::Point3;
+use garnet_mesh::{Bounds, Point3};
 use garnet_sim::{
     Cloth, Collider, Drape, Event, Fabric, Motion, MovingBody, RestShape, Scene, Schedule,
     SimError, Wind, drape, settle,
@@ -28,6 +28,15 @@ const MAX_SHARE_INSIDE: f64 = 0.3;
 
 /// More of the vertices over holes of the body than this, and nothing holds the garment.
 const MAX_OVER_HOLES: f64 = 0.1;
+
+/// Fabric, gravity and the lengths of the simulation are those of cloth on people. Bodies whose
+/// height is outside of this range, in metres, and whose limbs are as thin or thick, are dolls or
+/// giants: they are simulated at the height of a person. Wider, dolls are in cloth as thick as
+/// themselves; narrower, children are dressed as if they were grown up.
+const PEOPLE: [f32; 2] = [0.45, 3.0];
+
+/// The height of a person, in metres.
+const PERSON: f32 = 1.72;
 
 /// Cloth with more than this weight of a joint goes along with it.
 const GOES_ALONG: f32 = 0.1;
@@ -61,6 +70,8 @@ pub fn quality_of(name: &str) -> Option<Quality> {
 #[derive(Debug, Clone)]
 pub struct Simulator {
     garment: Arc<BoundGarment>,
+    /// How much larger the scene is than the one that is simulated.
+    size: f32,
     /// Nodes of the garment that are simulated.
     nodes: Vec<u32>,
     /// For nodes of loose pieces: the simulated node that they follow.
@@ -157,7 +168,10 @@ impl Simulator {
             .map(|&node| garment.rest_nodes()[node as usize])
             .collect();
         check_start(&start, body)?;
-        let rest = (flat.cloned()).unwrap_or_else(|| RestShape::Worn(start.clone()));
+        let size = size_of(&garment, body);
+        let start = scaled(&start, 1.0 / size);
+        let flat = flat.map(|rest| rest_scaled(rest, 1.0 / size));
+        let rest = flat.unwrap_or_else(|| RestShape::Worn(start.clone()));
         let allowed = allowed_parts(body, garment.weights());
         let allowed = allowed.map(|all| nodes.iter().map(|&node| all[node as usize]).collect());
         let cloth = if is_any {
@@ -172,9 +186,10 @@ impl Simulator {
             likely_faces: (nodes.iter())
                 .map(|&node| garment.skin()[node as usize].face)
                 .collect(),
-            looseness: looseness(&garment, &nodes),
-            collider: collider(body)?,
+            looseness: looseness(&garment, &nodes, size),
+            collider: collider(body, 1.0 / size)?,
             garment,
+            size,
             nodes,
             start,
             allowed,
@@ -184,6 +199,12 @@ impl Simulator {
     /// How many vertices are simulated.
     pub fn num_simulated(&self) -> usize {
         self.nodes.len()
+    }
+
+    /// How much larger the body is than a person, for dolls and giants, which are simulated as if
+    /// they were people; 1 of all others.
+    pub fn size(&self) -> f32 {
+        self.size
     }
 
     /// Whether some of the garment goes along with a joint of its body.
@@ -261,7 +282,7 @@ impl Simulator {
     /// Runs a scene in which the body goes along a path and the garment starts at `start`
     /// `[simulated node]`.
     fn on_way<T>(&self, path: &BodyPath, start: &[Point3], run: impl FnOnce(&Scene<'_>) -> T) -> T {
-        let motion = |time: f32| path.positions(time);
+        let motion = |time: f32| self.simulated_skin(path.positions(time));
         let offsets = self.garment.shape_offsets_nodes(path.shape());
         let carried =
             |time: f32| self.simulated(&path.carried_nodes(&self.garment, &offsets, time));
@@ -375,7 +396,7 @@ impl Simulator {
                 start: &start,
                 body: Some(MovingBody {
                     collider: &self.collider,
-                    motion: &|_| posed.skin().positions().to_vec(),
+                    motion: &|_| self.simulated_skin(posed.skin().positions().to_vec()),
                     wind: None,
                     allowed_parts: self.allowed.as_deref(),
                     likely_faces: moment.lies_near_rest().then_some(&self.likely_faces),
@@ -396,14 +417,25 @@ impl Simulator {
         }
     }
 
-    /// Positions of the simulated nodes of those of all nodes `[node]`.
+    /// Positions of the simulated nodes of those of all nodes `[node]`, in the simulated scene.
     pub(crate) fn simulated(&self, at_nodes: &[Point3]) -> Vec<Point3> {
         let nodes = self.nodes.iter();
-        nodes.map(|&node| at_nodes[node as usize]).collect()
+        nodes
+            .map(|&node| at_nodes[node as usize] / self.size)
+            .collect()
     }
 
-    /// Positions of the garment's mesh `[vertex]` of those of the simulated nodes
-    /// `[simulated node]`, in metres.
+    /// Positions of the skin `[vertex]` in the simulated scene.
+    pub(crate) fn simulated_skin(&self, skin: Vec<Point3>) -> Vec<Point3> {
+        if is_one(self.size) {
+            skin
+        } else {
+            scaled(&skin, 1.0 / self.size)
+        }
+    }
+
+    /// Positions of the garment's mesh `[vertex]`, in metres, of those of the simulated nodes
+    /// `[simulated node]` in the simulated scene, as a simulation tells them.
     pub fn vertices(&self, simulated_nodes: &[Point3]) -> Vec<Point3> {
         self.moved(self.garment.rest_nodes(), simulated_nodes)
     }
@@ -413,7 +445,7 @@ impl Simulator {
     fn moved(&self, from: &[Point3], simulated: &[Point3]) -> Vec<Point3> {
         let mut at_nodes = from.to_vec();
         for (&node, &position) in self.nodes.iter().zip(simulated) {
-            at_nodes[node as usize] = position;
+            at_nodes[node as usize] = position * self.size;
         }
         for &(node, follows) in &self.carried {
             let moved = at_nodes[follows as usize] - from[follows as usize];
@@ -492,9 +524,41 @@ fn share_over_holes(garment: &BoundGarment) -> f64 {
     over as f64 / count.max(1) as f64
 }
 
+/// How much larger a body is than a person; 1 unless it is a doll or a giant.
+fn size_of(garment: &BoundGarment, body: &Body) -> f32 {
+    let rest = body.rest();
+    let bounds = Bounds::of_faces(rest.positions(), rest.faces()).unwrap_or_default();
+    let height = bounds.extent().max();
+    let is_person = is_one(garment.scale()) || (PEOPLE[0]..=PEOPLE[1]).contains(&height);
+    if is_person || height <= 0.0 {
+        1.0
+    } else {
+        height / PERSON
+    }
+}
+
+/// Whether lengths stay as they are.
+pub(crate) fn is_one(scale: f32) -> bool {
+    (scale - 1.0).abs() < f32::EPSILON
+}
+
+fn scaled(places: &[Point3], by: f32) -> Vec<Point3> {
+    places.iter().map(|place| place * by).collect()
+}
+
+fn rest_scaled(rest: &RestShape, by: f32) -> RestShape {
+    let mut rest = rest.clone();
+    if let RestShape::Flat { corners, .. } = &mut rest {
+        for length in corners.as_flattened_mut().as_flattened_mut() {
+            *length *= by;
+        }
+    }
+    rest
+}
+
 /// How loose the garment is at each node, by its distance from the skin at rest.
-fn looseness(garment: &BoundGarment, nodes: &[u32]) -> Vec<f32> {
-    let [tight, loose] = LOOSE;
+fn looseness(garment: &BoundGarment, nodes: &[u32], size: f32) -> Vec<f32> {
+    let [tight, loose] = LOOSE.map(|distance| distance * size);
     let distance = |&node: &u32| garment.skin()[node as usize].distance_squared.sqrt();
     let distances = nodes.iter().map(distance);
     distances

@@ -22,6 +22,7 @@ mod check_shapes;
 mod compare;
 mod costs;
 mod drape_sheet;
+mod expect;
 mod gallery;
 mod instructions;
 #[allow(dead_code, reason = "the command asks for more of it")]
@@ -82,6 +83,8 @@ enum Instrument {
     Compare(compare::Arguments),
     /// Measure what drapes of the variants of a package cost here, and store it in the package.
     Costs(costs::Arguments),
+    /// Fit how far from the simulation drapes of a package probably are, store it, and try it.
+    Expect(expect::Arguments),
     /// Measure how far drapes differ between the vector instructions of the processor.
     Instructions(instructions::Arguments),
     /// Time a network, and write a case of it for other implementations.
@@ -128,6 +131,7 @@ fn main() -> ExitCode {
         Instrument::Spread(arguments) => spread::run(&arguments),
         Instrument::Compare(arguments) => compare::run(&arguments),
         Instrument::Costs(arguments) => costs::run(&arguments),
+        Instrument::Expect(arguments) => expect::run(&arguments),
         Instrument::Instructions(arguments) => instructions::run(&arguments),
         Instrument::TorchCase(arguments) => torch_case::run(&arguments),
         Instrument::Sewing(arguments) => sewing::run(&arguments),

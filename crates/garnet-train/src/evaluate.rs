@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::bound_candidate::BoundCandidate;
 use crate::curves::Counts;
 use crate::measure::Measure;
+use crate::scenes_found::ScenesFound;
 use crate::scores::{Sums, Tally};
 use crate::{
     Curves, Finish, PenetrationCount, Percentiles, Scores, Stage, StagedScene, TrainError,
@@ -121,6 +122,8 @@ pub struct Row {
     /// Mean distance to the teacher of all other scenes, before untangling, in metres; none if
     /// there are none.
     pub familiar_distance: Option<f64>,
+    /// What was found in each scene.
+    pub scenes_found: ScenesFound,
     /// Weights of the network.
     pub parameters: u64,
     /// Multiplications and additions of a forward pass.
@@ -223,6 +226,7 @@ struct Entrant<'a> {
     fallbacks: usize,
     unfamiliar: usize,
     familiar: Sums,
+    scenes_found: ScenesFound,
     times: [Vec<f64>; 4],
 }
 
@@ -239,6 +243,7 @@ impl<'a> Entrant<'a> {
             fallbacks: 0,
             unfamiliar: 0,
             familiar: Sums::default(),
+            scenes_found: ScenesFound::default(),
             times: Default::default(),
         }
     }
@@ -255,6 +260,7 @@ impl<'a> Entrant<'a> {
             fallbacks: self.fallbacks,
             unfamiliar: self.unfamiliar,
             familiar_distance: self.familiar.mean(),
+            scenes_found: self.scenes_found,
             parameters: cost.map_or(0, |cost| cost.parameters),
             flops: cost.map_or(0, |cost| cost.flops),
             scores: self.tally.scores(),
@@ -295,6 +301,7 @@ fn scene(
             fallbacks,
             unfamiliar,
             familiar,
+            scenes_found,
             times,
         } = entrant;
         let has_network = candidate.config().is_some() || candidate.cost().is_some();
@@ -313,6 +320,7 @@ fn scene(
                 Some(_) => *unfamiliar += 1,
                 None => familiar.add(&errors.distances),
             }
+            scenes_found.add(draper.garment(), &staged.posed, &errors.distances);
             distances.add(&errors.distances);
             angles.add(&errors.angles);
             let Some(drape) = drape else {

@@ -16,7 +16,9 @@ use crate::examples::examples;
 use crate::pose_space::Beginning;
 use crate::state::State;
 use crate::validate::validate;
-use crate::{Candidate, EpochRecord, EvalEvent, Finish, Scores, Stage, TrainError, TrainEvent};
+use crate::{
+    Candidate, EpochRecord, EvalEvent, Finish, ScenesFound, Scores, Stage, TrainError, TrainEvent,
+};
 
 /// What a training has come to.
 #[derive(Debug, Clone, PartialEq)]
@@ -236,6 +238,7 @@ pub(crate) fn scored_variant(
         settle_frames: None,
         valid_error: None,
         valid_scenes: None,
+        expected: None,
         // Nothing says yet that it gains by that.
         settles: moment.is_rest().then_some(false),
         flop: Some(flops as f64),
@@ -357,10 +360,42 @@ pub(crate) fn add_variant(
     variant.settled_error = settled_test.map(|test| test.distance);
     variant.settle_frames = settled_test.or(settled_valid).map(|_| frames);
     add(&variant, cost.as_ref())?;
+    if valid.is_some() {
+        let settle = if settles { frames } else { 0 };
+        // The drapes are there without it.
+        if let Ok(found) = scenes_found(stage, Split::Valid, &weights, settle, stop) {
+            let name = &variant.name;
+            GarmentPackage::change_manifest(folder, |manifest| found.store(manifest, name))?;
+        }
+    }
     Ok(Drapes {
         valid,
         settled: settled_test,
     })
+}
+
+/// How far from the teacher drapes of weights are on a split, scene by scene, before untangling:
+/// cloth settles for so many frames, or is left where they put it. `stop` ends it.
+///
+/// # Errors
+///
+/// Those of [`evaluate`](crate::evaluate), and [`TrainError::Stopped`].
+pub fn scenes_found(
+    stage: &Stage,
+    split: Split,
+    weights: &Path,
+    settle: u32,
+    stop: &AtomicBool,
+) -> Result<ScenesFound, TrainError> {
+    let candidate = Candidate::Model {
+        name: String::new(),
+        weights: weights.to_path_buf(),
+        settle,
+    };
+    let none = &mut |_: EvalEvent| {};
+    let found = evaluate_until(stage, split, &[candidate], Finish::None, none, stop)?;
+    let scenes = found.rows.into_iter().next().map(|row| row.scenes_found);
+    Ok(scenes.unwrap_or_default())
 }
 
 /// How far cloth is from the teacher's on a split once it has settled for so many frames where

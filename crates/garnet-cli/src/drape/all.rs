@@ -583,6 +583,7 @@ impl Frame<'_> {
             written?;
             time.write = write;
         }
+        let expectation = self.ready.expectation(&posed);
         let output = DrapeOutput {
             target: target.path.display().to_string(),
             output: output.display().to_string(),
@@ -593,6 +594,8 @@ impl Frame<'_> {
             simulated,
             fallback,
             beyond,
+            familiarity: expectation.map(|(familiarity, _)| familiarity),
+            expected_m: expectation.and_then(|(_, expected)| expected),
             unsettled,
             steps,
             cloth_crossings,

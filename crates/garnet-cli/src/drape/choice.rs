@@ -31,6 +31,9 @@ struct CandidateReport {
     settles: bool,
     /// Mean distance to the teacher on the test scenes of its training.
     error_m: Option<f64>,
+    /// What nine of ten of its drapes in such poses keep within; none if the package does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bound_m: Option<f64>,
     flop: Option<f64>,
     /// About how long a drape takes here; none if the package does not say, or if accuracy was
     /// asked for.
@@ -43,6 +46,7 @@ impl From<&Candidate> for CandidateReport {
             variant: candidate.variant.clone(),
             settles: candidate.is_relaxed,
             error_m: candidate.distance_error,
+            bound_m: candidate.bound,
             flop: candidate.flop,
             seconds: candidate.seconds,
         }
@@ -132,7 +136,12 @@ fn named(candidate: &Candidate) -> String {
 
 fn described(candidate: &Candidate) -> String {
     let mut parts = Vec::new();
-    if let Some(error) = candidate.distance_error {
+    if let Some(bound) = candidate.bound {
+        parts.push(format!(
+            "nine of ten such poses within {:.2} mm of the simulation",
+            1e3 * bound
+        ));
+    } else if let Some(error) = candidate.distance_error {
         parts.push(format!("{:.2} mm from the simulation", 1e3 * error));
     }
     if let Some(seconds) = candidate.seconds {

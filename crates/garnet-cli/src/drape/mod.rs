@@ -100,9 +100,8 @@ fn done(
         };
         let mut whole: Option<DrapeReport> = None;
         for (prepared, part) in by_wearer(prepared, part, &job)? {
-            let ((bound, bind), found) =
-                rayon::join(|| timed(|| Bound::new(prepared)), || Found::read(&job));
-            let mut ready = Ready::new(bound?, found?, &job, console)?;
+            let (bound, bind, found) = Found::beside(&job, || timed(|| Bound::new(prepared)))?;
+            let mut ready = Ready::new(bound, found, &job, console)?;
             if let Some(path) = &job.export_inputs {
                 exported::write(&ready, path)?;
             }

@@ -196,8 +196,8 @@ fn ready_garment(args: super::DrapeArgs, console: &Console) -> anyhow::Result<Ga
     // There is one target, and so one wearer.
     let of_wearer = by_wearer(prepared, part, &job)?.into_iter().next();
     let (prepared, part) = of_wearer.context("there is nothing to drape on")?;
-    let (bound, bind) = timed(|| Bound::new(prepared));
-    let ready = Ready::new(bound?, Found::read(&job)?, &job, console)?;
+    let (bound, bind, found) = Found::beside(&job, || timed(|| Bound::new(prepared)))?;
+    let ready = Ready::new(bound, found, &job, console)?;
     Ok(Garment {
         name,
         job,

@@ -4,9 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use garnet::{
-    Draper,
+    Draper, PosedBody,
     net::{ModelFile, Network},
-    package::{Choice, GarmentPackage, Manifest},
+    package::{
+        Choice, ChoiceOptions, Expectation, GarmentPackage, Limit, Manifest, StoredPoses,
+        familiarity,
+    },
 };
 
 use super::{
@@ -32,8 +35,17 @@ pub(super) struct Ready {
     pub(super) method: Method,
     /// How the method was chosen, if it was.
     pub(super) choice: Option<ChoiceReport>,
+    /// How far off drapes are expected to be, if the package says so.
+    expected: Option<Expected>,
     /// What tells whether the garment fits, or why that cannot be told.
     pub(super) fitting: Result<Fitting, String>,
+}
+
+/// How far from the simulation drapes of a network are expected to be.
+struct Expected {
+    poses: StoredPoses,
+    /// None if cloth settles for another time than it was measured for.
+    of_variant: Option<Expectation>,
 }
 
 /// The way in which a garment comes to a body.
@@ -75,8 +87,25 @@ pub(super) fn package_of(source: &Source) -> Option<&Path> {
 }
 
 impl Found {
-    /// Reads the network that was chosen, or chooses one.
-    pub(super) fn read(job: &Job) -> anyhow::Result<(Self, Option<ChoiceReport>)> {
+    /// Binds a garment, and reads the network that was chosen, or chooses one. What is to be within
+    /// a distance is chosen by the poses, which are known once the garment is bound.
+    pub(super) fn beside<T: Send>(
+        job: &Job,
+        bind: impl FnOnce() -> (anyhow::Result<Bound>, T) + Send,
+    ) -> anyhow::Result<(Bound, T, (Self, Option<ChoiceReport>))> {
+        if !matches!(job.limit, Some(Limit::Distance(_))) {
+            let ((bound, seconds), found) = rayon::join(bind, || Self::read(job, None));
+            return Ok((bound?, seconds, found?));
+        }
+        let (bound, seconds) = bind();
+        let bound = bound?;
+        let far = farthest(&bound, job)?;
+        Ok((bound, seconds, Self::read(job, far)?))
+    }
+
+    /// Reads the network that was chosen, or chooses one, for poses that are so far from the middle
+    /// of the package's.
+    fn read(job: &Job, far: Option<f64>) -> anyhow::Result<(Self, Option<ChoiceReport>)> {
         let Some(limit) = job.limit else {
             return Ok((Self::of(&job.network, &job.source)?, None));
         };
@@ -88,7 +117,9 @@ impl Found {
             ));
         };
         let manifest = GarmentPackage::read_manifest(folder)?;
-        let choice = Choice::new(folder, &manifest, limit, job.settle);
+        let mut options = ChoiceOptions::new(limit);
+        (options.relax_frames, options.far) = (job.settle, far);
+        let choice = Choice::new(folder, &manifest, &options);
         let found = match choice.candidate() {
             Some(chosen) => {
                 let is_relaxed = Some(chosen.is_relaxed);
@@ -155,8 +186,13 @@ impl Unbound {
         })
     }
 
-    /// The network in a draper of the garment that is draped.
-    fn joined(self, draper: Draper, bound: &Bound) -> anyhow::Result<(Draper, NetworkReport)> {
+    /// The network in a draper of the garment that is draped, and what is expected of its drapes.
+    fn joined(
+        self,
+        draper: Draper,
+        bound: &Bound,
+        settle: Option<u32>,
+    ) -> anyhow::Result<(Draper, NetworkReport, Option<Expected>)> {
         let parameters = self.manifest.sewing_parameters();
         let garment = match &bound.refit {
             Some(refit) => refit.garment(),
@@ -167,12 +203,44 @@ impl Unbound {
         let moment = network.moment();
         let relaxation = (self.manifest).relaxation(&self.name, moment, self.is_relaxed);
         let draper = draper.with_network(network, relaxation.frames);
+        let variant = self.manifest.variant(&self.name);
+        let usual = variant.map(|variant| variant.settling(moment).frames);
+        let is_usual = settle.is_none() && usual == Some(relaxation.frames);
+        // What is known is known of drapes on the body of the package.
+        let poses = self.manifest.poses.clone();
+        let poses = poses.filter(|_| bound.refit.is_none());
+        let expected = poses.map(|poses| Expected {
+            poses,
+            of_variant: variant.and_then(|variant| variant.expected.filter(|_| is_usual)),
+        });
         let report = NetworkReport {
             variant: self.name,
             weights: self.weights.display().to_string(),
         };
-        Ok((draper, report))
+        Ok((draper, report, expected))
     }
+}
+
+/// Of more targets than this, as many are looked at.
+const LOOKED_AT: usize = 64;
+
+/// How far the targets are from the middle of the package's poses, the farthest of them, in
+/// radians; none if the package does not say, or has learned from another body.
+fn farthest(bound: &Bound, job: &Job) -> anyhow::Result<Option<f64>> {
+    let Some(folder) = package_of(&job.source).filter(|_| bound.refit.is_none()) else {
+        return Ok(None);
+    };
+    let Some(poses) = GarmentPackage::read_manifest(folder)?.poses else {
+        return Ok(None);
+    };
+    let step = bound.targets.len().div_ceil(LOOKED_AT).max(1);
+    let mut farthest = None;
+    for target in bound.targets.iter().step_by(step) {
+        let posed = target.posed(bound.garment.body())?;
+        let far = poses.distance_of(&posed, &bound.garment);
+        farthest = farthest.into_iter().chain(far).reduce(f64::max);
+    }
+    Ok(farthest)
 }
 
 /// Says which name may be meant, if one is near.
@@ -183,6 +251,16 @@ fn meant<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
 
 fn cannot_use(name: &str) -> String {
     format!("cannot use the network `{name}`")
+}
+
+/// What is to be said of dolls and giants.
+fn note_of_size(size: f32) -> Option<String> {
+    ((size - 1.0).abs() > f32::EPSILON).then(|| {
+        format!(
+            "note: the body is {size:.3} times as large as a person; it is simulated as large as \
+             one, with cloth and gravity as people know them"
+        )
+    })
 }
 
 impl Ready {
@@ -207,10 +285,11 @@ impl Ready {
             draper = draper.with_refit(refit.clone());
         }
         let mut method = Method::Warp;
+        let mut expected = None;
         match found {
             Found::Network(network) => {
-                let (joined, report) = network.joined(draper, &bound)?;
-                (draper, method) = (joined, Method::Network(report));
+                let (joined, report, known) = network.joined(draper, &bound, job.settle)?;
+                (draper, method, expected) = (joined, Method::Network(report), known);
             }
             Found::NotAsked => {}
             Found::NoneInPackage => console.summary(
@@ -236,6 +315,9 @@ impl Ready {
                 }),
             }
         }
+        if let Some(note) = draper.simulator().and_then(|own| note_of_size(own.size())) {
+            console.summary(&note);
+        }
         if job.fabric.is_some() && draper.simulator().is_none() {
             console.summary(
                 &"note: nothing is simulated, so that `--fabric` changes nothing; `--settle FRAMES` \
@@ -248,7 +330,19 @@ impl Ready {
             draper,
             method,
             choice,
+            expected,
         })
+    }
+
+    /// How familiar the network is with a pose, from 0 to 1, and how far from the simulation its
+    /// drape is expected to be, in metres.
+    pub(super) fn expectation(&self, posed: &PosedBody) -> Option<(f64, Option<f64>)> {
+        let Expected { poses, of_variant } = self.expected.as_ref()?;
+        let far = poses.distance_of(posed, &self.bound.garment)?;
+        Some((
+            familiarity(far),
+            of_variant.map(|expected| expected.at(far)),
+        ))
     }
 
     /// The name of the method in reports.

@@ -179,6 +179,14 @@ pub(crate) struct DrapeOutput {
     /// nothing is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) beyond: Option<String>,
+    /// How familiar the package is with the pose: from 0 to 1, its middle. None without a network,
+    /// and on bodies of other topologies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) familiarity: Option<f64>,
+    /// How far from the simulation such drapes of the variant are; none if the package does not
+    /// say, or if cloth settles for another time than usual.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) expected_m: Option<f64>,
     /// Why the drape is that before it was to settle; none if it settled, or was not to.
     pub(crate) unsettled: Option<String>,
     /// How the frame goes on from the last one of its motion; none of a drape alone.

@@ -389,7 +389,8 @@ impl From<&Warning> for WarningReport {
     }
 }
 
-/// A garment whose vertices are deeper than this in the rest body may belong to another, in metres.
+/// A garment whose vertices are deeper than this in the rest body may belong to another, in metres
+/// of limbs as thick as a person's.
 const MAX_START_DEPTH: f32 = 0.03;
 
 /// A target that differs from the posed rest body by more than a change of shape does, in metres.
@@ -541,13 +542,14 @@ pub(crate) fn of_holes(garment: &BoundGarment) -> Option<Problem> {
 /// Whether a garment starts deep inside the rest body.
 pub(crate) fn of_start(garment: &BoundGarment) -> Option<Problem> {
     let cloth = garment.cloth();
+    let max_depth = MAX_START_DEPTH * cloth.scale();
     let far = cloth
         .rest_nodes()
         .iter()
         .zip(cloth.skin())
         .filter_map(|(position, skin)| {
             let distance = skin.distance_squared.sqrt();
-            (distance > MAX_START_DEPTH).then_some((*position, distance))
+            (distance > max_depth).then_some((*position, distance))
         });
     let (positions, distances): (Vec<_>, Vec<f32>) = far.unzip();
     let is_inside = cloth.rest_skin().contains_all(&positions);

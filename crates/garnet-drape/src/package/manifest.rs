@@ -8,7 +8,7 @@ use garnet_sim::Fabric;
 use serde::{Deserialize, Serialize};
 
 use super::{MANIFEST_FILE, PackageError, StoredParameters};
-use crate::{Moment, Settling};
+use crate::{Expectation, Moment, Settling, StoredPoses};
 
 /// One kind of network under two names.
 const PARAMETERS: [&str; 2] = ["params", "global-params"];
@@ -39,6 +39,9 @@ pub struct Manifest {
     /// What its drapes cost where that was measured; see [`Variant::seconds`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<StoredCost>,
+    /// The poses that [`Variant::expected`] goes by.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poses: Option<StoredPoses>,
     /// The trained variants.
     #[serde(default, rename = "variant", skip_serializing_if = "Vec::is_empty")]
     pub variants: Vec<Variant>,
@@ -98,6 +101,7 @@ impl Manifest {
     pub fn of_garment(&self) -> Self {
         let mut garment = self.clone();
         garment.cost = None;
+        garment.poses = None;
         garment.variants.clear();
         garment.rest_body.checksum = None;
         garment
@@ -342,6 +346,10 @@ pub struct Variant {
     /// [`distance_error`](Self::distance_error).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settles: Option<bool>,
+    /// How far from the teacher its drapes probably are, by the pose: fitted on the validation split
+    /// to what a drape with this variant gives.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expected: Option<Expectation>,
     /// Time of a drape without relaxation, in seconds, where [`Manifest::cost`] was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -403,6 +411,7 @@ mod tests {
                 valid_error,
                 valid_scenes: None,
                 settles: None,
+                expected: None,
                 flop: None,
             });
         }

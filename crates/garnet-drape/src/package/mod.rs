@@ -103,6 +103,7 @@ impl GarmentPackage {
                 parameters: parts.parameters,
             },
             cost: None,
+            poses: None,
             variants: Vec::new(),
         };
         Ok(Self {

@@ -172,6 +172,7 @@ fn weights_do_not_take_the_place_of_other_files() {
         default: false,
         distance_error: None,
         settled_error: None,
+        expected: None,
         settle_frames: None,
         valid_error: None,
         valid_scenes: None,
