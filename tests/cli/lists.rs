@@ -66,6 +66,35 @@ fn shells_and_manuals_know_every_subcommand() {
 }
 
 #[test]
+fn versions_tell_commit_and_features() {
+    let fixture = Fixture::new();
+    let short = format!("garnet {}", env!("CARGO_PKG_VERSION"));
+    assert_eq!(done(&fixture, "-V").trim_end(), short);
+    let long = done(&fixture, "--version");
+    let mut lines = long.lines();
+    assert_eq!(lines.next(), Some(short.as_str()));
+    let commit = lines.next().and_then(|line| line.strip_prefix("commit "));
+    let commit = commit.unwrap();
+    assert_eq!(lines.next(), Some("features package, network, train"));
+    assert_eq!(lines.next(), None);
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let head = std::process::Command::new("git")
+        .args(["rev-parse", "--short=9", "HEAD"])
+        .current_dir(root)
+        .output();
+    let is_checkout = std::path::Path::new(root).join(".git").exists();
+    match head {
+        Ok(head) if is_checkout && option_env!("GARNET_COMMIT").is_none() => {
+            assert_eq!(commit, String::from_utf8_lossy(&head.stdout).trim());
+        }
+        _ => assert!(!commit.is_empty()),
+    }
+    done(&fixture, "man -o pages -q");
+    let page = String::from_utf8(fixture.read("pages/garnet.1")).unwrap();
+    assert!(!page.contains("commit "), "{page}");
+}
+
+#[test]
 fn packages_are_found_by_their_name() {
     let fixture = Fixture::new();
     std::fs::create_dir(fixture.path("shop")).unwrap();

@@ -23,13 +23,21 @@ use crate::{
 
 /// Drapes garment meshes on body meshes.
 #[derive(Debug, Parser)]
-#[command(name = "garnet", version, max_term_width = 100, after_help = AFTER_HELP)]
+#[command(name = "garnet", version, long_version = LONG_VERSION, max_term_width = 100, after_help = AFTER_HELP)]
 pub(crate) struct Cli {
     #[command(flatten)]
     pub(crate) everywhere: Everywhere,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
+
+/// What `--version` prints after the name: the command has all features of the library.
+const LONG_VERSION: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    "\ncommit ",
+    env!("GARNET_BUILT_FROM"),
+    "\nfeatures package, network, train"
+);
 
 const AFTER_HELP: &str = "Exit codes: 0 done; 1 done, but a limit that was asked for is exceeded; \
                           2 not done; 130 interrupted.";

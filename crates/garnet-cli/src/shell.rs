@@ -46,7 +46,9 @@ pub(crate) fn man(
 ) -> anyhow::Result<ExitStatus> {
     output::check_output_folder(&args.output)?;
     output::open_folder(&args.output)?;
-    let mut command = command.disable_help_subcommand(true);
+    // One line of it: pages are of a version, not of a build.
+    let short = command.long_version(None::<&str>);
+    let mut command = short.disable_help_subcommand(true);
     command.build();
     let mut count = 0;
     write(&command, "garnet", &args.output, &mut count)?;
