@@ -1,6 +1,6 @@
 //! The rules of ARCHITECTURE.md that a machine can hold.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -87,7 +87,6 @@ const MAX_LINES: usize = 800;
 /// Columns of a comment at most; code fences, tables and addresses may be wider.
 const MAX_COLUMNS: usize = 100;
 
-/// The packages of the workspace, each with the names of all that it depends on.
 /// Crates whose public items users of the facade see.
 const SHOWN: [&str; 13] = [
     "garnet-mesh",
@@ -119,7 +118,25 @@ const ITEMS: [&str; 7] = [
 /// A list of documentation shows a summary beside the name alone; fewer words say too little there.
 const LEAST_WORDS: usize = 4;
 
+/// The packages of the workspace, each with its manifest and the names of all that it depends on.
 fn packages() -> BTreeMap<String, (PathBuf, Vec<String>)> {
+    let package = |package: &Value| {
+        let dependencies = package["dependencies"].as_array().unwrap();
+        let names = dependencies
+            .iter()
+            .map(|dependency| text(&dependency["name"]));
+        let manifest = PathBuf::from(text(&package["manifest_path"]));
+        (text(&package["name"]), (manifest, names.collect()))
+    };
+    metadata().iter().map(package).collect()
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().unwrap().to_owned()
+}
+
+/// What Cargo knows of each package of the workspace.
+fn metadata() -> Vec<Value> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .args([
@@ -135,21 +152,7 @@ fn packages() -> BTreeMap<String, (PathBuf, Vec<String>)> {
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{stderr}");
     let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let text = |value: &Value| value.as_str().unwrap().to_owned();
-    let package = |package: &Value| {
-        let dependencies = package["dependencies"].as_array().unwrap();
-        let names = dependencies
-            .iter()
-            .map(|dependency| text(&dependency["name"]));
-        let manifest = PathBuf::from(text(&package["manifest_path"]));
-        (text(&package["name"]), (manifest, names.collect()))
-    };
-    metadata["packages"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(package)
-        .collect()
+    metadata["packages"].as_array().unwrap().clone()
 }
 
 fn root() -> PathBuf {
@@ -205,6 +208,42 @@ fn all_packages_share_the_lints_of_the_workspace() {
             manifest.contains("[lints]\nworkspace = true"),
             "`{name}` has other lints"
         );
+    }
+}
+
+#[test]
+fn crates_that_command_and_library_need_can_be_published() {
+    let packages = metadata();
+    let is_published = |package: &&Value| package["publish"].is_null();
+    let published: Vec<&Value> = packages.iter().filter(is_published).collect();
+    let names: Vec<String> = (published.iter().map(|package| text(&package["name"]))).collect();
+    let expected = ARROWS.map(|(name, _)| name.to_owned());
+    assert_eq!(
+        names.iter().collect::<BTreeSet<_>>(),
+        expected.iter().collect::<BTreeSet<_>>()
+    );
+    for package in published {
+        let name = text(&package["name"]);
+        for key in ["description", "license", "readme"] {
+            let is_given = package[key].as_str().is_some_and(|text| !text.is_empty());
+            assert!(is_given, "`{name}` has no {key}");
+        }
+        for key in ["categories", "keywords"] {
+            // No more than five are taken.
+            let count = package[key].as_array().unwrap().len();
+            assert!((1..=5).contains(&count), "`{name}` has {count} {key}");
+        }
+        for dependency in package["dependencies"].as_array().unwrap() {
+            let other = text(&dependency["name"]);
+            if dependency["path"].is_null() {
+                continue;
+            }
+            assert!(names.contains(&other), "`{name}` needs `{other}`");
+            assert_ne!(
+                dependency["req"], "*",
+                "`{name}` needs any version of `{other}`"
+            );
+        }
     }
 }
 
