@@ -476,15 +476,15 @@ fn what_is_mistyped_is_told_before_work() {
     for (arguments, told) in [
         (
             format!("{shirt} --pose waev -o out.obj"),
-            "`wave` may be meant",
+            "did you mean `wave`?",
         ),
         (
             format!("{shirt} --pose wave --method fats -o out.obj"),
-            "`fast` may be meant",
+            "did you mean `fast`?",
         ),
         (
             "sleeve.obj bent.obj --rig body.rig.npz --method wrap -o out.obj".to_owned(),
-            "`warp` may be meant",
+            "did you mean `warp`?",
         ),
         (format!("{shirt} -o out.obj"), "as `--pose wave`"),
         (

@@ -18,6 +18,7 @@ mod garbage;
 mod garment;
 mod glb;
 mod lists;
+mod mistyped;
 mod outfit;
 mod outputs;
 #[cfg(unix)]

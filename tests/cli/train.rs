@@ -420,7 +420,7 @@ fn older_names_and_names_of_other_kinds_are_told() {
     refused(
         &fixture,
         "drape net body.obj --method MINE -o out.obj",
-        &["`mine` may be meant"],
+        &["did you mean `mine`?"],
     );
 }
 
@@ -445,10 +445,10 @@ fn what_cannot_be_followed_is_refused() {
     train("local-umx", ending);
     train("local-umx --config tiny.toml", ending);
     for (own, near) in [
-        ("locl", "`--variant local` may be meant; "),
+        ("locl", "did you mean `local`? "),
         (
             "pose_space --config tiny.toml",
-            "`--variant pose-space` may",
+            "did you mean `pose-space`? `--kind KIND`",
         ),
         (
             "mine-umx",
@@ -461,7 +461,7 @@ fn what_cannot_be_followed_is_refused() {
         ("mine --kind lokal", "there is no kind `lokal`"),
         (
             "mine --kind lokal",
-            "hint: `local` may be meant; the kinds are naive",
+            "hint: did you mean `local`? the kinds are naive",
         ),
     ] {
         train(own, near);

@@ -53,9 +53,9 @@ pub(crate) fn unknown(path: &Path) -> Option<anyhow::Error> {
     let packages = packages.filter(|folder| GarmentPackage::is_at(folder));
     let names = packages.filter_map(|folder| Some(folder.file_name()?.to_str()?.to_owned()));
     let names: BTreeSet<String> = names.collect();
-    let near = hints::nearest(path.to_str()?, names.iter().map(String::as_str));
-    let hint = match (near, names.is_empty()) {
-        (Some(near), _) => format!("did you mean `{near}`?"),
+    let meant = hints::did_you_mean(path.to_str()?, names.iter().map(String::as_str));
+    let hint = match (meant, names.is_empty()) {
+        (Some(meant), _) => meant,
         (None, false) => {
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             format!("the packages that are found are: {}", names.join(", "))

@@ -127,8 +127,12 @@ pub(crate) fn usage(found: &clap::Error) -> ExitStatus {
         let text = found.render().to_string();
         let first = text.lines().next().unwrap_or_default();
         let error = one_line(first.trim_start_matches("error: "));
+        let tip = text
+            .lines()
+            .find_map(|line| line.trim().strip_prefix("tip: "));
+        let help = "`garnet --help` lists the arguments";
         tell_json(&Failure {
-            hint: Some("`garnet --help` lists the arguments".to_owned()),
+            hint: Some(one_line(tip.unwrap_or(help))),
             ..Failure::without_cause(error)
         });
     } else {

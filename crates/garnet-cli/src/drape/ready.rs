@@ -25,7 +25,7 @@ use super::{
 use crate::{
     console::Console,
     failure::{Hint, refused},
-    hints::nearest,
+    hints::did_you_mean_or,
 };
 
 /// A garment and all that drapes it.
@@ -137,13 +137,11 @@ impl Found {
             (NetworkChoice::Default, Some(folder)) => (folder, None),
             (NetworkChoice::Named(name), Some(folder)) => (folder, Some(name.as_str())),
             (NetworkChoice::Named(name), None) => {
-                let meant = meant(name, MethodName::OF_ALL.into_iter());
+                let all = "drape a package, or choose --method auto, warp, dqs, lbs or sim";
                 return Err(refused(
                     format!("there is no variant `{name}`"),
                     "the garment is no garment package, which trained variants are in",
-                    format!(
-                        "{meant}drape a package, or choose --method auto, warp, dqs, lbs or sim"
-                    ),
+                    did_you_mean_or(name, MethodName::OF_ALL, all),
                 ));
             }
         };
@@ -169,11 +167,10 @@ impl Unbound {
         let weights = manifest.weights_of(folder, name).hint(|| {
             let variants = manifest.variants.iter();
             let names = variants.flat_map(|variant| variant.aliases.iter().chain([&variant.name]));
-            let meant = meant(name, names.map(String::as_str).chain(MethodName::OF_ALL));
-            format!(
-                "{meant}`--method` takes a variant of the package, auto, warp, dqs, lbs or sim; \
-                 `garnet train` adds variants"
-            )
+            let names = names.map(String::as_str).chain(MethodName::OF_ALL);
+            let all = "`--method` takes a variant of the package, auto, warp, dqs, lbs or sim; \
+                       `garnet train` adds variants";
+            did_you_mean_or(name, names, all)
         })?;
         let file = ModelFile::read(&weights).with_context(|| cannot_use(name))?;
         let named = manifest.variant(name).map(|variant| variant.name.clone());
@@ -241,12 +238,6 @@ fn farthest(bound: &Bound, job: &Job) -> anyhow::Result<Option<f64>> {
         farthest = farthest.into_iter().chain(far).reduce(f64::max);
     }
     Ok(farthest)
-}
-
-/// Says which name may be meant, if one is near.
-fn meant<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
-    let near = nearest(name, known);
-    near.map_or_else(String::new, |near| format!("`{near}` may be meant; "))
 }
 
 fn cannot_use(name: &str) -> String {

@@ -13,6 +13,7 @@ use garnet::{
 use super::curves;
 use crate::{
     failure::Hint,
+    hints::did_you_mean_or,
     models, output,
     parse::{millimetres, settle_frames},
 };
@@ -152,10 +153,12 @@ pub(crate) fn candidates(
         let weights = if is_file {
             path.to_path_buf()
         } else {
-            package
-                .manifest
-                .weights_of(folder, &name)
-                .hint(|| "`garnet train` adds variants to a package".to_owned())?
+            package.manifest.weights_of(folder, &name).hint(|| {
+                let known = variants.iter();
+                let known = known.flat_map(|variant| variant.aliases.iter().chain([&variant.name]));
+                let advice = "`garnet train` adds variants to a package";
+                did_you_mean_or(&name, known.map(String::as_str), advice)
+            })?
         };
         // As a drape relaxes it.
         let variant = package.manifest.variant(&name);

@@ -26,11 +26,11 @@ use garnet::{
 
 use data::{for_data, for_package, for_sim};
 use mesh::{for_io, for_mesh, for_obj, for_parse, for_write};
-use rig::{for_file, for_joints, for_motion, for_retarget, for_skin};
+use rig::{for_file, for_joints, for_motion, for_names, for_retarget, for_skin};
 use train::{for_train, for_weights};
 
 pub(crate) use data::Hinting;
-pub(crate) use nearest::nearest;
+pub(crate) use nearest::{did_you_mean, did_you_mean_or};
 pub(crate) use pattern::for_pattern;
 pub(crate) use train::{CONFIG_HINT, advised};
 
@@ -40,7 +40,8 @@ pub(crate) fn for_error(error: &anyhow::Error) -> Option<String> {
     let hint = |link| {
         let own = for_pattern_link(link).or_else(|| scene::for_link(link));
         let joints = || link.downcast_ref::<RetargetError>().and_then(for_joints);
-        own.or_else(joints)
+        own.or_else(|| for_names(link))
+            .or_else(joints)
             .or_else(|| for_link(link).map(str::to_owned))
     };
     links.into_iter().rev().find_map(hint)

@@ -8,6 +8,27 @@ pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
     (least <= 1 + name.chars().count() / 4).then_some(near)
 }
 
+/// Asks whether a known name is meant by one that is not, if one is near.
+pub(crate) fn did_you_mean<'a>(
+    name: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
+    let near = nearest(name, known.into_iter())?;
+    Some(format!("did you mean `{near}`?"))
+}
+
+/// The same before other advice, of which that alone is left where no name is near.
+pub(crate) fn did_you_mean_or<'a>(
+    name: &str,
+    known: impl IntoIterator<Item = &'a str>,
+    advice: &str,
+) -> String {
+    match did_you_mean(name, known) {
+        Some(question) => format!("{question} {advice}"),
+        None => advice.to_owned(),
+    }
+}
+
 /// How many letters are to be added, left out or changed to come from one word to another
 /// (*Levenshtein 1966*).
 fn changes(from: &str, to: &str) -> usize {

@@ -2,17 +2,21 @@
 
 use garnet::pattern::{GarmentKind, PatternError, PatternLength, Size};
 
+use super::did_you_mean_or;
+
 /// What to do about an error, as a clause.
 pub(crate) fn for_pattern(error: &PatternError) -> Option<String> {
     Some(match error {
-        PatternError::UnknownGarment { .. } => one_of(GarmentKind::ALL.map(GarmentKind::name)),
-        PatternError::UnknownSize { .. } => {
+        PatternError::UnknownGarment { name } => {
+            one_of(name, GarmentKind::ALL.map(GarmentKind::name))
+        }
+        PatternError::UnknownSize { name } => {
             let names = Size::ALL.map(|size| size.to_string());
-            let names = one_of(names.iter().map(String::as_str));
+            let names = one_of(name, names.iter().map(String::as_str));
             format!("{names}, or of trousers waist and inner leg in inches, as 32x34")
         }
-        PatternError::UnknownParameter { garment, .. } => {
-            one_of(garment.specs().iter().map(|spec| spec.name))
+        PatternError::UnknownParameter { garment, name } => {
+            one_of(name, garment.specs().iter().map(|spec| spec.name))
         }
         PatternError::ParameterOutOfRange { spec, .. } => {
             format!("`{}` is this: {}", spec.name, spec.help)
@@ -56,9 +60,11 @@ fn for_folded(far: &[&str]) -> String {
     }
 }
 
-fn one_of<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+/// What a name may be that is none of these.
+fn one_of<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.into_iter().collect();
-    format!("it is one of {}", names.join(", "))
+    let all = format!("it is one of {}", names.join(", "));
+    did_you_mean_or(name, names, &all)
 }
 
 #[cfg(test)]
@@ -71,6 +77,11 @@ mod tests {
         let hint = for_pattern(&tshirt.set("inseam", 0.7).unwrap_err()).unwrap();
         assert!(
             hint.starts_with("it is one of ") && hint.contains("sleeve"),
+            "{hint}"
+        );
+        let hint = for_pattern(&tshirt.set("sleev", 0.7).unwrap_err()).unwrap();
+        assert!(
+            hint.starts_with("did you mean `sleeve`? it is one of "),
             "{hint}"
         );
     }

@@ -1,12 +1,37 @@
 //! Advice for what can be wrong with rigs, poses and motions.
 
+use std::error::Error as StdError;
+
 use garnet::{
     body::motion::RetargetError,
     io::{ArrayProblem, FileProblem, GltfProblem, MotionProblem},
     skin::SkinError,
 };
 
-use super::mesh::{for_io, for_mesh, for_obj};
+use super::{
+    did_you_mean,
+    mesh::{for_io, for_mesh, for_obj},
+};
+
+/// The mesh or animation of a file that a name may be meant for.
+pub(super) fn for_names(link: &(dyn StdError + 'static)) -> Option<String> {
+    let of_motion = link.downcast_ref::<MotionProblem>();
+    let of_motion = of_motion.and_then(|problem| match problem {
+        MotionProblem::File(problem) => Some(&**problem),
+        _ => None,
+    });
+    let FileProblem::Gltf(
+        GltfProblem::NoMesh { name, found }
+        | GltfProblem::NoClip {
+            wanted: Some(name),
+            found,
+        },
+    ) = link.downcast_ref::<FileProblem>().or(of_motion)?
+    else {
+        return None;
+    };
+    did_you_mean(name, found.iter().map(String::as_str))
+}
 
 pub(super) fn for_motion(problem: &MotionProblem) -> Option<&'static str> {
     match problem {
@@ -156,5 +181,35 @@ pub(super) fn for_skin(error: &SkinError) -> Option<&'static str> {
         | SkinError::NonFiniteJoint { .. } => Some("export the rig again"),
         SkinError::Singular(_) => Some("`garnet info` shows what is unusual about the garment"),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use garnet::io::FileError;
+
+    use super::*;
+    use crate::hints::for_error;
+
+    #[test]
+    fn meshes_and_animations_that_are_mistyped_are_asked_about() {
+        let found = || vec!["Walk".to_owned(), "Hair".to_owned()];
+        let error = |problem: GltfProblem| FileError {
+            path: "a.glb".into(),
+            problem: problem.into(),
+        };
+        let of_mesh = |name: &str| GltfProblem::NoMesh {
+            name: name.to_owned(),
+            found: found(),
+        };
+        let hint = |name: &str| for_error(&error(of_mesh(name)).into()).unwrap();
+        assert_eq!(hint("hiar"), "did you mean `Hair`?");
+        assert_eq!(hint("body"), "`garnet info` lists the meshes of a file");
+        let no_clip = GltfProblem::NoClip {
+            wanted: Some("walks".to_owned()),
+            found: found(),
+        };
+        let hint = for_error(&error(no_clip).into()).unwrap();
+        assert_eq!(hint, "did you mean `Walk`?");
     }
 }

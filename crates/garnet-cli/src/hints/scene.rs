@@ -7,7 +7,8 @@ use garnet::{
     io::{Misplaced, PoseError, PoseProblem, SceneError, SceneProblem},
 };
 
-use super::{for_file, for_joints, for_mesh, for_motion, for_obj, for_retarget, for_skin, nearest};
+use super::{for_file, for_joints, for_mesh, for_motion, for_obj, for_retarget, for_skin};
+use crate::hints::did_you_mean_or;
 
 /// The advice for a link of a chain of errors, if it is one of a scene or a pose.
 pub(super) fn for_link(link: &(dyn StdError + 'static)) -> Option<String> {
@@ -120,12 +121,8 @@ fn for_pose(error: &PoseError) -> Option<String> {
         },
         PoseError::Unknown { name, .. } => {
             let names: Vec<&str> = key_poses().map(|pose| pose.name).collect();
-            let near = nearest(name, names.iter().copied());
-            let meant = near.map_or_else(String::new, |near| format!("`{near}` may be meant; "));
-            return Some(format!(
-                "{meant}the poses of the library are: {}",
-                names.join(", ")
-            ));
+            let all = format!("the poses of the library are: {}", names.join(", "));
+            return Some(did_you_mean_or(name, names, &all));
         }
         _ => return None,
     };

@@ -8,8 +8,8 @@ use garnet::{
 
 use super::{
     data::{for_data, for_package},
+    did_you_mean_or,
     mesh::{for_io, for_mesh, for_write},
-    nearest,
     rig::for_skin,
 };
 use crate::failure;
@@ -43,12 +43,11 @@ fn advice_on_job(error: &TrainError) -> Option<String> {
         ),
         TrainError::UnknownKind { kind } => {
             let kinds: Vec<&str> = kind_names().collect();
-            let meant = nearest(kind, kinds.iter().copied());
-            let meant = meant.map_or_else(String::new, |near| format!("`{near}` may be meant; "));
-            format!(
-                "{meant}the kinds are {}, and fine-tunings as local-rq",
+            let all = format!(
+                "the kinds are {}, and fine-tunings as local-rq",
                 kinds.join(", ")
-            )
+            );
+            did_you_mean_or(kind, kinds, &all)
         }
         TrainError::Config { .. }
         | TrainError::ConfigText { .. }

@@ -14,7 +14,7 @@ use garnet::{
 use garnet_view::{ColorMap, Heat};
 
 use super::{fit, metres_of, problems::problems};
-use crate::failure::refused;
+use crate::{failure::refused, hints::did_you_mean_or};
 
 /// What the first mesh is colored by.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,6 +49,17 @@ impl ColorBy {
     }
 }
 
+/// The words of `--color-by`, without what follows them.
+const NAMES: [&str; 7] = [
+    "none",
+    "problems",
+    "stretch",
+    "distance",
+    "displacement",
+    "fit",
+    "file",
+];
+
 pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {
     match text.split_once('=') {
         None if text == "none" => Ok(ColorBy::Nothing),
@@ -58,11 +69,13 @@ pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {
         Some(("displacement", path)) => Ok(ColorBy::Displacement(path.into())),
         Some(("fit", path)) => Ok(ColorBy::Fit(path.into())),
         Some(("file", path)) => Ok(ColorBy::File(path.into())),
-        _ => Err(
-            "expected `none`, `problems`, `stretch=REST.obj`, `distance=BODY.obj`, \
-             `displacement=OTHER.obj`, `fit=PACKAGE` or `file=VALUES.txt`"
-                .to_owned(),
-        ),
+        found => {
+            const EXPECTED: &str = "expected `none`, `problems`, `stretch=REST.obj`, \
+                                    `distance=BODY.obj`, `displacement=OTHER.obj`, `fit=PACKAGE` \
+                                    or `file=VALUES.txt`";
+            let name = found.map_or(text, |(name, _)| name);
+            Err(did_you_mean_or(name, NAMES, EXPECTED))
+        }
     }
 }
 

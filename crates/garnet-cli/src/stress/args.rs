@@ -8,7 +8,7 @@ use garnet::{
     stress::{AXES, Axis, Method, StressOptions},
 };
 
-use crate::{failure::refused, models, output};
+use crate::{failure::refused, hints::did_you_mean_or, models, output};
 
 /// Arguments of `stress`.
 #[derive(Debug, Args)]
@@ -115,12 +115,13 @@ impl StressArgs {
 }
 
 fn axis(name: &str) -> anyhow::Result<&'static Axis> {
-    let names = AXES.iter().map(|axis| axis.name);
     Axis::find(name).ok_or_else(|| {
+        let names: Vec<&str> = AXES.iter().map(|axis| axis.name).collect();
+        let all = format!("the axes are: {}", names.join(", "));
         refused(
             format!("there is no axis `{name}`"),
             "it is none of those that `stress` has",
-            format!("the axes are: {}", names.collect::<Vec<_>>().join(", ")),
+            did_you_mean_or(name, names, &all),
         )
     })
 }
@@ -128,9 +129,10 @@ fn axis(name: &str) -> anyhow::Result<&'static Axis> {
 fn no_method(name: &str, variants: &[String]) -> anyhow::Error {
     let mut names: Vec<&str> = variants.iter().map(String::as_str).collect();
     names.extend(["simulator", "none"]);
+    let all = format!("expected one of {}", names.join(", "));
     refused(
         format!("there is no method `{name}`"),
         "it is no variant of the package",
-        format!("expected one of {}", names.join(", ")),
+        did_you_mean_or(name, names, &all),
     )
 }

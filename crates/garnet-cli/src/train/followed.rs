@@ -8,7 +8,7 @@ use garnet::{
 use super::TrainArgs;
 use crate::{
     failure::refused,
-    hints::{advised, nearest},
+    hints::{advised, did_you_mean_or},
 };
 
 /// Refuses what would be left out of account. A variant that the package has is trained anew as
@@ -106,13 +106,10 @@ fn check_name(args: &TrainArgs, recipe: &Recipe) -> anyhow::Result<()> {
     }
     let kinds: Vec<&str> = kind_names().collect();
     let all = kinds.iter().chain(&variants).copied();
-    let meant = match nearest(name, all) {
-        Some(near) => format!("`--variant {near}` may be meant; "),
-        None => String::new(),
-    };
+    let hint = did_you_mean_or(name, all, &says_kind);
     Err(refused(
         format!("nothing says what `{name}` is"),
         format!("it is no kind: those are {}", kinds.join(", ")),
-        format!("{meant}{says_kind}"),
+        hint,
     ))
 }
