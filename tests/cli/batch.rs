@@ -79,6 +79,14 @@ fn a_list_that_is_wrong_is_refused_before_the_first_drape() {
             ),
             "units",
         ),
+        (
+            format!("[{}]", good.replace("output", "ouput")),
+            "did you mean `output`?",
+        ),
+        (
+            "[{\"garment\": \"sleeve.obj\", \"bodies\": \"bent.obj\"}]".to_owned(),
+            "--output <OUT>",
+        ),
     ];
     for (text, expected) in cases {
         fixture.text("jobs.json", &text);
@@ -89,4 +97,130 @@ fn a_list_that_is_wrong_is_refused_before_the_first_drape() {
     let output = fixture.garnet("drape --batch jobs.json --method warp");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("cannot be used with"));
+}
+
+#[test]
+fn tables_and_lines_of_json_are_jobs() {
+    let fixture = Fixture::new();
+    fixture.text(
+        "jobs.csv",
+        "garment,bodies,rest-body,pose,output,no-untangle,clearance\r\n\
+         sleeve.obj,bent.obj,body.obj,,\"a, b.obj\",,\r\n\
+         sleeve.obj,body.obj,,bend.json,c.obj,TRUE,\r\n\
+         sleeve.obj,bent.obj;more.obj,body.obj,,many/,,3\r\n",
+    );
+    let output = fixture.garnet("drape --batch jobs.csv");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let of_table = lines(&stdout(&output));
+    assert_eq!(of_table.len(), 3);
+    assert_eq!(of_table[1]["report"]["untangled"], false);
+    assert_eq!(of_table[2]["report"]["clearance_m"], 0.003_f32);
+    assert!(fixture.path("many/more.obj").exists());
+    fixture.garnet("drape sleeve.obj bent.obj --rest-body body.obj -o alone.obj");
+    assert_eq!(fixture.read("a, b.obj"), fixture.read("alone.obj"));
+    fixture.text(
+        "jobs.jsonl",
+        "{\"garment\": \"sleeve.obj\", \"bodies\": \"bent.obj\", \"rest-body\": \"body.obj\", \
+         \"output\": \"d.obj\"}\n\n",
+    );
+    let output = fixture.garnet("drape --batch jobs.jsonl");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(lines(&stdout(&output)).len(), 1);
+    assert_eq!(fixture.read("d.obj"), fixture.read("alone.obj"));
+}
+
+#[test]
+fn tables_and_lines_that_are_wrong_are_told_by_line_and_value() {
+    let fixture = Fixture::new();
+    let head = "garment,body,rest-body,output";
+    for (name, text, told) in [
+        ("jobs.csv", String::new(), "`jobs.csv` has no jobs"),
+        ("jobs.csv", format!("{head}\n"), "`jobs.csv` has no jobs"),
+        (
+            "jobs.csv",
+            format!("{head},setle\n"),
+            "did you mean `settle`?",
+        ),
+        (
+            "jobs.csv",
+            format!("{head},settle\nsleeve.obj,bent.obj,body.obj,a.obj,many\n"),
+            "job 1 (line 2) of `jobs.csv` is refused\n  cause: invalid value 'many'",
+        ),
+        (
+            "jobs.csv",
+            format!("{head}\n\nsleeve.obj,bent.obj,body.obj\n"),
+            "line 3 has 3 cells",
+        ),
+        (
+            "jobs.csv",
+            format!("{}\n", head.replace(',', ";")),
+            "part cells by commas",
+        ),
+        (
+            "jobs.jsonl",
+            "{\"garment\": \"a.obj\", \"output\": \"a.obj\"}\n{\"garment\": }\n".to_owned(),
+            "line 2: expected value, at column 13",
+        ),
+        (
+            "jobs.jsonl",
+            "\n{\"garment\": \"a.obj\", \"outptu\": \"b.obj\"}\n".to_owned(),
+            "job 1 (line 2) of `jobs.jsonl` is refused",
+        ),
+    ] {
+        fixture.text(name, &text);
+        refused_with_hint(&fixture, &format!("drape --batch {name}"), &[name, told]);
+        assert!(!fixture.names().contains(&"a.obj".to_owned()), "{text}");
+    }
+}
+
+#[test]
+fn no_job_replaces_the_list_or_what_any_job_reads_or_writes() {
+    let fixture = Fixture::new();
+    let job = |output: &str, more: &str| {
+        format!(
+            r#"{{"garment": "sleeve.obj", "bodies": "bent.obj", "rest-body": "body.obj", "output": "{output}"{more}}}"#
+        )
+    };
+    let good = job("a.obj", "");
+    std::fs::create_dir(fixture.path("frames")).unwrap();
+    fixture.bytes("frames/wave_0001.obj", &fixture.read("bent.obj"));
+    fixture.text("wave.bvh", "");
+    let in_frames = job("b.obj", "").replace("\"bent.obj", "\"frames/wave_0001.obj");
+    let motion = r#"{"garment": "sleeve.obj", "bodies": "body.obj", "pose": "wave.bvh:0:4", "output": "frames"}"#;
+    let posed = |more: &str| job("b.obj", &format!(r#", "pose": "bend.json", {more}"#));
+    for (jobs, told) in [
+        (
+            [&good, &job("b.obj", r#", "hide": "jobs.json""#)],
+            "its output `jobs.json` is the list of jobs",
+        ),
+        ([&good, &job("body.obj", "")], "`body.obj` is read by job 1"),
+        (
+            [&good, &job("b.obj", r#", "hide": "./body.rig.npz""#)],
+            "`./body.rig.npz` is read by job 1",
+        ),
+        (
+            [&good, &posed(r#""report": "bend.json""#)],
+            "`bend.json` is read by job 2",
+        ),
+        (
+            [&good, &posed(r#""body-out": "a.obj""#)],
+            "job 1 has the output `a.obj`, too",
+        ),
+        (
+            [&good, &posed(r#""view": "b.obj""#)],
+            "two of its outputs are `b.obj`",
+        ),
+        (
+            [&in_frames, &motion.to_owned()],
+            "has the name of one of its frames",
+        ),
+    ] {
+        let text = format!("[{}, {}]", jobs[0], jobs[1]);
+        fixture.text("jobs.json", &text);
+        let names = fixture.names();
+        let told = ["job 2 of `jobs.json` is refused", told];
+        refused_with_hint(&fixture, "drape --batch jobs.json", &told);
+        assert_eq!(fixture.names(), names, "{text}");
+        assert_eq!(fixture.read("jobs.json"), text.as_bytes());
+    }
 }

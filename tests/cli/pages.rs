@@ -1,11 +1,10 @@
 //! The commands of README.md and of the guides do what the pages show.
 //!
-//! A page is followed literally, in an empty folder beside `models`: a
-//! block ```` ```json NAME ```` or ```` ```toml NAME ```` is saved as that file, and each `$` line
-//! of a `console` block runs in a shell. The lines below it are what it prints, stdout before
-//! stderr: numbers and times are those of some machine and match any, a line `...` matches any
-//! lines, `? 2` is the exit status. Where nothing is shown, the command has to succeed, and no
-//! more.
+//! A page is followed literally, in an empty folder beside `models`: a block ```` ```json NAME ````
+//! (or `toml`, or `csv`) is saved as that file, and each `$` line of a `console` block runs in a
+//! shell. The lines below it are what it prints, stdout before stderr: numbers and times are those
+//! of some machine and match any, a line `...` matches any lines, `? 2` is the exit status. Where
+//! nothing is shown, the command has to succeed, and no more.
 
 use std::{
     fs,
@@ -150,7 +149,8 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
         let words = info.split_once(' ');
         blocks.push(Block {
             is_console: info == "console",
-            file: words.and_then(|(kind, name)| ["json", "toml"].contains(&kind).then_some(name)),
+            file: words
+                .and_then(|(kind, name)| ["csv", "json", "toml"].contains(&kind).then_some(name)),
             lines: lines.by_ref().take_while(|&line| line != "```").collect(),
         });
     }

@@ -54,7 +54,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
 ];
 
 /// Third parties that only some crates may name.
-const OWNERS: [(&str, &[&str]); 12] = [
+const OWNERS: [(&str, &[&str]); 13] = [
     ("tobj", &["garnet-io"]),
     ("gltf", &["garnet-io"]),
     // Tests of data sets write archives to import.
@@ -63,6 +63,7 @@ const OWNERS: [(&str, &[&str]); 12] = [
     ("burn", &["garnet-net", "garnet-train"]),
     ("clap", &["garnet-cli", "garnet-lab"]),
     ("anyhow", &["garnet-cli"]),
+    ("csv", &["garnet-cli"]),
     ("indicatif", &["garnet-cli"]),
     (
         "faer",

@@ -70,12 +70,12 @@ pub(super) const OF_A_JOB: [&str; 38] = [
 #[command(
     after_long_help = LONG_HELP,
     override_usage = "garnet drape [OPTIONS] --output <OUT> [GARMENT] [BODY]...\n       garnet \
-                      drape --batch <JOBS.json>",
+                      drape --batch <JOBS>",
     mut_arg("garment", |garment| garment.required_unless_present_any(["scene", "batch"]))
 )]
 pub(crate) struct DrapeArgs {
     #[command(flatten)]
-    input: InputArgs,
+    pub(super) input: InputArgs,
     /// Where the drape goes: an OBJ, or a GLB with the body; for several bodies a folder of OBJ, or
     /// one file of all frames: .pc2, .mdd, .npz or .glb; for an outfit, or if it ends with `/`, a
     /// folder.
@@ -88,25 +88,26 @@ pub(crate) struct DrapeArgs {
         default_value_if("batch", ArgPredicate::IsPresent, ".")
     )]
     pub(super) output: PathBuf,
-    /// Do all drapes that a JSON file lists, and print a line of JSON for each: a list of objects
-    /// with `garment`, `bodies`, and options of `drape` as keys (docs/guide/many-machines.md).
-    #[arg(long, value_name = "JOBS.json", conflicts_with_all = OF_A_JOB)]
+    /// Do all drapes that a file lists, and print a line of JSON for each: objects with `garment`,
+    /// `bodies`, and options of `drape` as keys, in a list (.json) or one a line (.jsonl), or a
+    /// table with such columns (.csv); see docs/guide/many-machines.md.
+    #[arg(long, value_name = "JOBS", conflicts_with_all = OF_A_JOB)]
     pub(super) batch: Option<PathBuf>,
     /// With `--pose`: write the posed body, as the drape is written; a folder for several OBJ.
     #[arg(long, value_name = "OUT", requires = "pose")]
-    body_out: Option<PathBuf>,
+    pub(super) body_out: Option<PathBuf>,
     /// Write which faces of the body the garment covers in all drapes, so that they need not be
     /// drawn: JSON, or a number a line if it ends with .txt.
     #[arg(long, value_name = "FILE")]
-    hide: Option<PathBuf>,
+    pub(super) hide: Option<PathBuf>,
     /// Write a page that shows the drapes on their bodies in a browser, colored by stretch,
     /// distance to the skin or problems, as HTML.
     #[arg(long, value_name = "HTML")]
-    view: Option<PathBuf>,
+    pub(super) view: Option<PathBuf>,
     /// Write the inputs and outputs of the network on the body, for other implementations:
     /// arrays as safetensors (docs/guide/pytorch.md).
     #[arg(long, hide_short_help = true, value_name = "FILE")]
-    export_inputs: Option<PathBuf>,
+    pub(super) export_inputs: Option<PathBuf>,
     /// A variant of the package: fast, balanced, accurate, or one of the paper's networks (naive,
     /// global, local …); or auto (its default, else warp), warp, dqs, lbs, sim.
     #[arg(long, value_name = "METHOD", default_value = "auto", value_parser = MethodName::parse)]
@@ -163,7 +164,7 @@ pub(crate) struct DrapeArgs {
     max_crossing: Option<usize>,
     /// Write the report as JSON; `-` is stdout.
     #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
+    pub(super) report: Option<PathBuf>,
     /// Drape each body this often, and report median and p95 of the times.
     #[arg(long, hide_short_help = true, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=100_000), allow_negative_numbers = true)]
     repeat: u32,
@@ -186,18 +187,18 @@ pub(crate) struct InputArgs {
     pub(crate) bodies: Vec<PathBuf>,
     /// Take garment, bodies, weights and pose from a `drape-scene/1` file.
     #[arg(long, value_name = "SCENE.json", conflicts_with_all = ["rig", "rest_body", "units", "up"])]
-    scene: Option<PathBuf>,
+    pub(super) scene: Option<PathBuf>,
     /// Skeleton and weights: npz, GLB, glTF or JSON [default: `<body>.rig.npz` beside the body].
     #[arg(long, value_name = "FILE")]
-    rig: Option<PathBuf>,
+    pub(super) rig: Option<PathBuf>,
     /// Body on which the garment lies, as OBJ or GLB [default: the rest mesh of the rig].
     #[arg(long, value_name = "OBJ")]
-    rest_body: Option<PathBuf>,
+    pub(super) rest_body: Option<PathBuf>,
     /// Pose the rest body, instead of taking the pose from BODY: a pose file, a frame of a motion
     /// (BVH, npz as in AMASS, GLB, pose JSON), several as FIRST:END:STEP, in seconds as 1s:2.5s, or
     /// a pose of the library.
     #[arg(long, value_name = "FILE[:CLIP][:FRAMES]|NAME")]
-    pose: Option<PoseSource>,
+    pub(super) pose: Option<PoseSource>,
     /// Axis that points up in the motion of `--pose`.
     #[arg(
         long,
@@ -210,7 +211,7 @@ pub(crate) struct InputArgs {
     #[command(flatten)]
     motion: MotionArgs,
     #[command(flatten)]
-    rig_args: RigArgs,
+    pub(super) rig_args: RigArgs,
     /// Bring a garment to the rest body that does not lie on it: unit, axis, place, size and
     /// sleeves are found by its openings and the skin.
     #[arg(long, conflicts_with = "scene")]
@@ -326,7 +327,7 @@ impl DrapeArgs {
 }
 
 /// What the output of a package is named after, with an extension for that to be taken away.
-fn stem_of(package: &Path) -> PathBuf {
+pub(super) fn stem_of(package: &Path) -> PathBuf {
     let whole = std::fs::canonicalize(package).unwrap_or_default();
     let name = package
         .file_name()

@@ -1,0 +1,132 @@
+//! Many drapes that a file lists, each with arguments of its own.
+
+mod apart;
+mod list;
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use apart::Files;
+use list::Options;
+
+use super::{
+    args::{DrapeArgs, Job},
+    done, judge, outfit, publish,
+    report::DrapeReport,
+};
+use crate::{
+    console::{Console, print_data},
+    failure::{ExitStatus, refused},
+    interrupt::Interrupted,
+    stderr::Failure,
+};
+
+/// What is wrong with a job, and what helps.
+#[derive(Debug, PartialEq, Eq)]
+struct Problem {
+    cause: String,
+    hint: String,
+}
+
+impl Problem {
+    fn new(cause: impl Into<String>, hint: impl Into<String>) -> Self {
+        let (cause, hint) = (cause.into(), hint.into());
+        Self { cause, hint }
+    }
+
+    /// The error of a job of a list.
+    fn of(self, job: &str, list: &Path) -> anyhow::Error {
+        let error = format!("{job} of `{}` is refused", list.display());
+        refused(error, self.cause, self.hint)
+    }
+}
+
+/// A line for each job.
+#[derive(Debug, Serialize)]
+struct LineReport {
+    schema: &'static str,
+    /// From 1.
+    job: usize,
+    output: String,
+    /// As the command would have ended with it.
+    exit_code: u8,
+    /// What was done; none of outfits.
+    report: Option<DrapeReport>,
+    /// Why it was not.
+    error: Option<Failure>,
+}
+
+/// Does one job after the other, and prints a line for each.
+pub(super) fn run(path: &Path, console: &Console) -> anyhow::Result<ExitStatus> {
+    let jobs = read(path)?;
+    let silent = Console::silent();
+    let total = jobs.len();
+    let progress = console.progress(total);
+    let (mut failed, mut exceeded) = (0, 0);
+    for (number, args) in jobs.into_iter().enumerate() {
+        let output = args.output.display().to_string();
+        let (status, report, error) = match once(args, &silent) {
+            Ok((status, report)) => (status, report, None),
+            Err(error) if error.downcast_ref::<Interrupted>().is_some() => {
+                progress.finish_and_clear();
+                console.failure(&error);
+                return Ok(ExitStatus::Interrupted);
+            }
+            Err(error) => (ExitStatus::NotDone, None, Some(Failure::new(&error))),
+        };
+        exceeded += usize::from(status == ExitStatus::LimitExceeded);
+        failed += usize::from(status == ExitStatus::NotDone);
+        let line = LineReport {
+            schema: "garnet.batch-line/1",
+            job: number + 1,
+            output,
+            exit_code: status.code(),
+            report,
+            error,
+        };
+        let line = serde_json::to_string(&line)?;
+        progress.suspend(|| print_data(&line))?;
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    let done = total - failed;
+    console.summary(&format_args!(
+        "{done} of {total} jobs are done, {exceeded} of them exceed a limit"
+    ));
+    Ok(match (failed, exceeded) {
+        (1.., _) => ExitStatus::NotDone,
+        (0, 1..) => ExitStatus::LimitExceeded,
+        (0, 0) => ExitStatus::Done,
+    })
+}
+
+fn once(args: DrapeArgs, console: &Console) -> anyhow::Result<(ExitStatus, Option<DrapeReport>)> {
+    if let Some(outfit) = args.outfit()? {
+        return Ok((outfit::run(outfit, console)?, None));
+    }
+    let (report, job) = done(|| Job::new(args), console)?;
+    publish(&report, &job, console)?;
+    Ok((judge(&report, &job, console), Some(report)))
+}
+
+/// The jobs of a file, all of them checked before the first is done: their arguments, and that none
+/// writes what another one reads or writes.
+fn read(path: &Path) -> anyhow::Result<Vec<DrapeArgs>> {
+    let options = Options::new();
+    let entries = list::read(path, &options)?;
+    let mut names = Vec::with_capacity(entries.len());
+    let mut jobs = Vec::with_capacity(entries.len());
+    for (number, entry) in entries.iter().enumerate() {
+        let name = entry.name(number + 1);
+        let checked = list::checked(entry, &options);
+        jobs.push(checked.map_err(|problem| problem.of(&name, path))?);
+        names.push(name);
+    }
+    let files: Vec<Files> = jobs.iter().map(Files::of).collect();
+    let met = apart::first_meeting(path, &names, &files);
+    met.map_or(
+        Ok(jobs),
+        |(job, problem)| Err(problem.of(&names[job], path)),
+    )
+}
