@@ -95,6 +95,56 @@ fn versions_tell_commit_and_features() {
 }
 
 #[test]
+fn what_is_done_is_told_where_it_is_asked_for() {
+    let fixture = Fixture::new();
+    let drape = "drape sleeve.obj bent.obj --rest-body body.obj";
+    let run = |options: &str| {
+        let output = fixture.garnet(&format!("{drape} {options}"));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (stdout(&output), stderr(&output))
+    };
+    let (_, usual) = run("-o usual.obj");
+    assert!(!usual.contains("INFO"), "{usual}");
+    let (data, told) = run("-o told.obj -v");
+    assert_eq!(data, "");
+    let lines = |text: &str, level: &str| {
+        let begin = format!("{level} ");
+        let lines = text.lines().map(str::trim_start);
+        let lines = lines.filter(|line| line.starts_with(&begin));
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let info = lines(&told, "INFO");
+    for expected in [
+        "garnet version=",
+        "instruction_set=",
+        "the garment path=sleeve.obj vertices=",
+        "the rest body path=body.obj rig=body.rig.npz",
+        "the posed body path=bent.obj targets=1",
+        "the method method=\"warp\"",
+        "why=\"the garment is no package, and has no variants\"",
+        "bound seconds=",
+        "draped and written seconds=",
+    ] {
+        let is_told = info.iter().any(|line| line.contains(expected));
+        assert!(is_told, "{expected}: {told}");
+    }
+    assert!(lines(&told, "DEBUG").is_empty(), "{told}");
+    let (_, all) = run("-o all.obj -vv");
+    let debug = lines(&all, "DEBUG").join("\n");
+    assert!(
+        debug.contains("warped seconds=") && debug.contains("untangled seconds="),
+        "{all}"
+    );
+    // Nothing else differs.
+    for name in ["told.obj", "all.obj"] {
+        assert_eq!(fixture.read(name), fixture.read("usual.obj"));
+    }
+    let (data, told) = run("-o told.obj -v --json");
+    serde_json::from_str::<Value>(&data).unwrap();
+    assert!(told.contains("INFO"), "{told}");
+}
+
+#[test]
 fn packages_are_found_by_their_name() {
     let fixture = Fixture::new();
     std::fs::create_dir(fixture.path("shop")).unwrap();

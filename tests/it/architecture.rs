@@ -54,7 +54,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
 ];
 
 /// Third parties that only some crates may name.
-const OWNERS: [(&str, &[&str]); 13] = [
+const OWNERS: [(&str, &[&str]); 15] = [
     ("tobj", &["garnet-io"]),
     ("gltf", &["garnet-io"]),
     // Tests of data sets write archives to import.
@@ -64,6 +64,8 @@ const OWNERS: [(&str, &[&str]); 13] = [
     ("clap", &["garnet-cli", "garnet-lab"]),
     ("anyhow", &["garnet-cli"]),
     ("csv", &["garnet-cli"]),
+    ("tracing", &["garnet-drape", "garnet-cli"]),
+    ("tracing-subscriber", &["garnet-cli"]),
     ("indicatif", &["garnet-cli"]),
     (
         "faer",

@@ -5,9 +5,7 @@ use std::sync::atomic::AtomicBool;
 use garnet::io::ObjFile;
 use garnet::package::{Moment, Settling, Simulator};
 use garnet::sim::{Fabric, RestShape};
-use garnet::{
-    Body, Garment, Joint, Point3, Pose, Skeleton, TriMesh, Warp, mesh::primitives,
-};
+use garnet::{Body, Garment, Joint, Point3, Pose, Skeleton, TriMesh, Warp, mesh::primitives};
 use garnet_tests::capsules::{
     arm, bent, figure, joined, lowered, moved, shirt, skirt, sleeve, step,
 };

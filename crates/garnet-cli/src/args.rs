@@ -1,6 +1,6 @@
 //! The arguments of the command.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgAction, Args, Parser, Subcommand};
 
 use crate::{
     body::BodyArgs,
@@ -82,10 +82,6 @@ pub(crate) enum Command {
 /// Options that every subcommand has.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Everywhere")]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a flag of the command line"
-)]
 pub(crate) struct Everywhere {
     /// Print one JSON document on stdout, and errors as JSON on stderr.
     #[arg(long, global = true)]
@@ -93,9 +89,9 @@ pub(crate) struct Everywhere {
     /// Print errors only.
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
-    /// Print how long each stage took.
-    #[arg(short, long, global = true)]
-    pub(crate) verbose: bool,
+    /// Tell what is read and done, and why, and how long each stage took; -vv tells of each step.
+    #[arg(short, long, global = true, action = ArgAction::Count)]
+    pub(crate) verbose: u8,
     /// Use this many threads; 0 is one for each core.
     #[arg(long, global = true, value_name = "N", value_parser = thread_count, allow_negative_numbers = true)]
     pub(crate) threads: Option<usize>,
@@ -113,7 +109,7 @@ impl Everywhere {
         ConsoleOptions {
             is_json: self.json,
             is_quiet: self.quiet,
-            is_verbose: self.verbose,
+            is_verbose: self.verbose > 0,
             hides_progress: self.no_progress,
             color: self.color,
         }

@@ -23,7 +23,7 @@ pub(crate) struct ConsoleOptions {
     pub(crate) is_json: bool,
     /// Errors alone are told.
     pub(crate) is_quiet: bool,
-    /// How long each stage took is told, too.
+    /// What is done is told, too, and how long each stage took.
     pub(crate) is_verbose: bool,
     /// No bar is drawn.
     pub(crate) hides_progress: bool,
@@ -87,7 +87,11 @@ impl Console {
                 (false, false) => Loudness::Usual,
                 (false, true) => Loudness::Verbose,
             },
-            draws_progress: is_terminal && !options.hides_progress && !options.is_quiet,
+            // Lines that others write would be drawn into it.
+            draws_progress: is_terminal
+                && !options.hides_progress
+                && !options.is_quiet
+                && !options.is_verbose,
             is_colored,
         }
     }

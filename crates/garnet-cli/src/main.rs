@@ -17,6 +17,7 @@ mod hints;
 mod info;
 mod interrupt;
 mod lists;
+mod log;
 mod machine;
 mod models;
 mod motion;
@@ -51,7 +52,11 @@ fn main() -> ExitCode {
         Err(usage) => return stderr::usage(&usage).into(),
     };
     let console = Console::new(cli.everywhere.console());
-    let status = set_threads(&cli.everywhere).and_then(|()| run(cli.command, &console));
+    log::start(cli.everywhere.verbose);
+    let status = set_threads(&cli.everywhere).and_then(|()| {
+        log::machine();
+        run(cli.command, &console)
+    });
     match status {
         Ok(status) => status.into(),
         Err(error) => {

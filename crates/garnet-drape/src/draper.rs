@@ -10,6 +10,7 @@ use garnet_mesh::{Point3, edge_stretch};
 use garnet_sim::Moment;
 use garnet_skin::{BodyAtHome, PosedBody, Warp};
 use garnet_untangle::{UntangleOptions, UntangleReport, Untangled, untangle};
+use tracing::{debug, info};
 
 #[cfg(feature = "package")]
 use crate::predicted::Learned;
@@ -507,12 +508,19 @@ impl Draper {
             }
             if is_worse {
                 untangled = before;
+                info!(?was, relaxed = ?first, "the drape before it was relaxed is better, and kept");
                 provenance.keep(was, first);
             }
         }
         let positions = weld.scatter(&untangled.positions_nodes);
         let is_trapped = weld.scatter(&untangled.is_trapped);
         seconds.untangle = start.elapsed().as_secs_f64();
+        debug!(
+            seconds = seconds.untangle,
+            inside = untangled.report.inside,
+            crossing = untangled.report.crossing_faces,
+            "untangled"
+        );
         Ok(Drape {
             positions: home.to_target(positions),
             is_trapped,
@@ -545,13 +553,15 @@ impl Draper {
     pub(crate) fn warped(&self, body: &PosedBody, warp: Warp) -> Result<Brought, Error> {
         let start = Instant::now();
         let nodes = self.garment.cloth().warped_nodes(body, warp)?;
+        let seconds = start.elapsed().as_secs_f64();
+        debug!(seconds, ?warp, "warped");
         Ok(Brought {
             nodes,
             by: PlacedBy::Warp,
             unrelaxed: None,
             provenance: Provenance::default(),
             seconds: DrapeSeconds {
-                warp: start.elapsed().as_secs_f64(),
+                warp: seconds,
                 ..DrapeSeconds::default()
             },
         })

@@ -9,6 +9,7 @@ use garnet_mesh::Point3;
 use garnet_net::ReferenceCase;
 use garnet_sim::{DrapeReport, Event, Moment, Quality};
 use garnet_skin::{BodyAtHome, PosedBody, Warp};
+use tracing::{debug, info};
 
 use crate::draper::Brought;
 use crate::network::Predicted;
@@ -141,6 +142,7 @@ impl Draper {
         };
         brought.provenance.relaxed_from = Some(Moment::Start);
         brought.seconds.warp = start.elapsed().as_secs_f64();
+        debug!(seconds = brought.seconds.warp, ?quality, "simulated");
         Ok((Placed::new(home, brought), simulated.report))
     }
 
@@ -188,9 +190,14 @@ impl Draper {
                     };
                     brought.provenance.relaxed_from = Some(relaxation.from);
                     brought.seconds.relax = start.elapsed().as_secs_f64();
+                    let (seconds, frames) = (brought.seconds.relax, relaxation.frames);
+                    debug!(seconds, frames, from = ?relaxation.from, "relaxed");
                 }
                 Err(PackageError::Stopped) => return Err(PackageError::Stopped.into()),
-                Err(error) => brought.provenance.unrelaxed = Some(Arc::new(error.into())),
+                Err(error) => {
+                    info!(%error, "left as it was before it was to be relaxed");
+                    brought.provenance.unrelaxed = Some(Arc::new(error.into()));
+                }
             }
         }
         let is_left = is_on_way
@@ -201,6 +208,7 @@ impl Draper {
             let warped = self.warped(body, Warp::Shape)?;
             (brought.nodes, brought.by) = (warped.nodes, warped.by);
             brought.seconds.warp += warped.seconds.warp;
+            info!(reason = %Fallback::OnTheWay, "fell back to the warp");
             brought.provenance.fallback = Some(Fallback::OnTheWay);
         }
         Ok(brought)
@@ -259,6 +267,7 @@ impl Draper {
             Predicted::At(positions) => (positions, None),
             Predicted::Beyond(positions, reason) => (positions, Some(reason)),
             Predicted::Unfamiliar(reason) => {
+                info!(%reason, "the network is not trusted");
                 let mut warped = self.warped(body, Warp::Shape)?;
                 warped.provenance.fallback = Some(Fallback::Unfamiliar(reason));
                 warped.seconds.predict = predict;
@@ -273,6 +282,10 @@ impl Draper {
             provenance: Provenance::default(),
             seconds: DrapeSeconds::default(),
         };
+        debug!(seconds = predict, ?moment, "predicted");
+        if let Some(reason) = &beyond {
+            info!(%reason, "the network predicts the nearest body that it knows");
+        }
         brought.provenance.predicted = Some(moment);
         brought.provenance.beyond = beyond;
         brought.seconds.predict = predict;

@@ -20,6 +20,7 @@ mod sink;
 mod summary;
 mod tailored;
 mod timing;
+mod told;
 mod viewing;
 mod warning;
 
@@ -31,6 +32,8 @@ use garnet::{
     drape::{Refit, Tubes},
     io::{self, Frame, MotionOptions, PoseSource, RestSource, Target},
 };
+
+use tracing::info;
 
 use all::{All, Part, drape_all};
 pub(crate) use args::DrapeArgs;
@@ -88,6 +91,7 @@ fn done(
         let job = make()?;
         let (prepared, read) = timed(|| Prepared::read(&job.source));
         let mut prepared = prepared?;
+        told::read(&prepared, read);
         let all = outputs_on(&prepared.targets, &job);
         check_outputs(&prepared, &all, &job)?;
         let part = Part::of(&job, &mut prepared, all)?;
@@ -101,12 +105,20 @@ fn done(
         let mut whole: Option<DrapeReport> = None;
         for (prepared, part) in by_wearer(prepared, part, &job)? {
             let (bound, bind, found) = Found::beside(&job, || timed(|| Bound::new(prepared)))?;
+            info!(seconds = bind, "bound");
             let mut ready = Ready::new(bound, found, &job, console)?;
+            told::method(&ready, &job);
             if let Some(path) = &job.export_inputs {
                 exported::write(&ready, path)?;
             }
             let (done, drape) = timed(|| drape_all(&mut ready, &job, &part, console));
             let done = done?;
+            info!(
+                seconds = drape,
+                drapes = done.drapes.len(),
+                threads_a_drape = done.threads,
+                "draped and written"
+            );
             seconds.bind += bind;
             seconds.drape += drape;
             let report = report_of(ready, &job, done, seconds);

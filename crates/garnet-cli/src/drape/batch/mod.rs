@@ -6,6 +6,7 @@ mod list;
 use std::path::Path;
 
 use serde::Serialize;
+use tracing::info_span;
 
 use apart::Files;
 use list::Options;
@@ -66,6 +67,7 @@ pub(super) fn run(path: &Path, console: &Console) -> anyhow::Result<ExitStatus> 
     let (mut failed, mut exceeded) = (0, 0);
     for (number, args) in jobs.into_iter().enumerate() {
         let output = args.output.display().to_string();
+        let _span = info_span!("job", number = number + 1).entered();
         let (status, report, error) = match once(args, &silent) {
             Ok((status, report)) => (status, report, None),
             Err(error) if error.downcast_ref::<Interrupted>().is_some() => {
