@@ -37,6 +37,79 @@ fn missing_and_unreadable_files() {
     refused(&fixture, "render no.obj -o out.png", &["`no.obj`"]);
 }
 
+/// Commands that read `odd`, the last one if it is a file alone.
+#[cfg(unix)]
+const READ_ODD: [&str; 6] = [
+    "info odd",
+    "drape --batch odd",
+    "drape --batch odd.csv",
+    "render body.obj -o out.png --color-by file=odd",
+    "train net scenes --config odd",
+    "stress net -o cells --axis knee --method none",
+];
+
+#[test]
+#[cfg(unix)]
+fn pipes_and_files_without_end_are_refused() {
+    use std::os::unix::fs::symlink;
+
+    let fixture = Fixture::new();
+    let make = "garment from-obj sleeve.obj --rest-body body.obj -o net -q";
+    assert_eq!(fixture.garnet(make).status.code(), Some(0));
+    fs::create_dir(fixture.path("cells")).unwrap();
+    for name in ["odd.csv", "cells/cells.json"] {
+        symlink(fixture.path("odd"), fixture.path(name)).unwrap();
+    }
+    let made = std::process::Command::new("mkfifo")
+        .arg(fixture.path("odd"))
+        .status();
+    if made.is_ok_and(|status| status.success()) {
+        for arguments in &READ_ODD[..READ_ODD.len() - 1] {
+            refused(&fixture, arguments, &["`odd", "it is a pipe or a device"]);
+        }
+        fs::remove_file(fixture.path("odd")).unwrap();
+    }
+    // Six gigabytes that take no room on the disk.
+    let file = fs::File::create(fixture.path("odd")).unwrap();
+    if file.set_len(6 << 30).is_ok() {
+        for arguments in &READ_ODD[1..] {
+            refused(&fixture, arguments, &["read at most"]);
+        }
+        // What begins so is no mesh.
+        refused(&fixture, READ_ODD[0], &["`odd`"]);
+    }
+}
+
+#[test]
+fn texts_that_are_none_are_told_with_their_path() {
+    let fixture = Fixture::new();
+    fixture.bytes("odd.txt", b"1\n\xff\xfe\n");
+    fixture.text("cut.json", "{");
+    let make = "garment from-obj sleeve.obj --rest-body body.obj -o net -q";
+    assert_eq!(fixture.garnet(make).status.code(), Some(0));
+    for (arguments, told) in [
+        (
+            "render body.obj -o out.png --color-by file=odd.txt",
+            ["`odd.txt`", "line 2 is no text in UTF-8"],
+        ),
+        (
+            "train net scenes --config odd.txt",
+            ["`odd.txt`", "it is no text in UTF-8"],
+        ),
+        ("info cut.json", ["`cut.json`", "cut off"]),
+        (
+            "simulate sleeve.obj bent.obj --rest-body body.obj -o out.obj --frames sleeve.obj",
+            ["`sleeve.obj`", "name another folder"],
+        ),
+        (
+            "drape net bent.obj --method fast -o out.obj",
+            ["cannot drape `net` by `fast`", "has no variant"],
+        ),
+    ] {
+        refused(&fixture, arguments, &told);
+    }
+}
+
 #[test]
 fn files_that_are_no_meshes() {
     let fixture = Fixture::new();

@@ -31,6 +31,10 @@ fn names_that_there_are_not_are_asked_about() {
             "dataset tee -o out --bodies 1/0/0 --vary sleve=18:34",
             "did you mean `sleeve`?",
         ),
+        (
+            "train tee out --preset smal",
+            "did you mean `small`? `garnet train --help`",
+        ),
         ("garment tshirt -o out --size axl", "did you mean `xl`?"),
         // What clap finds by itself.
         ("drap", "'drape'"),

@@ -15,6 +15,7 @@ mod failure;
 mod garment;
 mod hints;
 mod info;
+mod input;
 mod interrupt;
 mod lists;
 mod log;

@@ -184,7 +184,7 @@ pub(crate) fn check_folder(folder: &Path) -> anyhow::Result<()> {
         return Err(refused(
             format!("cannot write into `{shown}`"),
             "it is a file, and a folder is needed",
-            "name a folder with `-o`",
+            "name another folder",
         ));
     }
     if !folder_of(folder).is_dir() {

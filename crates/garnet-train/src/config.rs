@@ -1,8 +1,10 @@
 //! How a network is trained: the file that `garnet train --config` reads.
 
+use std::io;
 use std::path::Path;
 
 use garnet_drape::toml_problem;
+use garnet_mesh::read_bounded;
 use garnet_net::losses::LossConfig;
 use garnet_net::{GarNetConfig, Precision, Variant};
 use serde::{Deserialize, Serialize};
@@ -354,8 +356,14 @@ impl TrainConfig {
     }
 }
 
+/// No configuration is larger, in bytes.
+const MOST_TEXT: u64 = 1 << 24;
+
 fn text_of(path: &Path) -> Result<String, TrainError> {
-    std::fs::read_to_string(path).map_err(|source| TrainError::Read {
+    let bytes = read_bounded(path, MOST_TEXT);
+    let no_text = |_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8");
+    let text = bytes.and_then(|bytes| String::from_utf8(bytes).map_err(no_text));
+    text.map_err(|source| TrainError::Read {
         path: path.to_path_buf(),
         source,
     })

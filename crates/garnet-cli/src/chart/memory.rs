@@ -19,7 +19,7 @@ use super::{
     methods::{Method, Way, shown},
     record::Keeper,
 };
-use crate::{hints::advised, machine};
+use crate::{hints::advised, input, machine};
 
 /// Drapes one scene by each method in a process of its own.
 pub(super) fn measure(job: &Job, keeper: &mut Keeper) -> anyhow::Result<()> {
@@ -96,7 +96,7 @@ fn peak_of(args: &ChartArgs, method: &Method, body: &Path, folder: &Path) -> Opt
     if !status.ok()?.success() {
         return None;
     }
-    let text = std::fs::read(&report).ok()?;
+    let text = input::bytes(&report).ok()?;
     let report: serde_json::Value = serde_json::from_slice(&text).ok()?;
     report["peak_bytes"].as_u64()
 }

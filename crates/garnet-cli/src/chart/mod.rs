@@ -28,7 +28,7 @@ use crate::{
     console::{Console, print_data, print_document},
     dataset::read_package,
     failure::ExitStatus,
-    hints::advised,
+    hints::{advised, advised_on},
     output,
 };
 
@@ -99,7 +99,8 @@ const NOISE_SCENES: usize = 4;
 
 impl Chosen {
     fn new(args: &ChartArgs, stage: &Stage) -> anyhow::Result<Self> {
-        let all = stage.scene_names(SPLIT).map_err(advised)?;
+        let all = stage.scene_names(SPLIT);
+        let all = all.map_err(|error| advised_on(error, &args.dataset))?;
         let drapes = spread(&all, args.num_scenes(all.len()));
         let simulations = spread(&drapes, args.teacher_scenes);
         Ok(Self {

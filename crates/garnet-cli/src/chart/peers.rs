@@ -1,11 +1,10 @@
 //! What other programs need for a drape, as the scripts in `benches/peers` measure it.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
-use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
-use crate::failure::refused;
+use crate::{failure::refused, input};
 
 const SCHEMA: &str = "garnet.peer/1";
 
@@ -34,8 +33,7 @@ pub(super) struct Peer {
 
 /// Reads a file of lines, one a peer.
 pub(super) fn read(path: &Path, garment: &str) -> anyhow::Result<Vec<Peer>> {
-    let text = fs::read_to_string(path);
-    let text = text.with_context(|| format!("cannot read `{}`", path.display()))?;
+    let text = input::text(path)?;
     let lines = text.lines().enumerate();
     let lines = lines.filter(|(_, line)| !line.trim().is_empty());
     let peers = lines.map(|(number, line)| {

@@ -1,12 +1,10 @@
 //! What was measured so far: `samples.json`, from which a run goes on.
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
-use anyhow::Context;
 use garnet::train::{
     SceneName, Stage,
     chart::{NetworkCost, Sample},
@@ -14,7 +12,7 @@ use garnet::train::{
 use serde::{Deserialize, Serialize};
 
 use super::ChartArgs;
-use crate::{failure::refused, machine, output};
+use crate::{failure::refused, input, machine, output};
 
 const SCHEMA: &str = "garnet.chart-samples/1";
 
@@ -265,7 +263,7 @@ fn read(path: &Path) -> anyhow::Result<Found> {
     if !path.exists() {
         return Ok(Found::Nothing);
     }
-    let text = fs::read(path).with_context(|| format!("cannot read `{}`", path.display()))?;
+    let text = input::bytes(path)?;
     let record: Option<Record> = serde_json::from_slice(&text).ok();
     let record = record.filter(|record| record.schema == SCHEMA);
     Ok(record.map_or(Found::Damaged, |record| Found::Record(Box::new(record))))

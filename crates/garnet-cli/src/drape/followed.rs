@@ -19,7 +19,7 @@ use garnet::{
 use serde::{Deserialize, Serialize};
 
 use super::{Bound, args::Job};
-use crate::{console::Console, interrupt::Interrupted, output};
+use crate::{console::Console, input, interrupt::Interrupted, output};
 
 /// So many frames are simulated before what is there is kept. What cloth touches is looked for anew
 /// after each, so the bytes depend on it.
@@ -182,7 +182,7 @@ impl Followed {
         if !path.exists() {
             return Ok(None);
         }
-        let bytes = fs::read(&path).with_context(cannot)?;
+        let bytes = input::bytes(&path).with_context(cannot)?;
         let state: State = serde_json::from_slice(&bytes).with_context(cannot)?;
         if state.schema != SCHEMA || state.fingerprint != fingerprint {
             return Err(crate::failure::refused(
@@ -278,9 +278,7 @@ fn fingerprint(bound: &Bound, job: &Job, quality: Quality) -> anyhow::Result<u64
     bound.garment.mesh().faces().hash(&mut hasher);
     bound.targets.len().hash(&mut hasher);
     if let Some(pose) = &bound.pose {
-        let read = fs::read(&pose.path);
-        let cannot = || format!("cannot read `{}`", pose.path.display());
-        read.with_context(cannot)?.hash(&mut hasher);
+        input::bytes(&pose.path)?.hash(&mut hasher);
     }
     Ok(hasher.finish())
 }

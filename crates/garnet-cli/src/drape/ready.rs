@@ -164,7 +164,9 @@ impl Unbound {
         name: &str,
         is_relaxed: Option<bool>,
     ) -> anyhow::Result<Self> {
-        let weights = manifest.weights_of(folder, name).hint(|| {
+        let weights = manifest.weights_of(folder, name);
+        let cannot = || format!("cannot drape `{}` by `{name}`", folder.display());
+        let weights = weights.with_context(cannot).hint(|| {
             let variants = manifest.variants.iter();
             let names = variants.flat_map(|variant| variant.aliases.iter().chain([&variant.name]));
             let names = names.map(String::as_str).chain(MethodName::OF_ALL);

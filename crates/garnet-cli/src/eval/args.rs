@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use clap::{Args, ValueEnum};
 use garnet::{
     data::Split,
@@ -153,7 +154,9 @@ pub(crate) fn candidates(
         let weights = if is_file {
             path.to_path_buf()
         } else {
-            package.manifest.weights_of(folder, &name).hint(|| {
+            let cannot = || format!("cannot measure `{name}` of `{}`", folder.display());
+            let weights = package.manifest.weights_of(folder, &name);
+            weights.with_context(cannot).hint(|| {
                 let known = variants.iter();
                 let known = known.flat_map(|variant| variant.aliases.iter().chain([&variant.name]));
                 let advice = "`garnet train` adds variants to a package";

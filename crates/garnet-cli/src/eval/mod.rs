@@ -18,7 +18,7 @@ use crate::{
     console::{Console, print_data, print_document},
     dataset::read_package,
     failure::ExitStatus,
-    hints::advised,
+    hints::{advised, advised_on},
     output,
 };
 
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &EvalArgs, console: &Console) -> anyhow::Result<ExitStat
     if let Some(bar) = bar {
         bar.finish_and_clear();
     }
-    let found = found.map_err(advised)?;
+    let found = found.map_err(|error| advised_on(error, &args.dataset))?;
     let report = EvalReport::new(&found, args, &stage, start.elapsed());
     if let Some(folder) = &args.curves {
         output::open_folder(folder)?;

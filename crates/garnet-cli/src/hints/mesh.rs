@@ -64,6 +64,21 @@ pub(super) fn for_io(error: &io::Error) -> Option<&'static str> {
         io::ErrorKind::IsADirectory => Some("name a file in the folder"),
         io::ErrorKind::StorageFull => Some("make room on the disk"),
         io::ErrorKind::NotADirectory => Some("check the path: a part of it is no folder"),
+        io::ErrorKind::InvalidInput => for_refused(&error.to_string()),
+        io::ErrorKind::InvalidData if error.to_string().contains("UTF-8") => {
+            Some("name a file of text, saved as UTF-8")
+        }
         _ => None,
+    }
+}
+
+/// What helps against what `read_bounded` refuses, by its text.
+fn for_refused(text: &str) -> Option<&'static str> {
+    if text.ends_with("are read at most") {
+        Some("such files are smaller: name another one, or make it anew")
+    } else if text.contains("a pipe or a device") {
+        Some("save what comes from there in a file, and name that")
+    } else {
+        None
     }
 }

@@ -32,7 +32,7 @@ use train::{for_train, for_weights};
 pub(crate) use data::Hinting;
 pub(crate) use nearest::{did_you_mean, did_you_mean_or};
 pub(crate) use pattern::for_pattern;
-pub(crate) use train::{CONFIG_HINT, advised};
+pub(crate) use train::{advised, advised_on, advised_on_config};
 
 /// The advice of the innermost cause that has one.
 pub(crate) fn for_error(error: &anyhow::Error) -> Option<String> {

@@ -171,6 +171,9 @@ pub(super) fn for_skin(error: &SkinError) -> Option<&'static str> {
         SkinError::VertexCount { .. } | SkinError::JointCount { .. } => {
             Some("rig and rest body must be of the same mesh")
         }
+        SkinError::NoJoints => {
+            Some("export the skeleton of the body, too: a rig has one joint at least")
+        }
         SkinError::NoRestMesh => Some("give the rest body with `--rest-body OBJ`"),
         SkinError::RotationCount { .. } | SkinError::TransformCount { .. } => {
             Some("the pose must be made for the skeleton of the rig")

@@ -1,5 +1,7 @@
 //! Advice for what can be wrong with trainings and evaluations.
 
+use std::path::Path;
+
 use garnet::{
     net::{CheckpointError, NetError},
     package::PackageError,
@@ -20,6 +22,29 @@ pub(crate) fn advised(error: TrainError) -> anyhow::Error {
         Some(advice) => failure::with_hint(error, advice),
         None => error.into(),
     }
+}
+
+/// The same of one that has to do with a data set, which is named if the error does not.
+pub(crate) fn advised_on(error: TrainError, dataset: &Path) -> anyhow::Error {
+    let is_nameless = matches!(error, TrainError::EmptySplit { .. });
+    let advised = advised(error);
+    if is_nameless {
+        advised.context(format!("cannot use the data set `{}`", dataset.display()))
+    } else {
+        advised
+    }
+}
+
+/// An error of a configuration, with what to do about it.
+pub(crate) fn advised_on_config(error: TrainError) -> anyhow::Error {
+    let advice = match &error {
+        TrainError::Net(NetError::UnknownPreset { name, known }) => {
+            let known = known.split(", ").map(|name| name.trim_matches('`'));
+            did_you_mean_or(name, known, CONFIG_HINT)
+        }
+        _ => CONFIG_HINT.to_owned(),
+    };
+    failure::with_hint(error, advice)
 }
 
 /// What helps against a configuration.

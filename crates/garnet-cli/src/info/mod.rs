@@ -8,13 +8,8 @@ mod pose;
 mod rig;
 mod table;
 
-use std::{
-    fs::File,
-    io::Read,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use clap::Args;
 use garnet::{
     io::{FileProblem, GltfProblem, RigOptions},
@@ -25,7 +20,7 @@ use serde::Serialize;
 use crate::{
     console::{Console, print_data, print_document},
     failure::{ExitStatus, refused},
-    models,
+    input, models,
     rig_args::RigArgs,
 };
 use dataset::DatasetInfo;
@@ -176,9 +171,7 @@ fn kind(path: &Path) -> anyhow::Result<Kind> {
             "name a file in it, or the folder of a garment package or data set",
         ));
     }
-    let mut start = Vec::new();
-    let mut open = || File::open(path)?.take(64).read_to_end(&mut start);
-    open().with_context(|| format!("cannot read `{}`", path.display()))?;
+    let start = input::start(path, 64)?;
     let extension = path.extension().and_then(|extension| extension.to_str());
     let extension = extension.unwrap_or_default().to_ascii_lowercase();
     if start.starts_with(b"PK") || start.starts_with(b"glTF") {

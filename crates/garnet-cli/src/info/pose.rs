@@ -1,13 +1,16 @@
 //! What is in a pose file, without the skeleton that it is for.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use anyhow::Context;
 use serde::Serialize;
 use serde_json::Value;
 
 use super::table::Table;
-use crate::failure::refused;
+use crate::{
+    failure::{Hint, refused},
+    input,
+};
 
 /// What is in a pose file.
 #[derive(Debug, Serialize)]
@@ -81,7 +84,8 @@ impl PoseInfo {
 /// Reads JSON whatever it holds.
 pub(crate) fn read_json(path: &Path) -> anyhow::Result<Value> {
     let cannot = || format!("cannot read `{}`", path.display());
-    let bytes = fs::read(path).with_context(cannot)?;
+    let bytes = input::bytes(path)?;
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-    serde_json::from_slice(text).with_context(cannot)
+    let read = serde_json::from_slice(text).with_context(cannot);
+    read.hint(|| "correct the line, or copy the file again, which may be cut off".to_owned())
 }

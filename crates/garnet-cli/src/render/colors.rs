@@ -1,11 +1,7 @@
 //! Values for the vertices of a mesh, shown as colors.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use garnet::{
     Point3, TriMesh,
     io::{Frame, ObjFile, read_mesh},
@@ -14,7 +10,7 @@ use garnet::{
 use garnet_view::{ColorMap, Heat};
 
 use super::{fit, metres_of, problems::problems};
-use crate::{failure::refused, hints::did_you_mean_or};
+use crate::{failure::refused, hints::did_you_mean_or, input};
 
 /// What the first mesh is colored by.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -347,9 +343,9 @@ pub(crate) fn distances(positions: &[Point3], skin: &Surface, millimetres: f32) 
     signed.collect()
 }
 
-fn numbers(path: &PathBuf, expected: usize) -> anyhow::Result<Vec<f32>> {
+fn numbers(path: &Path, expected: usize) -> anyhow::Result<Vec<f32>> {
     let shown = path.display();
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read `{shown}`"))?;
+    let text = input::text(path)?;
     let mut values = Vec::with_capacity(expected);
     for (line, words) in text.lines().enumerate() {
         for word in words.split_whitespace() {

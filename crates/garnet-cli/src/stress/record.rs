@@ -1,16 +1,14 @@
 //! What was found so far: `cells.json`, from which a run goes on.
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
-use anyhow::Context;
 use garnet::stress::{Cell, StressOptions};
 use serde::{Deserialize, Serialize};
 
-use crate::{failure::refused, output};
+use crate::{failure::refused, input, output};
 
 const SCHEMA: &str = "garnet.stress-cells/1";
 
@@ -57,7 +55,7 @@ impl Keeper {
         };
         let record = if path.is_file() {
             let name = path.display();
-            let text = fs::read(&path).with_context(|| format!("cannot read `{name}`"))?;
+            let text = input::bytes(&path)?;
             let hint = "another folder, or remove the file to begin anew";
             let found: Record = serde_json::from_slice(&text).map_err(|error| {
                 refused(format!("`{name}` holds no cells"), error.to_string(), hint)

@@ -6,10 +6,7 @@ use clap::Args;
 use garnet::train::{Begin, Precision, Recipe, TrainConfig, TrainJob, training_folder};
 
 use super::followed;
-use crate::{
-    failure::Hint,
-    hints::{CONFIG_HINT, advised},
-};
+use crate::hints::{advised, advised_on_config};
 
 /// Arguments of `train`.
 #[derive(Debug, Args)]
@@ -146,7 +143,7 @@ impl TrainArgs {
             config.seed = self.seed.unwrap_or(config.seed);
             config.precision = self.precision.unwrap_or(config.precision);
         }
-        config.validate().hint(|| CONFIG_HINT.to_owned())?;
+        config.validate().map_err(advised_on_config)?;
         Ok(TrainJob {
             package: self.package.clone(),
             dataset: self.dataset.clone(),

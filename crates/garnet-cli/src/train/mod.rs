@@ -26,7 +26,7 @@ use crate::{
     console::{Console, print_document},
     dataset::read_package,
     failure::{ExitStatus, Hint},
-    hints::advised,
+    hints::{advised, advised_on},
     output,
 };
 
@@ -49,7 +49,10 @@ pub(crate) fn run(args: &TrainArgs, console: &Console) -> anyhow::Result<ExitSta
         &AtomicBool::new(false),
     );
     progress.finish();
-    let trained = trained.map_err(advised)?;
+    let trained = trained.map_err(|error| match job.more[..] {
+        [] => advised_on(error, &job.dataset),
+        _ => advised(error),
+    })?;
     let report = TrainReport::new(&trained, &folder, progress.start(), start.elapsed());
     if console.is_json() {
         print_document(&report)?;

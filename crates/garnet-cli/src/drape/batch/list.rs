@@ -5,13 +5,13 @@ use std::{collections::BTreeMap, ffi::OsStr, path::Path, str};
 use anyhow::Context;
 use clap::{CommandFactory, Parser};
 use csv::{ReaderBuilder, StringRecord};
-use garnet::mesh::{MOST_BYTES, read_bounded};
 use serde_json::{Map, Value};
 
 use super::{super::args::DrapeArgs, Problem};
 use crate::{
     failure::{Hint, refused},
     hints::did_you_mean,
+    input,
 };
 
 /// The arguments of `drape` that a job stands for.
@@ -185,7 +185,7 @@ fn cause_of(error: &clap::Error) -> String {
 /// The jobs that a file lists: CSV or lines of JSON by its name, else one list of JSON.
 pub(super) fn read(path: &Path, options: &Options) -> anyhow::Result<Vec<Entry>> {
     let name = path.display();
-    let bytes = read_bounded(path, MOST_BYTES).with_context(|| format!("cannot read `{name}`"))?;
+    let bytes = input::bytes(path)?;
     let kind = path
         .extension()
         .and_then(OsStr::to_str)
