@@ -2,14 +2,16 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use burn::tensor::Device;
 use garnet_data::Split;
 use garnet_drape::{GarmentPackage, Manifest, MeasuredCost, Package, Variant};
+use garnet_mesh::vertex_distances;
 use garnet_net::{Checkpoint, ModelHeader, Moment, Precision, TrainedRange};
 use serde::Serialize;
 
+use crate::bound_candidate::BoundCandidate;
 use crate::context::{Example, TrainingContext};
 use crate::evaluate::evaluate_until;
 use crate::examples::examples;
@@ -17,7 +19,8 @@ use crate::pose_space::Beginning;
 use crate::state::State;
 use crate::validate::validate;
 use crate::{
-    Candidate, EpochRecord, EvalEvent, Finish, ScenesFound, Scores, Stage, TrainError, TrainEvent,
+    Candidate, EpochRecord, EvalEvent, Finish, ScenesFound, Scores, Stage, StagedScene, TrainError,
+    TrainEvent,
 };
 
 /// What a training has come to.
@@ -348,25 +351,25 @@ pub(crate) fn add_variant(
     };
     let settled_valid = settled(Split::Valid, splits.valid);
     let settled_test = settled(Split::Test, splits.test);
-    let error = |found: Option<DrapeScores>| found.and_then(|found| found.familiar_distance);
-    let settles = match (error(settled_valid), error(left)) {
+    let settled_test = settled_test.map(|(scores, _)| scores);
+    let error = |found: Option<&(DrapeScores, ScenesFound)>| {
+        found.and_then(|(scores, _)| scores.familiar_distance)
+    };
+    let settles = match (error(settled_valid.as_ref()), error(left.as_ref())) {
         (Some(settled), Some(left)) => settled < left,
         _ => !moment.is_rest(),
     };
+    variant.settle_frames = (settled_test.is_some() || settled_valid.is_some()).then_some(frames);
     let valid = if settles { settled_valid } else { left };
     variant.settles = moment.is_rest().then_some(settles);
-    variant.valid_error = error(valid);
+    variant.valid_error = error(valid.as_ref());
+    let (valid, scenes) = valid.unzip();
     variant.valid_scenes = valid.map(|valid| valid.scenes - valid.unfamiliar);
     variant.settled_error = settled_test.map(|test| test.distance);
-    variant.settle_frames = settled_test.or(settled_valid).map(|_| frames);
     add(&variant, cost.as_ref())?;
-    if valid.is_some() {
-        let settle = if settles { frames } else { 0 };
-        // The drapes are there without it.
-        if let Ok(found) = scenes_found(stage, Split::Valid, &weights, settle, stop) {
-            let name = &variant.name;
-            GarmentPackage::change_manifest(folder, |manifest| found.store(manifest, name))?;
-        }
+    if let Some(scenes) = scenes {
+        let name = &variant.name;
+        GarmentPackage::change_manifest(folder, |manifest| scenes.store(manifest, name))?;
     }
     Ok(Drapes {
         valid,
@@ -392,10 +395,20 @@ pub fn scenes_found(
         weights: weights.to_path_buf(),
         settle,
     };
-    let none = &mut |_: EvalEvent| {};
-    let found = evaluate_until(stage, split, &[candidate], Finish::None, none, stop)?;
-    let scenes = found.rows.into_iter().next().map(|row| row.scenes_found);
-    Ok(scenes.unwrap_or_default())
+    let mut candidate = BoundCandidate::new(stage, &candidate)?;
+    let mut found = ScenesFound::default();
+    stage.for_each(split, Ok, &mut |staged: StagedScene| {
+        if stop.load(Ordering::Relaxed) {
+            return Err(TrainError::Stopped);
+        }
+        candidate.drape(&staged, Finish::None, |draper, placed, _| {
+            let positions = placed.positions(draper.garment());
+            let distances = vertex_distances(&staged.draped, &positions)?;
+            found.add(draper.garment(), &staged.posed, &distances);
+            Ok(())
+        })
+    })?;
+    Ok(found)
 }
 
 /// How far cloth is from the teacher's on a split once it has settled for so many frames where
@@ -407,7 +420,7 @@ fn drapes_of(
     frames: u32,
     observer: &mut dyn FnMut(TrainEvent),
     stop: &AtomicBool,
-) -> Result<DrapeScores, TrainError> {
+) -> Result<(DrapeScores, ScenesFound), TrainError> {
     let candidate = Candidate::Model {
         name: String::new(),
         weights: weights.to_path_buf(),
@@ -419,15 +432,17 @@ fn drapes_of(
     };
     let found = evaluate_until(stage, split, &[candidate], Finish::None, &mut tell, stop)?;
     let scenes = found.scenes;
-    let row = found.rows.first().filter(|row| row.unsettled < scenes);
+    let row = found.rows.into_iter().next();
+    let row = row.filter(|row| row.unsettled < scenes);
     let row = row.ok_or(TrainError::FliesApart { scenes })?;
-    Ok(DrapeScores {
+    let scores = DrapeScores {
         scenes,
         distance: row.scores.distance,
         familiar_distance: row.familiar_distance,
         fallbacks: row.fallbacks,
         unfamiliar: row.unfamiliar,
-    })
+    };
+    Ok((scores, row.scenes_found))
 }
 
 /// Scores under the names that weight files keep them by.

@@ -346,8 +346,8 @@ pub struct Variant {
     /// [`distance_error`](Self::distance_error).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settles: Option<bool>,
-    /// How far from the teacher its drapes probably are, by the pose: fitted on the validation split
-    /// to what a drape with this variant gives.
+    /// How far from the teacher its drapes probably are, by the pose: fitted to drapes of the
+    /// validation split.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expected: Option<Expectation>,
     /// Time of a drape without relaxation, in seconds, where [`Manifest::cost`] was measured.
