@@ -221,18 +221,33 @@ fn a_tolerance_takes_what_simulates_least() {
         );
         serde_json::from_str(&report).unwrap()
     };
+    // What nine of ten scenes in such poses keep within, of `fast` 6.8 mm, `balanced` 5.6, `accurate`
+    // 3.5.
     for (limit, method, frames) in [
-        ("--tolerance 9.2", "global", 0),
-        ("--tolerance 6", "fast", 6),
-        ("--tolerance 4.2", "balanced", 30),
-        ("--tolerance 3", "accurate", 46),
+        ("--tolerance 7.5", "fast", 6),
+        ("--tolerance 6", "balanced", 30),
+        ("--tolerance 4.2", "accurate", 46),
     ] {
         let within = drape(limit);
         assert_eq!(within["method"], method);
         assert_eq!(within["choice"]["is_met"], true);
         assert_eq!(within["settle_frames"], frames);
-        assert_eq!(within["drapes"][0]["untangle"]["inside"], 0);
+        let found = &within["drapes"][0];
+        assert_eq!(found["untangle"]["inside"], 0);
+        let familiarity = found["familiarity"].as_f64().unwrap();
+        assert!(familiarity > 0.3 && familiarity < 0.7, "{familiarity}");
+        let limit: f64 = limit.trim_start_matches("--tolerance ").parse().unwrap();
+        let expected = 1e3 * found["expected_m"].as_f64().unwrap();
+        assert!(expected > 0.25 * limit && expected < limit, "{expected}");
     }
+    let beyond = drape("--tolerance 2");
+    assert_eq!(beyond["choice"]["is_met"], false);
+    assert_eq!(beyond["method"], "accurate");
+    // Another time of settling was not measured.
+    let longer = drape("--method fast --settle 12");
+    assert_eq!(longer["drapes"][0]["expected_m"], serde_json::Value::Null);
+    let settled = drape("--tolerance 4.2");
+    assert_eq!(settled["choice"]["is_met"], true);
     // The way is simulated in any case: halfway the cloth is not on the body.
     let settled = fixture.read("shirt.obj");
     let on_way = drape("--method midway --settle 0");

@@ -1,13 +1,9 @@
 //! Files that the user names: whole, no larger than is said, and neither pipes nor devices.
 
-use std::{
-    fs::File,
-    io::{self, ErrorKind, Read},
-    path::Path,
-};
+use std::path::Path;
 
 use anyhow::Context;
-use garnet::mesh::{MOST_BYTES, read_bounded};
+use garnet::mesh::{MOST_BYTES, read_bounded, read_start};
 
 use crate::failure::refused;
 
@@ -31,18 +27,7 @@ pub(crate) fn text(path: &Path) -> anyhow::Result<String> {
 
 /// The first bytes of a file, `most` at most.
 pub(crate) fn start(path: &Path, most: u64) -> anyhow::Result<Vec<u8>> {
-    let read = || -> io::Result<Vec<u8>> {
-        // Before it is opened: to open a pipe may take for ever.
-        let data = path.metadata()?;
-        if !data.is_file() && !data.is_dir() {
-            let why = "it is a pipe or a device, not a file";
-            return Err(io::Error::new(ErrorKind::InvalidInput, why));
-        }
-        let mut start = Vec::new();
-        File::open(path)?.take(most).read_to_end(&mut start)?;
-        Ok(start)
-    };
-    read().with_context(|| cannot(path))
+    read_start(path, most).with_context(|| cannot(path))
 }
 
 fn cannot(path: &Path) -> String {
@@ -71,7 +56,7 @@ mod tests {
     fn devices_and_files_without_end_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let large = folder.path().join("large");
-        let file = File::create(&large).unwrap();
+        let file = std::fs::File::create(&large).unwrap();
         // Six gigabytes that take no room.
         if file.set_len(6 << 30).is_ok() {
             let failure = Failure::new(&bytes(&large).unwrap_err());

@@ -26,13 +26,30 @@ pub const MOST_BYTES: u64 = 1 << 30;
 /// # Ok::<(), std::io::Error>(())
 /// ```
 pub fn read_bounded(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    // Before it is opened: to open a pipe may take for ever.
-    let data = fs::metadata(path)?;
-    if !data.is_file() && !data.is_dir() {
-        let why = "it is a pipe or a device, not a file";
-        return Err(io::Error::new(ErrorKind::InvalidInput, why));
-    }
+    check_regular(path)?;
     read_at_most(path, most)
+}
+
+/// The first bytes of a regular file, `most` at most.
+///
+/// # Errors
+///
+/// Those of the system, and [`ErrorKind::InvalidInput`] for pipes and devices.
+pub fn read_start(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    check_regular(path)?;
+    let mut start = Vec::new();
+    File::open(path)?.take(most).read_to_end(&mut start)?;
+    Ok(start)
+}
+
+/// Refuses pipes and devices before they are opened: to open a pipe may take for ever.
+fn check_regular(path: &Path) -> io::Result<()> {
+    let data = fs::metadata(path)?;
+    if data.is_file() || data.is_dir() {
+        return Ok(());
+    }
+    let why = "it is a pipe or a device, not a file";
+    Err(io::Error::new(ErrorKind::InvalidInput, why))
 }
 
 /// Reads a file that the user names, which may be a pipe, if it has no more than `most` bytes.

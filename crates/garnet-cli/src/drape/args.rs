@@ -117,7 +117,8 @@ pub(crate) struct DrapeArgs {
     #[arg(long, value_name = "MS", value_parser = milliseconds, conflicts_with = "tolerance", allow_negative_numbers = true)]
     budget: Option<f64>,
     /// Take the cheapest variant of the package whose drapes are within this distance of the
-    /// simulation, the mean over vertices, in nine of ten such poses, in millimetres.
+    /// simulation, the mean over vertices, in nine of ten scenes of its validation in such poses,
+    /// in millimetres.
     #[arg(long, value_name = "MM", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Simulate the cloth for so many frames of 1/60 s from where it was put

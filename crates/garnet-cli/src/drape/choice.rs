@@ -138,7 +138,7 @@ fn described(candidate: &Candidate) -> String {
     let mut parts = Vec::new();
     if let Some(bound) = candidate.bound {
         parts.push(format!(
-            "nine of ten such poses within {:.2} mm of the simulation",
+            "nine of ten scenes in such poses were within {:.2} mm of the simulation",
             1e3 * bound
         ));
     } else if let Some(error) = candidate.distance_error {

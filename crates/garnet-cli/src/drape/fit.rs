@@ -64,12 +64,6 @@ impl Fitting {
         if Tape::around(garment.body()).is_none() {
             return Err(NoFit::Stranger.to_string());
         }
-        let size = garment.cloth().scale();
-        if (size - 1.0).abs() > f32::EPSILON {
-            return Err(format!(
-                "what the garment lies on is {size:.3} times as thick as on people, whose fit is known"
-            ));
-        }
         let told = |error: &dyn std::fmt::Display| error.to_string();
         let rest: Option<RestShape> = match (&bound.cut, package_of(source)) {
             (Some(cut), _) => Some(cut.package.rest.clone()),

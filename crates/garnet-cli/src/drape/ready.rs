@@ -99,13 +99,12 @@ impl Found {
         }
         let (bound, seconds) = bind();
         let bound = bound?;
-        let far = farthest(&bound, job)?;
-        Ok((bound, seconds, Self::read(job, far)?))
+        let found = Self::read(job, Some(&bound))?;
+        Ok((bound, seconds, found))
     }
 
-    /// Reads the network that was chosen, or chooses one, for poses that are so far from the middle
-    /// of the package's.
-    fn read(job: &Job, far: Option<f64>) -> anyhow::Result<(Self, Option<ChoiceReport>)> {
+    /// Reads the network that was chosen, or chooses one, by the poses of what is bound, if it is.
+    fn read(job: &Job, bound: Option<&Bound>) -> anyhow::Result<(Self, Option<ChoiceReport>)> {
         let Some(limit) = job.limit else {
             return Ok((Self::of(&job.network, &job.source)?, None));
         };
@@ -118,7 +117,10 @@ impl Found {
         };
         let manifest = GarmentPackage::read_manifest(folder)?;
         let mut options = ChoiceOptions::new(limit);
-        (options.relax_frames, options.far) = (job.settle, far);
+        options.relax_frames = job.settle;
+        if let Some((bound, poses)) = bound.zip(manifest.poses.as_ref()) {
+            options.far = farthest(bound, poses)?;
+        }
         let choice = Choice::new(folder, &manifest, &options);
         let found = match choice.candidate() {
             Some(chosen) => {
@@ -224,14 +226,11 @@ impl Unbound {
 const LOOKED_AT: usize = 64;
 
 /// How far the targets are from the middle of the package's poses, the farthest of them, in
-/// radians; none if the package does not say, or has learned from another body.
-fn farthest(bound: &Bound, job: &Job) -> anyhow::Result<Option<f64>> {
-    let Some(folder) = package_of(&job.source).filter(|_| bound.refit.is_none()) else {
+/// radians; none on bodies of other topologies.
+fn farthest(bound: &Bound, poses: &StoredPoses) -> anyhow::Result<Option<f64>> {
+    if bound.refit.is_some() {
         return Ok(None);
-    };
-    let Some(poses) = GarmentPackage::read_manifest(folder)?.poses else {
-        return Ok(None);
-    };
+    }
     let step = bound.targets.len().div_ceil(LOOKED_AT).max(1);
     let mut farthest = None;
     for target in bound.targets.iter().step_by(step) {

@@ -7,6 +7,7 @@ use garnet_sim::RestShape;
 use super::section::{Cut, Line};
 use super::{NoFit, Region, RegionFit};
 use crate::BoundGarment;
+use crate::simulator::is_one;
 
 /// Steps in which a line is moved until it goes round one part of the body alone, in metres of the
 /// trunk and in shares of a bone.
@@ -57,6 +58,10 @@ impl FitLines {
     /// [`NoFit`] for garments on other bodies, and those that go round no region.
     pub fn new(garment: &BoundGarment, rest: Option<&RestShape>) -> Result<Self, NoFit> {
         let tape = Tape::around(garment.body()).ok_or(NoFit::Stranger)?;
+        let scale = garment.cloth().scale();
+        if !is_one(scale) {
+            return Err(NoFit::OtherSize(scale));
+        }
         let cut = Cut::new(garment, rest, &tape);
         let found = Region::ALL.into_iter();
         let lines: Vec<RegionLine> = found

@@ -172,12 +172,15 @@ impl RegionFit {
 }
 
 /// Why it cannot be told whether a garment fits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoFit {
     /// The garment lies on another body than the built-in one.
     #[error("where the girths of its body are is known of the built-in body alone")]
     Stranger,
+    /// The body is a doll or a giant: so many times as thick as a person.
+    #[error("its body is {0:.3} times as thick as people, whose fit is known")]
+    OtherSize(f32),
     /// The garment goes round none of the regions.
     #[error("the garment goes round neither chest, waist, hip, upper arm nor thigh")]
     NoRegion,
