@@ -240,7 +240,10 @@ fn a_tolerance_takes_what_simulates_least() {
         let expected = 1e3 * found["expected_m"].as_f64().unwrap();
         assert!(expected > 0.25 * limit && expected < limit, "{expected}");
     }
-    let beyond = drape("--tolerance 2");
+    let beyond = format!("drape {shirt} --pose wave -o shirt.obj --report - --tolerance 2");
+    let beyond = fixture.garnet(&beyond);
+    assert_eq!(beyond.status.code(), Some(1), "{}", stderr(&beyond));
+    let beyond: serde_json::Value = serde_json::from_slice(&beyond.stdout).unwrap();
     assert_eq!(beyond["choice"]["is_met"], false);
     assert_eq!(beyond["method"], "accurate");
     // Another time of settling was not measured.
