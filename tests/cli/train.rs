@@ -221,8 +221,8 @@ fn a_tolerance_takes_what_simulates_least() {
         );
         serde_json::from_str(&report).unwrap()
     };
-    // What nine of ten scenes in such poses keep within, of `fast` 6.8 mm, `balanced` 5.6, `accurate`
-    // 3.5.
+    // What nine of ten scenes in such poses keep within: `fast` 6.8 mm, `balanced` 5.6,
+    // `accurate` 3.5.
     for (limit, method, frames) in [
         ("--tolerance 7.5", "fast", 6),
         ("--tolerance 6", "balanced", 30),
