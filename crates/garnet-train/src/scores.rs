@@ -1,4 +1,4 @@
-//! What is measured of drapes (ARCHITECTURE.md has the definitions of the project).
+//! What is measured of drapes (definitions: docs/reference/metrics.md).
 
 use garnet_knn::Surface;
 use garnet_mesh::{Point3, StretchSummary, TriMesh, normal_angles, vertex_distances};
