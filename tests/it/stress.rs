@@ -53,6 +53,25 @@ fn ours_hold_up_to_the_bar_of_each_axis() {
     }
 }
 
+/// What was found to go round thighs and arms; docs/experiments/068 has the figures before.
+#[test]
+fn cloth_is_drawn_back_that_goes_round_a_limb() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/tshirt");
+    let package = Package::open(folder).unwrap();
+    let mut options = StressOptions::default();
+    let names = ["hip", "joints", "arm-depth"];
+    options.axes = (AXES.iter())
+        .filter(|axis| names.contains(&axis.name))
+        .collect();
+    options.methods = vec![Method::Untangled];
+    let stop = AtomicBool::new(false);
+    let cells = run(&package, &options, &[], &mut |_| {}, &stop).unwrap();
+    let holds = holds(&options, &cells);
+    assert_eq!(holds.len(), names.len());
+    let failing: Vec<_> = holds.iter().filter(|hold| hold.fails).collect();
+    assert!(failing.is_empty(), "{failing:#?}");
+}
+
 #[test]
 fn what_is_known_is_not_draped_again() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/tshirt");

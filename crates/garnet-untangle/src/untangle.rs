@@ -37,9 +37,10 @@ pub struct Untangled {
 ///    place.
 /// 8. *give in* lets cloth that goes round a contact of the body with itself into the contact.
 /// 9. *follow* moves layers that lie on the moved cloth along with it.
-/// 10. *flatten* brings layers that are inside the body nearer to the cloth that they follow; those
+/// 10. *retreat* draws cloth back that still goes round a part of the body.
+/// 11. *flatten* brings layers that are inside the body nearer to the cloth that they follow; those
 ///     of their nodes that are left are rescued.
-/// 11. *verify* tests every node and face exactly and counts what is left.
+/// 12. *verify* tests every node and face exactly and counts what is left.
 ///
 /// `warped_nodes` are positions `[node]` in metres, as of [`BoundGarment::warped_nodes`].
 ///
@@ -119,6 +120,7 @@ fn untangled(
         moved.extend(passes::follow(cloth, &moved));
         crossing.refresh(cloth, &moved)?;
     }
+    crossing = passes::retreat(cloth, crossing)?;
     if !layers.is_single() {
         let flattened = passes::flatten(cloth, &crossing);
         crossing.refresh(cloth, &flattened)?;

@@ -9,6 +9,7 @@ mod mend;
 mod push;
 mod relax;
 mod rescue;
+mod retreat;
 mod unfold;
 mod verify;
 
@@ -20,5 +21,6 @@ pub(crate) use mend::mend;
 pub(crate) use push::push;
 pub(crate) use relax::{StretchRange, clamped_edges, relax};
 pub(crate) use rescue::rescue;
+pub(crate) use retreat::retreat;
 pub(crate) use unfold::unfold;
 pub(crate) use verify::verify;
