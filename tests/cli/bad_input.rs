@@ -182,6 +182,17 @@ fn files_without_content_and_folders_are_named() {
 }
 
 #[test]
+fn a_joint_that_a_map_names_twice_is_refused() {
+    let fixture = Fixture::new();
+    fixture.text("map.json", r#"{"neck": "shoulder", "spine1": "shoulder"}"#);
+    refused(
+        &fixture,
+        "drape sleeve.obj body.obj --rig body.rig.npz --joints map.json -o out.obj",
+        &["`map.json`", "`shoulder` both `neck` and `spine1`"],
+    );
+}
+
+#[test]
 fn lines_that_are_wrong() {
     let fixture = Fixture::new();
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";

@@ -91,6 +91,16 @@ pub enum FileProblem {
         /// Why not.
         reason: String,
     },
+    /// A map of joints calls one joint by two names.
+    #[error("it calls `{name}` both `{first}` and `{second}`, and a joint is one of them")]
+    JointNamedTwice {
+        /// The joint.
+        name: String,
+        /// What it is called.
+        first: String,
+        /// What it is called, too.
+        second: String,
+    },
     /// A rotation is no unit quaternion.
     #[error("the rotation of joint `{joint}` has the norm {norm}, expected 1")]
     NotAUnitQuaternion {

@@ -166,6 +166,13 @@ fn labelled(skeleton: Skeleton, map: &Path) -> Result<Skeleton, FileError> {
             let near = near_names(&name, &skeleton);
             return Err(failed(FileProblem::UnknownJointName { name, near }));
         };
+        if let Some((first, _)) = labels.iter().find(|(_, other)| *other == joint) {
+            return Err(failed(FileProblem::JointNamedTwice {
+                first: String::clone(first),
+                second: role,
+                name,
+            }));
+        }
         labels.push((role, joint));
     }
     let roles: Vec<String> = labels.iter().map(|(role, _)| role.clone()).collect();

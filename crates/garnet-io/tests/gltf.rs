@@ -505,7 +505,7 @@ fn the_humanoid_map_of_a_vrm_tells_joints() {
 #[test]
 fn impossible_files_are_refused_with_the_reason() {
     type Change = fn(&mut Value);
-    let cases: [(Change, &str); 13] = [
+    let cases: [(Change, &str); 14] = [
         (
             |json| json["nodes"][0]["skin"] = Value::Null,
             "no mesh has a skin",
@@ -555,6 +555,10 @@ fn impossible_files_are_refused_with_the_reason() {
             "KHR_draco_mesh_compression",
         ),
         (
+            |json| json["extensionsRequired"] = json!(["VRM", "EXT_mesh_gpu_instancing"]),
+            "needs the extension `EXT_mesh_gpu_instancing`, which is not known",
+        ),
+        (
             |json| json["buffers"][0]["byteLength"] = json!(1_u64 << 40),
             "fewer bytes than it says",
         ),
@@ -566,6 +570,28 @@ fn impossible_files_are_refused_with_the_reason() {
         let error = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap_err();
         assert!(chain(&error).contains(expected), "{}", chain(&error));
     }
+}
+
+#[test]
+fn extensions_that_change_no_mesh_may_be_needed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, binary) = file();
+    let plain = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap();
+    let needed = [
+        "KHR_materials_unlit",
+        "KHR_texture_transform",
+        "EXT_texture_webp",
+        "KHR_mesh_quantization",
+        "VRM",
+        "VRMC_vrm",
+        "VRMC_springBone",
+    ];
+    json["extensionsRequired"] = json!(needed);
+    let rig = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap();
+    assert_eq!(
+        rig.rest.unwrap().positions(),
+        plain.rest.unwrap().positions()
+    );
 }
 
 #[test]

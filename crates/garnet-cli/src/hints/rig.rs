@@ -114,6 +114,9 @@ pub(super) fn for_file(problem: &FileProblem) -> Option<&'static str> {
         FileProblem::UnknownJointName { .. } | FileProblem::JointRole { .. } => {
             Some("`garnet info RIG` lists the names of the joints")
         }
+        FileProblem::JointNamedTwice { .. } => Some(
+            "leave out one of them, or name another joint: `garnet info RIG` lists their names",
+        ),
         FileProblem::NoMeshes { .. } => {
             Some("`--mesh` is for GLB, glTF and VRM files: leave it out")
         }
@@ -139,6 +142,9 @@ pub(super) fn for_file(problem: &FileProblem) -> Option<&'static str> {
         }
         FileProblem::Gltf(GltfProblem::Extension { .. }) => {
             Some("export it without compression of meshes")
+        }
+        FileProblem::Gltf(GltfProblem::UnknownExtension { .. }) => {
+            Some("export it without this extension, or write that it is used, but not required")
         }
         FileProblem::Archive(_) => Some("the file may be cut off: copy or save it again"),
         FileProblem::Array { problem, .. } => Some(for_array(problem)),

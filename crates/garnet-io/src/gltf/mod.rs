@@ -8,6 +8,7 @@ mod animation;
 mod bare;
 mod base64;
 mod container;
+mod extensions;
 mod modes;
 mod nodes;
 mod parts;

@@ -22,6 +22,15 @@ pub enum GltfProblem {
         /// Name of the extension.
         name: String,
     },
+    /// An extension that the file needs, and that is not known: what it changes would be missing.
+    #[error(
+        "it needs the extension `{name}`, which is not known; those that a file may need are {}",
+        super::extensions::listed()
+    )]
+    UnknownExtension {
+        /// Name of the extension.
+        name: String,
+    },
     /// No mesh has a name that was asked for.
     #[error("there is no skinned mesh `{name}`; there are {}", listed(found))]
     NoMesh {

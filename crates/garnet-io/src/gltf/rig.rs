@@ -11,7 +11,7 @@ use nalgebra::{Matrix4, Point3 as NaPoint3, Vector3};
 use super::{
     GltfProblem,
     accessor::{self, Fractions, Rows},
-    container, modes,
+    container, extensions, modes,
     nodes::{self, Nodes},
     parts::{Candidate, LeftOut, RigPart, left_out},
     rest::{Placed, Shown},
@@ -21,7 +21,7 @@ use super::{
 };
 use crate::{FileError, FileProblem, ReadRig, RigOptions, json};
 
-/// Extensions that hide the geometry; all others that a file may need do not change it.
+/// Extensions that hide the geometry.
 const COMPRESSIONS: [&str; 3] = [
     "KHR_draco_mesh_compression",
     "EXT_meshopt_compression",
@@ -39,7 +39,8 @@ const COMPRESSIONS: [&str; 3] = [
 /// # Errors
 ///
 /// [`FileError`]: no mesh with a skin, a container or buffer that is cut off, an accessor out of
-/// range, nodes in a circle, compressed geometry, or an impossible mesh, skeleton or weight.
+/// range, nodes in a circle, compressed geometry or another extension that is needed and not known,
+/// or an impossible mesh, skeleton or weight.
 pub fn read_rig_gltf(path: impl AsRef<Path>) -> Result<Rig, FileError> {
     Ok(read_gltf(path.as_ref(), &RigOptions::default())?.rig)
 }
@@ -90,6 +91,9 @@ pub(super) fn opened<T>(
     let is_compression = |name: &&String| COMPRESSIONS.contains(&name.as_str());
     if let Some(name) = root.extensions_required.iter().find(is_compression) {
         return Err(GltfProblem::Extension { name: name.clone() }.into());
+    }
+    if let Some(name) = (root.extensions_required.iter()).find(|name| !extensions::is_known(name)) {
+        return Err(GltfProblem::UnknownExtension { name: name.clone() }.into());
     }
     let read = read(&root, text, binary);
     // A file may name a compression without needing it, and have nothing else.
