@@ -1,10 +1,12 @@
 //! Files appear whole or not at all.
 
 use std::{
+    collections::BTreeSet,
     ffi::OsStr,
     fs::{self, DirEntry, File, OpenOptions},
     io::{self, BufWriter, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
+    sync::Mutex,
     time::Duration,
 };
 
@@ -198,6 +200,7 @@ impl OpenFile {
                 (target, None)
             }
         };
+        sweep_once(folder_of(&target));
         let temporary = temporary_in(folder_of(&target)).map_err(failed)?;
         Ok(Self {
             path: path.to_path_buf(),
@@ -285,17 +288,38 @@ const NUM_RANDOM: usize = 6;
 /// A temporary file that nothing was written into for so long was left by a process that is gone.
 const STALE: Duration = Duration::from_hours(1);
 
+/// The same in any folder, of which it is not known who writes into it: some files are written
+/// frame by frame, for hours.
+const STALE_ANYWHERE: Duration = Duration::from_hours(24);
+
+/// Folders that this process has swept.
+static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Removes what killed processes have left beside a file that is to be written, once a folder.
+fn sweep_once(folder: &Path) {
+    let swept = SWEPT.lock();
+    let is_first = swept.is_ok_and(|mut swept| swept.insert(folder.to_path_buf()));
+    if is_first {
+        remove_older(folder, STALE_ANYWHERE);
+    }
+}
+
 /// Removes the temporary files that killed processes have left in a folder: those that were not
 /// changed for an hour.
 ///
 /// Younger ones may be those of a process that is at work. It is no error if the folder is not
-/// there, or if a file cannot be removed: such files do no harm.
+/// there, or if a file cannot be removed: such files do no harm. Whatever is written removes those
+/// beside it by itself, once they were not changed for a day.
 pub fn remove_stale_temporaries(folder: impl AsRef<Path>) {
+    remove_older(folder.as_ref(), STALE);
+}
+
+fn remove_older(folder: &Path, age: Duration) {
     let Ok(entries) = fs::read_dir(folder) else {
         return;
     };
     for entry in entries.flatten() {
-        if is_temporary(&entry.file_name()) && is_stale(&entry) {
+        if is_temporary(&entry.file_name()) && is_older(&entry, age) {
             let _ = fs::remove_file(entry.path());
         }
     }
@@ -311,7 +335,7 @@ fn is_temporary(name: &OsStr) -> bool {
     })
 }
 
-fn is_stale(entry: &DirEntry) -> bool {
+fn is_older(entry: &DirEntry, than: Duration) -> bool {
     let Ok(metadata) = entry.metadata() else {
         return false;
     };
@@ -319,7 +343,7 @@ fn is_stale(entry: &DirEntry) -> bool {
         .modified()
         .ok()
         .and_then(|time| time.elapsed().ok());
-    metadata.is_file() && age.is_some_and(|age| age > STALE)
+    metadata.is_file() && age.is_some_and(|age| age > than)
 }
 
 #[cfg(unix)]
@@ -418,6 +442,25 @@ mod tests {
         names.sort();
         expected.sort();
         assert_eq!(names, expected);
+    }
+
+    #[test]
+    fn a_file_that_is_written_sweeps_away_what_lay_beside_it_for_a_day() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, age) in [
+            (".garnet-aB3xYz", 25 * STALE),
+            (".garnet-cD4wVu", 2 * STALE),
+            (".garnet-notes", 25 * STALE),
+        ] {
+            let file = File::create(folder.path().join(name)).unwrap();
+            file.set_modified(std::time::SystemTime::now() - age)
+                .unwrap();
+        }
+        write_atomically(folder.path().join("shirt.obj"), |_| Ok(())).unwrap();
+        let names = fs::read_dir(folder.path()).unwrap();
+        let mut names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        assert_eq!(names, [".garnet-cD4wVu", ".garnet-notes", "shirt.obj"]);
     }
 
     #[test]
