@@ -65,6 +65,7 @@ pub use pose::{Pose, PoseFit};
 pub use posed_body::PosedBody;
 pub use recover::{RecoveredPose, recover_pose};
 pub use rigid::rigid_from_matrix;
+pub use scale::scale_of;
 pub use screened_poisson::ScreenedPoisson;
 pub use skeleton::{Joint, Skeleton};
 pub use skinning::{Method, blended_transforms, skin_dual_quaternion, skin_linear};

@@ -24,7 +24,7 @@ const START: f32 = 1e-5;
 /// person's.
 ///
 /// The thickness is the median over the cloth of the way through the body, along the normal.
-pub(crate) fn scale_of(skin: &Surface, places: &[ClosestPoint]) -> f32 {
+pub fn scale_of(skin: &Surface, places: &[ClosestPoint]) -> f32 {
     let (low, high) = skin.bounds();
     let size = (high - low).norm();
     let thickness = |place: &ClosestPoint| {

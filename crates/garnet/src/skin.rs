@@ -1,3 +1,3 @@
 //! Skinning: methods, weight transfer, bodies at home.
 
-pub use garnet_skin::{BodyAtHome, Method, SkinError, TransferOptions, WarpedGarment};
+pub use garnet_skin::{BodyAtHome, Method, SkinError, TransferOptions, WarpedGarment, scale_of};

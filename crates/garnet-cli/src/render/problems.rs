@@ -4,12 +4,14 @@ use anyhow::Context;
 use garnet::{
     Point3, TriMesh,
     knn::{Surface, Traps},
+    skin::scale_of,
     untangle::free_crossing_faces,
 };
 use garnet_view::Problem;
 
 /// The problem of each vertex of a garment on a skin, both in metres, as
-/// [`ColorMap::Problems`](garnet_view::ColorMap::Problems) shows it; of several the worst.
+/// [`ColorMap::Problems`](garnet_view::ColorMap::Problems) shows it; of several the worst. Lengths
+/// go by the thickness of the limbs below, as those of drapes do.
 pub(crate) fn problems(
     positions: &[Point3],
     faces: &[[u32; 3]],
@@ -27,9 +29,10 @@ pub(crate) fn problems(
             mark(vertex, Problem::ThroughCloth);
         }
     }
-    let traps = Traps::near(skin, positions, 1.0).context("cannot look for trapped cloth")?;
     let is_inside = skin.contains_all(positions);
     let closest = skin.closest_all(positions);
+    let traps = Traps::near(skin, positions, scale_of(skin, &closest));
+    let traps = traps.context("cannot look for trapped cloth")?;
     for (vertex, (closest, is_inside)) in (0..).zip(closest.iter().zip(is_inside)) {
         if traps.holds(closest) {
             mark(vertex, Problem::Trapped);
@@ -79,6 +82,23 @@ mod tests {
         // The corners of a square round the ball are outside, its sides run through it.
         let square = tube(0.25, 0.02, 4, 1);
         assert_eq!(counts(&square, &ball), [0, 0, 0, square.num_vertices()]);
+    }
+
+    #[test]
+    fn a_doll_traps_about_where_a_person_does() {
+        let trapped = |scale: f32| {
+            let ball = icosphere(4, 0.2 * scale);
+            let (mut places, mut faces) = ball.clone().into_parts();
+            let count = places.len() as u32;
+            let beside = ball.positions().iter();
+            places.extend(beside.map(|p| Point3::new(p.x + 0.3 * scale, p.y, p.z)));
+            faces.extend(ball.faces().iter().map(|face| face.map(|v| v + count)));
+            let belt = tube(0.205 * scale, 0.01 * scale, 200, 1);
+            counts(&belt, &TriMesh::new(places, faces).unwrap())[2]
+        };
+        let [person, doll] = [1.0, 0.05].map(trapped);
+        assert!(person > 40, "{person}");
+        assert!(doll < person + person / 2, "{doll} of {person}");
     }
 
     #[test]
