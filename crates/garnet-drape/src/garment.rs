@@ -54,6 +54,7 @@ impl Garment {
         // Over a hole there is nothing that tells where cloth belongs.
         let pairs = pairs.filter(|&(node, _)| !cloth.is_over_hole(node));
         let pairs = pairs.map(|(_, pair)| pair);
+        let (nodes, pairs): (Vec<Point3>, Vec<_>) = pairs.map(|(n, near)| (*n, (n, near))).unzip();
         let skin = body.skin();
         let corner = |corner: u32| skin.positions()[corner as usize];
         let has_rims = body.num_rims() > 0;
@@ -67,8 +68,8 @@ impl Garment {
             let [a, b, c] = skin.faces()[near.face as usize].map(corner);
             (offset, (b - a).cross(&(c - a)))
         };
-        let (offsets, normals): (Vec<_>, Vec<_>) = pairs.map(offset).unzip();
-        check_offsets(&offsets, &normals, &body_bounds)?;
+        let (offsets, normals): (Vec<_>, Vec<_>) = pairs.into_iter().map(offset).unzip();
+        check_offsets(&nodes, &offsets, &normals, &body_bounds)?;
         BoundGarment::of_cloth(cloth, Arc::new(body.clone()))
     }
 }

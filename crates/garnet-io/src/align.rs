@@ -71,7 +71,7 @@ const UNTHREADED: f32 = 0.05;
 const TURNED: f32 = 0.0006;
 
 /// Rims shorter than this are buttonholes, over the perimeter of the garment's box.
-const LEAST_RIM: f32 = 0.04;
+pub(crate) const LEAST_RIM: f32 = 0.04;
 
 /// What was done with a garment to bring it to its body.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,13 +172,13 @@ struct Cloth {
 }
 
 /// A body in a pose.
-struct Wearer {
+pub(crate) struct Wearer {
     arms: Option<&'static str>,
     transforms: Option<Vec<Isometry3<f32>>>,
     skin: Surface,
     /// Bones, the last ones of limbs longer.
-    bones: Vec<[Point3; 2]>,
-    height: f32,
+    pub(crate) bones: Vec<[Point3; 2]>,
+    pub(crate) height: f32,
     /// Middles and heights that tops and bottoms of garments are tried at.
     tops: Vec<Point3>,
     bottoms: Vec<Point3>,
@@ -342,7 +342,7 @@ impl Cloth {
             (point - near.point, (b - a).cross(&(c - a)))
         };
         let (offsets, normals): (Vec<_>, Vec<_>) = self.positions.iter().map(offset).unzip();
-        check_offsets(&offsets, &normals, &bounds).ok()?;
+        check_offsets(&self.positions, &offsets, &normals, &bounds).ok()?;
         let inside = offsets.iter().zip(&normals).filter(|(offset, normal)| {
             offset.dot(normal) < 0.0 && offset.norm() > DEEP * wearer.height
         });
@@ -483,16 +483,21 @@ impl Cloth {
     fn num_threaded(&self, guess: &Guess, wearer: &Wearer) -> usize {
         let is_threaded = |rim: &&Vec<Point3>| {
             let rim: Vec<Point3> = rim.iter().map(|p| guess.at(*p, self.center)).collect();
-            let middle = rim.iter().map(|p| p.coords).sum::<Vector3>() / rim.len() as f32;
-            let middle = Point3::from(middle);
-            let ends = || rim.iter().zip(rim.iter().cycle().skip(1));
-            wearer.bones.iter().any(|bone| {
-                let hits = ends().filter(|&(a, b)| crosses(bone, [middle, *a, *b]));
-                hits.count() % 2 == 1
-            })
+            is_threaded(&rim, &wearer.bones)
         };
         self.rims.iter().filter(is_threaded).count()
     }
+}
+
+/// Whether a bone goes through an opening, whose vertices are in their order.
+pub(crate) fn is_threaded(rim: &[Point3], bones: &[[Point3; 2]]) -> bool {
+    let middle = rim.iter().map(|p| p.coords).sum::<Vector3>() / rim.len().max(1) as f32;
+    let middle = Point3::from(middle);
+    let ends = || rim.iter().zip(rim.iter().cycle().skip(1));
+    bones.iter().any(|bone| {
+        let hits = ends().filter(|&(a, b)| crosses(bone, [middle, *a, *b]));
+        hits.count() % 2 == 1
+    })
 }
 
 /// Whether a segment goes through a triangle.
@@ -512,7 +517,7 @@ fn crosses([from, to]: &[Point3; 2], [a, b, c]: [Point3; 3]) -> bool {
 }
 
 impl Wearer {
-    fn at_rest(body: &Body) -> Self {
+    pub(crate) fn at_rest(body: &Body) -> Self {
         let joints = body.skeleton().joints().iter();
         let joints: Vec<Point3> = joints.map(|joint| joint.rest_position).collect();
         Self::new(body, body.skin().clone(), &joints)

@@ -25,6 +25,11 @@ const MAX_GAP: f32 = 0.15;
 /// 0.06 on, a tunic is accepted that lies 0.7 m too high.
 const MAX_OFFSET: f32 = 0.05;
 
+/// A garment is attached through its uppermost part, of this share of its height: cloth below it
+/// may hang as far to one side as it likes, as capes do. A lower one may be a collar alone, a
+/// higher one has what hangs in it.
+const ATTACHED_SHARE: f32 = 1.0 / 3.0;
+
 /// What is nearer to the skin than this touches it, over the diagonal of the body's box.
 const TOUCH: f32 = 0.025;
 
@@ -148,14 +153,15 @@ pub fn check_sizes(garment: &Bounds, body: &Bounds, frame: Frame) -> Result<(), 
     })
 }
 
-/// Refuses a garment that lies beside the body, or that the body runs through: offsets `[vertex]`
-/// of its vertices from the skin nearest to each, in metres, and normals `[vertex]` of the skin
-/// there, of any length.
+/// Refuses a garment that lies beside the body, or that the body runs through: its vertices
+/// `[vertex]` and their offsets `[vertex]` from the skin nearest to each, in metres, and normals
+/// `[vertex]` of the skin there, of any length.
 ///
 /// # Errors
 ///
 /// [`Misplaced::Apart`], [`Misplaced::Aside`] or [`Misplaced::Through`].
 pub fn check_offsets(
+    positions: &[Point3],
     offsets: &[Vector3],
     normals: &[Vector3],
     body: &Bounds,
@@ -171,7 +177,10 @@ pub fn check_offsets(
     let num_touching = distances()
         .filter(|&distance| distance <= TOUCH * scale)
         .count();
-    if offset > MAX_OFFSET * scale && (num_touching as f32) < TOUCHING_SHARE * offsets.len() as f32
+    let is_off = |offset: f32| offset > MAX_OFFSET * scale;
+    if is_off(offset)
+        && (num_touching as f32) < TOUCHING_SHARE * offsets.len() as f32
+        && is_off(median(&attached(positions, offsets)).norm())
     {
         return Err(Misplaced::Aside { offset });
     }
@@ -186,6 +195,15 @@ pub fn check_offsets(
         return Err(Misplaced::Through { share, depth });
     }
     Ok(())
+}
+
+/// Offsets of what a garment is attached through.
+fn attached(positions: &[Point3], offsets: &[Vector3]) -> Vec<Vector3> {
+    let Bounds { min, max } = Bounds::of(positions).unwrap_or_default();
+    let lowest = max.y - ATTACHED_SHARE * (max.y - min.y);
+    let pairs = positions.iter().zip(offsets);
+    let above = pairs.filter(|(place, _)| place.y >= lowest);
+    above.map(|(_, offset)| *offset).collect()
 }
 
 /// The median of each coordinate; zero without vectors.
@@ -223,7 +241,7 @@ mod tests {
     use garnet_knn::Surface;
     use garnet_mesh::{
         TriMesh,
-        primitives::{capsule, tube},
+        primitives::{capsule, grid, tube},
     };
 
     use super::*;
@@ -256,7 +274,7 @@ mod tests {
             (point - nearest.point, (b - a).cross(&(c - a)))
         };
         let (offsets, normals): (Vec<_>, Vec<_>) = garment.positions().iter().map(offset).unzip();
-        check_offsets(&offsets, &normals, &bounds(&body))
+        check_offsets(garment.positions(), &offsets, &normals, &bounds(&body))
     }
 
     #[test]
@@ -338,9 +356,32 @@ mod tests {
         let behind = vec![Vector3::new(0.0, 0.0, -0.5); 7];
         let offsets = [near, behind].concat();
         let normals = [[Vector3::z(); 1].as_slice(), &[-Vector3::z(); 7]].concat();
-        assert_eq!(check_offsets(&offsets, &normals, &bounds(&body())), Ok(()));
-        assert!(check_offsets(&offsets[1..], &normals[1..], &bounds(&body())).is_err());
-        assert_eq!(check_offsets(&[], &[], &bounds(&body())), Ok(()));
+        let places = [Point3::origin(); 8];
+        let checked = |from: usize| {
+            let (places, normals) = (&places[from..], &normals[from..]);
+            check_offsets(places, &offsets[from..], normals, &bounds(&body()))
+        };
+        assert_eq!(checked(0), Ok(()));
+        assert!(checked(1).is_err());
+        assert_eq!(checked(8), Ok(()));
+    }
+
+    #[test]
+    fn a_cape_whose_hem_stands_off_is_accepted_and_refused_beside_the_body() {
+        // From the shoulders down it stands off by up to 0.3 m, behind the body alone.
+        let cape = changed(&grid(12, 16, [1.0, 1.0]), |p| {
+            let (angle, down) = (2.0 * p.x, 0.5 - p.y);
+            let radius = 0.18 + 0.27 * down;
+            Point3::new(
+                radius * angle.sin(),
+                0.6 - 1.1 * down,
+                -radius * angle.cos(),
+            )
+        });
+        assert_eq!(checked(&cape), Ok(()));
+        let behind = changed(&cape, |point| point - Vector3::z() * 0.2);
+        let found = checked(&behind);
+        assert!(matches!(found, Err(Misplaced::Aside { .. })), "{found:?}");
     }
 
     #[test]
