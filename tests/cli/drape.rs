@@ -108,6 +108,36 @@ fn bodies_that_are_inside_out_are_turned_and_told() {
 }
 
 #[test]
+fn a_garment_that_is_inside_out_is_draped_as_others_and_told() {
+    let fixture = Fixture::new();
+    let mesh = ObjFile::read(fixture.path("sleeve.obj"))
+        .unwrap()
+        .mesh()
+        .unwrap();
+    let (positions, faces) = mesh.into_parts();
+    let faces = faces.into_iter().map(|[a, b, c]| [a, c, b]).collect();
+    let turned = TriMesh::new(positions, faces).unwrap();
+    fixture.mesh("turned.obj", &turned);
+    let rig = "body.obj --rig body.rig.npz --pose bend.json -o";
+    let report = reported(&fixture, &format!("drape sleeve.obj {rig} out.obj"));
+    let told = |report: &Value| {
+        let warnings = report["warnings"].as_array().unwrap().iter();
+        let of_sides = warnings.filter(|warning| warning["kind"] == "inside_out_garment");
+        of_sides.count()
+    };
+    assert_eq!(told(&report), 0, "{report}");
+    let report = reported(&fixture, &format!("drape turned.obj {rig} turned_out.obj"));
+    assert_eq!(told(&report), 1, "{report}");
+    // Sums over the corners of faces come in another order.
+    assert!(distance(&fixture, "out.obj", "turned_out.obj") < 1e-4);
+    let out = ObjFile::read(fixture.path("turned_out.obj"))
+        .unwrap()
+        .mesh()
+        .unwrap();
+    assert_eq!(out.faces(), turned.faces());
+}
+
+#[test]
 fn vertices_that_no_face_names_decide_nothing() {
     let fixture = Fixture::new();
     for name in ["body.obj", "sleeve.obj"] {

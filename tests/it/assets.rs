@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use garnet::Garment;
-use garnet::io::{ObjFile, SceneJson};
+use garnet::io::{ObjFile, SceneJson, empty_sleeves};
 use garnet_tests::Judge;
 
 use crate::held::{Bars, held};
@@ -83,6 +83,22 @@ fn scenes_hold_with_poses_recovered_from_the_meshes_alone() {
     };
     for (name, bars) in SCENES {
         scene_holds(&folder, name, bars, PoseFrom::Meshes);
+    }
+}
+
+#[test]
+fn no_garment_of_a_scene_has_an_empty_sleeve() {
+    let Some(folder) = assets("no_garment_of_a_scene_has_an_empty_sleeve") else {
+        return;
+    };
+    for (name, _) in SCENES {
+        let scene = SceneJson::read(folder.join("scenes").join(name).join("scene.json")).unwrap();
+        let body = scene.rig().unwrap().into_body().unwrap();
+        let mesh = ObjFile::read(&scene.garment).unwrap().mesh().unwrap();
+        assert_eq!(empty_sleeves(&mesh, &body), [], "{name}");
+        let bound = Garment::new(mesh).bind(&body).unwrap();
+        let share = bound.cloth().inward_share();
+        assert!(share < 0.3, "{name}: {share}");
     }
 }
 

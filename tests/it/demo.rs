@@ -1,7 +1,7 @@
 //! The demo files are those that `make-demo` writes, and drape well.
 
-use garnet::Garment;
-use garnet::io::{ObjFile, read_body};
+use garnet::io::{ObjFile, empty_sleeves, read_body};
+use garnet::{Garment, Point3};
 use garnet_tests::Judge;
 use garnet_tests::demo::{Demo, POSES};
 
@@ -52,4 +52,30 @@ fn the_demo_drapes_well() {
         let posed = body.fitted(target.positions()).unwrap();
         held(name, &judge, &bound, &posed, Bars::default());
     }
+}
+
+#[test]
+fn a_sleeve_that_stands_off_beside_its_arm_is_named() {
+    let folder = Demo::folder();
+    let mesh = ObjFile::read(folder.join("tunic.obj"))
+        .unwrap()
+        .mesh()
+        .unwrap();
+    let body = read_body(folder.join("body.rig.npz")).unwrap();
+    assert_eq!(empty_sleeves(&mesh, &body), []);
+    let joints = body.skeleton().joints();
+    let shoulder = joints[body.skeleton().find("left_shoulder").unwrap()].rest_position;
+    // The left sleeve is raised, beyond the shoulder.
+    let raised = mesh.positions().iter().map(|place| {
+        let angle = ((place.x - shoulder.x - 0.04) / 0.06).clamp(0.0, 1.0);
+        let (sine, cosine) = (1.1 * angle).sin_cos();
+        let [x, y] = [place.x - shoulder.x, place.y - shoulder.y];
+        let [x, y] = [cosine * x - sine * y, sine * x + cosine * y];
+        Point3::new(shoulder.x + x, shoulder.y + y, place.z)
+    });
+    let raised = mesh.with_positions(raised.collect()).unwrap();
+    let found = empty_sleeves(&raised, &body);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].center.x > shoulder.x + 0.1, "{found:?}");
+    assert!(joints[found[0].joint].name.starts_with("left_"));
 }

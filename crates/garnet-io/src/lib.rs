@@ -29,6 +29,7 @@ mod rig_npz;
 mod rig_smpl;
 mod scene;
 mod scene_json;
+mod sleeves;
 mod smpl_regressor;
 mod units;
 mod weights_json;
@@ -52,5 +53,6 @@ pub use scene::{
     read_shown_mesh, rig_beside,
 };
 pub use scene_json::SceneJson;
+pub use sleeves::{EmptySleeve, empty_sleeves};
 pub use units::{guess_body_unit, guess_garment_units, guess_up_axis};
 pub use weights_json::read_weights;

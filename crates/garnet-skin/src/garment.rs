@@ -211,6 +211,42 @@ impl BoundGarment {
         &self.skin
     }
 
+    /// What share of the cloth looks towards the skin that it lies on, by area, from 0 to 1: little
+    /// of a garment as people make them, and nearly all of one that is inside out.
+    pub fn inward_share(&self) -> f32 {
+        let (nodes, body) = (&self.rest, &self.rest_skin);
+        let away = |node: u32| {
+            let near = &self.skin[node as usize];
+            let corners = body.faces()[near.face as usize];
+            let [a, b, c] = corners.map(|corner| body.positions()[corner as usize]);
+            let outward = (b - a).cross(&(c - a));
+            let offset = nodes[node as usize] - near.point;
+            // What is in the skin lies on it, too.
+            let way = if offset.dot(&outward) > 0.0 {
+                offset
+            } else {
+                outward
+            };
+            way.try_normalize(f32::MIN_POSITIVE).unwrap_or_default()
+        };
+        let (mut inward, mut all) = (0.0_f64, 0.0_f64);
+        for face in &self.faces {
+            let [a, b, c] = face.map(|node| nodes[node as usize]);
+            let normal = (b - a).cross(&(c - a));
+            let way: Vector3 = face.iter().map(|&node| away(node)).sum();
+            let area = f64::from(normal.norm());
+            all += area;
+            if normal.dot(&way) < 0.0 {
+                inward += area;
+            }
+        }
+        if all > 0.0 {
+            (inward / all) as f32
+        } else {
+            0.0
+        }
+    }
+
     /// What the lengths of draping, which are a person's, are to be multiplied by: 1 for cloth on
     /// limbs as thick as a person's, less on fingers and dolls, more on giants.
     pub fn scale(&self) -> f32 {

@@ -201,6 +201,7 @@ impl Bound {
         let small = (small > 0).then_some(Problem::SmallFaces(small));
         let held = warning::of_body_in(garment.mesh(), garment.body());
         let near = warning::of_rims(&garment);
+        let sides = warning::of_sides(&garment);
         let unusual = match near {
             Some(_) => warning::sewn(found.garment, &garment),
             None => found.garment,
@@ -209,6 +210,7 @@ impl Bound {
             .into_iter()
             .chain(near)
             .chain(held)
+            .chain(sides)
             .chain(start)
             .chain(holes);
         let of_garment = unusual.into_iter().chain(start);

@@ -7,9 +7,9 @@ use std::{
 };
 
 use garnet::{
-    Body, BoundGarment, TriMesh,
+    Body, BoundGarment, Point3, TriMesh,
     data::{Limits, SceneReport},
-    io::threaded_openings,
+    io::{empty_sleeves, threaded_openings},
     knn::{Surface, TORN_STRETCH, VertexTree},
     mesh::{Bounds, MeshDiagnosis, StretchSummary, diagnose},
     untangle::{UntangleReport, free_crossing_faces},
@@ -46,6 +46,8 @@ pub(crate) enum Problem {
     SelfIntersectingBody(usize),
     /// The faces of the body looked inwards.
     InsideOutBody,
+    /// So much of the garment looks towards the skin, from 0 to 1.
+    InsideOutGarment(f32),
     /// The body is so small, in metres, that its file may be in inches or feet.
     SmallBody(f32),
     /// So many faces of the body looked inwards.
@@ -61,6 +63,8 @@ pub(crate) enum Problem {
     StartsInside(usize, f32),
     /// So many openings of the garment have no limb through them, of how many.
     Unthreaded(usize, usize),
+    /// No limb goes through a sleeve: the joint nearest to its opening, and its middle, in metres.
+    EmptySleeve(String, Point3),
     /// Faces of the garment that cross the skin of the rest body.
     CrossingAtRest(usize),
     Trapped(usize),
@@ -83,6 +87,8 @@ pub(crate) enum Problem {
     Beyond(String),
     /// The cloth was left where the network put it, and why.
     Unsettled(String),
+    /// So much of the cloth was left where it was put, from 0 to 1.
+    PartlySettled(f32),
     /// The reference solver has not brought the cloth into balance in so many steps, and the
     /// largest force left over, in mean weights of a vertex.
     OutOfBalance(usize, f64),
@@ -106,6 +112,7 @@ impl Problem {
             Self::OverHoles(..) => "over_holes",
             Self::SelfIntersectingBody(_) => "self_intersecting_body",
             Self::InsideOutBody => "inside_out_body",
+            Self::InsideOutGarment(_) => "inside_out_garment",
             Self::SmallBody(_) => "small_body",
             Self::TurnedFaces(_) => "turned_faces",
             Self::LimbOutside(..) => "limb_outside",
@@ -113,6 +120,7 @@ impl Problem {
             Self::Tight(_) => "tight",
             Self::StartsInside(..) => "starts_inside",
             Self::Unthreaded(..) => "unthreaded",
+            Self::EmptySleeve(..) => "empty_sleeve",
             Self::CrossingAtRest(_) => "crossing_at_rest",
             Self::Trapped(_) => "trapped",
             Self::Squeezed(_) => "squeezed",
@@ -125,6 +133,7 @@ impl Problem {
             Self::Fallback(..) => "fallback",
             Self::Beyond(_) => "beyond_training",
             Self::Unsettled(_) => "unsettled",
+            Self::PartlySettled(_) => "partly_settled",
             Self::OutOfBalance(..) => "out_of_balance",
         }
     }
@@ -156,6 +165,8 @@ impl Problem {
             | Self::CrossingUntouched(count)
             | Self::Inside(count, _) => Some(count),
             Self::InsideOutBody
+            | Self::InsideOutGarment(_)
+            | Self::EmptySleeve(..)
             | Self::SmallBody(_)
             | Self::LimbOutside(..)
             | Self::Torn(_)
@@ -166,6 +177,7 @@ impl Problem {
             | Self::Fallback(..)
             | Self::Beyond(_)
             | Self::Unsettled(_)
+            | Self::PartlySettled(_)
             | Self::OutOfBalance(..) => None,
         }
     }
@@ -179,6 +191,8 @@ impl Problem {
             | Self::PoorFit(value)
             | Self::Inside(_, value)
             | Self::LimbOutside(_, value)
+            | Self::InsideOutGarment(value)
+            | Self::PartlySettled(value)
             | Self::StartsInside(_, value) => value.into(),
             Self::OutOfBalance(_, residual) => residual,
             _ => self.count().unwrap_or(0) as f64,
@@ -232,6 +246,10 @@ impl fmt::Display for Warning {
                 format!("the body `{path}` runs through itself (pairs of faces: {count})")
             }
             Problem::InsideOutBody => format!("the body `{path}` {INSIDE_OUT}"),
+            Problem::InsideOutGarment(share) => format!(
+                "`{path}` is inside out: {:.0} % of its faces look towards the body, as its normals                  do; it is draped as it is worn, and the faces of the file are kept",
+                100.0 * share
+            ),
             Problem::SmallBody(height) => format!(
                 "the body `{path}` is taken to be {:.0} cm tall; if its file is in inches or feet, \
                  say so by `--units in` or `--units ft`",
@@ -254,6 +272,7 @@ impl fmt::Display for Warning {
                 "no limb of the body goes through {count} of the {openings} openings of `{path}`: it may \
                  lie elsewhere than on the body; `--place` brings it there"
             ),
+            Problem::EmptySleeve(ref joint, center) => empty_sleeve(&self.path, joint, center),
             Problem::CrossingAtRest(count) => faces(count, ["crosses", "cross"]) + AT_REST,
             Problem::Trapped(count) => {
                 vertices(count, is) + " caught where the body runs through itself"
@@ -294,6 +313,11 @@ impl fmt::Display for Warning {
             Problem::Unsettled(ref reason) => {
                 format!("`{path}` is not settled by simulation: {reason}")
             }
+            Problem::PartlySettled(share) => format!(
+                "{:.0} % of `{path}` is where it was before it settled, which would have brought it \
+                 into the skin or stretched it there",
+                (100.0 * share).ceil()
+            ),
             Problem::OutOfBalance(steps, residual) => out_of_balance(&self.path, steps, residual),
         };
         formatter.write_str(&text)
@@ -365,6 +389,16 @@ fn out_of_balance(path: &Path, steps: usize, residual: f64) -> String {
     )
 }
 
+fn empty_sleeve(path: &Path, joint: &str, Point3 { coords }: Point3) -> String {
+    let [x, y, z] = coords.into();
+    let path = path.display();
+    format!(
+        "no limb goes through the sleeve of `{path}` that ends at {x:.2} {y:.2} {z:.2} m, beside \
+         `{joint}` of the rest body: `--place` brings sleeves to their limbs, or `--rest-body` names \
+         the body that the garment was made on"
+    )
+}
+
 fn in_place_of_network(is_simulated: bool) -> &'static str {
     if is_simulated {
         "the garment is simulated all the way from the body at rest"
@@ -402,6 +436,7 @@ pub(crate) fn warnings_of(path: &Path, garment: &BoundGarment) -> Vec<WarningRep
     let problems = problems.chain(of_start(garment)).chain(of_holes(garment));
     let problems = problems.chain(of_openings(garment.mesh(), garment.body()));
     let problems = problems.chain(of_skin_at_rest(garment));
+    let problems = problems.chain(of_sides(garment));
     let warnings = problems.map(|problem| Warning {
         path: path.to_path_buf(),
         problem,
@@ -425,7 +460,7 @@ const HELD_SHARE: f64 = 0.5;
 pub(crate) fn of_body_in(garment: &TriMesh, body: &Body) -> Option<Problem> {
     let tree = VertexTree::new(garment.positions()).ok()?;
     let own = || body.of_skin(body.rest().positions());
-    let is_held = |place: &&garnet::Point3| {
+    let is_held = |place: &&Point3| {
         let near = tree.nearest(**place);
         near.is_some_and(|near| {
             (garment.positions()[near.index as usize] - **place).norm() < SAME_VERTEX
@@ -525,11 +560,33 @@ pub(crate) fn num_over_holes(garment: &BoundGarment) -> usize {
         .count()
 }
 
-/// Whether limbs go through half of the openings of a garment at most, and cloth is around none.
-pub(crate) fn of_openings(garment: &TriMesh, body: &Body) -> Option<Problem> {
+/// Sleeves of a garment that no limb goes through, or whether limbs go through half of its openings
+/// at most.
+pub(crate) fn of_openings(garment: &TriMesh, body: &Body) -> Vec<Problem> {
     let [openings, threaded] = threaded_openings(garment, body);
     let bare = openings - threaded;
-    (bare >= 2 && bare >= threaded).then_some(Problem::Unthreaded(bare, openings))
+    if bare == 0 {
+        return Vec::new();
+    }
+    let name = |joint: usize| body.skeleton().joints()[joint].name.clone();
+    let empty = empty_sleeves(garment, body).into_iter();
+    let empty = empty.map(|sleeve| Problem::EmptySleeve(name(sleeve.joint), sleeve.center));
+    let empty: Vec<Problem> = empty.collect();
+    // More than sleeves are bare: the garment lies elsewhere.
+    if bare >= 2 && bare >= threaded && bare > empty.len() {
+        return vec![Problem::Unthreaded(bare, openings)];
+    }
+    empty
+}
+
+/// A garment of which more than this share looks towards the skin is inside out: of one with a
+/// lining half does.
+const INWARD_SHARE: f32 = 0.8;
+
+/// Whether a garment is inside out.
+pub(crate) fn of_sides(garment: &BoundGarment) -> Option<Problem> {
+    let share = garment.cloth().inward_share();
+    (share > INWARD_SHARE).then_some(Problem::InsideOutGarment(share))
 }
 
 /// Whether a garment lies over holes of its body.
