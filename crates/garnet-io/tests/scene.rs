@@ -258,25 +258,28 @@ fn vertices_that_an_exporter_numbered_anew_are_matched_by_their_places() {
     }
 }
 
+/// The rig of a body whose faces have vertices of their own, in reversed order.
+fn split(body: &Body) -> Rig {
+    let mesh = body.rest();
+    let corners = mesh.faces().as_flattened().iter().rev();
+    let corners: Vec<usize> = corners.map(|&vertex| vertex as usize).collect();
+    let positions = corners.iter().map(|&vertex| mesh.positions()[vertex]);
+    let positions = positions.collect();
+    let faces = (0..corners.len() as u32 / 3).map(|face| [3 * face + 2, 3 * face + 1, 3 * face]);
+    let rows = corners.iter().map(|&vertex| body.weights().vertex(vertex));
+    Rig {
+        rest: Some(TriMesh::new(positions, faces.collect()).unwrap()),
+        weights: SkinWeights::from_influences(2, rows).unwrap(),
+        ..Rig::from(body.clone())
+    }
+}
+
 #[test]
 fn vertices_that_an_exporter_split_are_matched_by_their_places() {
     let folder = tempfile::tempdir().unwrap();
     let mut files = files(folder.path(), &shirt());
     let whole = body();
-    // Each corner of a face has a vertex of its own, in reversed order.
-    let corners = whole.rest().faces().as_flattened().iter().rev();
-    let corners: Vec<usize> = corners.map(|&vertex| vertex as usize).collect();
-    let positions = corners
-        .iter()
-        .map(|&vertex| whole.rest().positions()[vertex])
-        .collect();
-    let faces = (0..corners.len() as u32 / 3).map(|face| [3 * face + 2, 3 * face + 1, 3 * face]);
-    let rows = corners.iter().map(|&vertex| whole.weights().vertex(vertex));
-    let split = Rig {
-        rest: Some(TriMesh::new(positions, faces.collect()).unwrap()),
-        weights: SkinWeights::from_influences(2, rows).unwrap(),
-        ..Rig::from(body())
-    };
+    let split = split(&whole);
     write_rig_npz(folder.path().join("split.rig.npz"), &split).unwrap();
     let mut bend = Pose::rest(2);
     bend.rotations[1] = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.4);
@@ -307,5 +310,45 @@ fn vertices_that_an_exporter_split_are_matched_by_their_places() {
         .zip(whole.rest().positions())
     {
         assert!((found - expected).norm() < ROUNDING);
+    }
+}
+
+#[test]
+fn a_rest_body_in_another_pose_than_a_split_rig_is_matched_by_its_faces() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = files(folder.path(), &shirt());
+    write_rig_npz(folder.path().join("split.rig.npz"), &split(&body())).unwrap();
+    let bent = |angle: f32| {
+        let mut bend = Pose::rest(2);
+        bend.rotations[1] = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+        let places = body().posed_positions(&bend, Method::Linear).unwrap();
+        body().rest().with_positions(places).unwrap()
+    };
+    write_obj(folder.path().join("rest.obj"), &bent(0.4)).unwrap();
+    write_obj(folder.path().join("posed.obj"), &bent(-0.3)).unwrap();
+    files.rig = Some(folder.path().join("split.rig.npz"));
+    files.rest_body = Some(folder.path().join("rest.obj"));
+    files.bodies = vec![folder.path().join("posed.obj")];
+    let scene = Scene::load(&files).unwrap();
+    let is_told = |note: &PoseNote| note.to_string().contains("in another pose than its rig");
+    assert!(scene.notes.iter().any(is_told), "{:?}", scene.notes);
+    let pairs = scene.body.rest().positions().iter();
+    for (found, expected) in pairs.zip(bent(0.4).positions()) {
+        assert!((found - expected).norm() < ROUNDING);
+    }
+    let joints = scene.body.skeleton().joints().iter();
+    for (found, expected) in joints.zip(body().skeleton().joints()) {
+        // The pose is about the hip, and was recovered.
+        assert!((found.rest_position - expected.rest_position).norm() < 0.02);
+    }
+    // Without the rest body, a posed one is matched with the rig itself.
+    files.rest_body = None;
+    let scene = Scene::load(&files).unwrap();
+    let posed = scene.targets[0].posed(&scene.body).unwrap();
+    let places = posed.skin().positions();
+    let expected = bent(-0.3);
+    let corners = body().rest().faces().as_flattened().to_vec();
+    for (found, &corner) in places.iter().zip(corners.iter().rev()) {
+        assert!((found - expected.positions()[corner as usize]).norm() < 2e-3);
     }
 }

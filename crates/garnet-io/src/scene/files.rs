@@ -93,6 +93,8 @@ pub(super) struct BodyFile {
     pub(super) positions: Vec<Point3>,
     /// Of its polygons: bodies of one topology share them.
     pub(super) edges: Arc<Vec<[u32; 2]>>,
+    /// Its polygons as triangles, shared likewise.
+    pub(super) triangles: Arc<Vec<[u32; 3]>>,
     pub(super) file: Option<ObjFile>,
     /// Of a rig: positions in the rest pose of the rig, where it shows another one.
     pub(super) at_rest: Option<Vec<Point3>>,
@@ -195,10 +197,19 @@ fn read_rest(files: &SceneFiles, rig: Option<&Path>) -> Result<Option<ShownMesh>
     read_shown_mesh(path, &files.rig_options).map(Some)
 }
 
+/// A list, or the first one if that is the same.
+fn shared<T: PartialEq + Clone>(first: &OnceLock<Arc<Vec<T>>>, list: Vec<T>) -> Arc<Vec<T>> {
+    let first = first.get_or_init(|| Arc::new(list.clone()));
+    if **first == list {
+        return Arc::clone(first);
+    }
+    Arc::new(list)
+}
+
 fn read_bodies(files: &SceneFiles) -> Result<Vec<BodyFile>, SceneError> {
     let paths = &files.bodies;
     let is_single = paths.len() == 1;
-    let first_edges = OnceLock::new();
+    let (first_edges, first_triangles) = (OnceLock::new(), OnceLock::new());
     let read = |path: &PathBuf| -> Result<BodyFile, SceneError> {
         let ShownMesh {
             file,
@@ -207,17 +218,15 @@ fn read_bodies(files: &SceneFiles) -> Result<Vec<BodyFile>, SceneError> {
             rig_note: _,
         } = read_shown_mesh(path, &files.rig_options)?;
         let edges = file.polygon_edges();
-        let shared: &Arc<Vec<[u32; 2]>> = first_edges.get_or_init(|| Arc::new(edges.clone()));
+        let edges = shared(&first_edges, edges);
+        let triangles = shared(&first_triangles, file.triangles());
         Ok(BodyFile {
             at_rest,
             note,
             path: path.clone(),
             positions: file.positions().to_vec(),
-            edges: if **shared == edges {
-                Arc::clone(shared)
-            } else {
-                Arc::new(edges)
-            },
+            edges,
+            triangles,
             file: (is_single && !is_rig(path)).then_some(file),
         })
     };

@@ -13,6 +13,7 @@ mod read_mesh;
 mod rest_body;
 mod rest_mesh;
 mod rig_search;
+mod same_faces;
 
 use std::{
     path::{Path, PathBuf},
@@ -255,7 +256,12 @@ impl Scene {
         let shows_a_frame = rest_obj.is_none() && is_graphics(&rig_path);
         let rest_mesh = rest_obj.as_ref().map(mesh_of).transpose()?;
         let (rig, places) = match &rest_mesh {
-            Some(mesh) => matched_rig(rig, mesh),
+            Some(mesh) => matched_rig(rig, mesh, || {
+                rest_obj
+                    .as_ref()
+                    .map(ObjFile::polygon_edges)
+                    .unwrap_or_default()
+            }),
             None => (rig, None),
         };
         let taken = RestMesh::taken(rest_obj.as_ref(), &rig, &rig_path, files)?;

@@ -95,7 +95,7 @@ impl OwnBody {
             }
             None => (built_in(&mesh, path)?, path.to_path_buf()),
         };
-        let (rig, _) = matched_rig(rig, &mesh);
+        let (rig, _) = matched_rig(rig, &mesh, || file.polygon_edges());
         let taken = RestMesh {
             mesh,
             path: path.to_path_buf(),

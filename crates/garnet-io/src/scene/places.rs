@@ -1,4 +1,5 @@
-//! Matching vertices by their places: exporters split them at seams and number them anew.
+//! Matching vertices by their places: exporters split them at seams and number them anew. Where
+//! places differ, their faces tell.
 
 use std::sync::Arc;
 
@@ -6,7 +7,11 @@ use garnet_knn::VertexTree;
 use garnet_mesh::{Bounds, Kinship, KnownMesh, Point3, TriMesh, Unit, UpAxis, kinship};
 use garnet_skin::{Rig, SkinWeights, Weld};
 
-use super::{files::BodyFile, frame::Frame};
+use super::{
+    files::BodyFile,
+    frame::Frame,
+    same_faces::{Faces, same_vertices},
+};
 
 /// Vertices at one place are as near as this, over the diagonal of their box: the digits of files.
 const SAME_PLACE: f32 = 2e-4;
@@ -60,7 +65,12 @@ pub(super) fn same_places(known: &[Point3], points: &[Point3]) -> Option<Vec<u32
 
 /// A rig with the vertices of an OBJ of its rest mesh, and which of its own vertices they are. A
 /// rig that has them already, or whose rest mesh is not that of the OBJ, is given back as it is.
-pub(super) fn matched_rig(rig: Rig, rest: &TriMesh) -> (Rig, Option<Vec<u32>>) {
+/// The OBJ may be in another pose than the rig, where the faces of both are the same.
+pub(super) fn matched_rig(
+    rig: Rig,
+    rest: &TriMesh,
+    edges: impl FnOnce() -> Vec<[u32; 2]>,
+) -> (Rig, Option<Vec<u32>>) {
     let Some(own) = &rig.rest else {
         return (rig, None);
     };
@@ -69,7 +79,12 @@ pub(super) fn matched_rig(rig: Rig, rest: &TriMesh) -> (Rig, Option<Vec<u32>>) {
     if is_same {
         return (rig, None);
     }
-    let Some(places) = same_places(own.positions(), rest.positions()) else {
+    let by_faces = || {
+        let edges = edges();
+        same_vertices(&faces_of(own), &with_edges(faces_of(rest), &edges))
+    };
+    let places = same_places(own.positions(), rest.positions());
+    let Some(places) = places.or_else(by_faces) else {
         return (rig, None);
     };
     let positions = places
@@ -93,8 +108,20 @@ pub(super) fn matched_rig(rig: Rig, rest: &TriMesh) -> (Rig, Option<Vec<u32>>) {
     }
 }
 
+fn faces_of(mesh: &TriMesh) -> Faces<'_> {
+    Faces {
+        positions: mesh.positions(),
+        triangles: mesh.faces(),
+        edges: &[],
+    }
+}
+
+fn with_edges<'a>(faces: Faces<'a>, edges: &'a [[u32; 2]]) -> Faces<'a> {
+    Faces { edges, ..faces }
+}
+
 /// Gives a body the vertices of the rest mesh, if it has others: by their places at rest, by those
-/// of the rig (`places`), or by the order in which split vertices come.
+/// of the rig (`places`), by the order in which split vertices come, or by their faces.
 pub(super) fn match_body(body: &mut BodyFile, rest: &TriMesh, places: Option<&[u32]>) {
     let found = |positions: &[Point3]| {
         positions.len() == rest.num_vertices()
@@ -127,9 +154,19 @@ pub(super) fn match_body(body: &mut BodyFile, rest: &TriMesh, places: Option<&[u
         let checked = known.check_order(&body.positions, &body.edges);
         checked.ok().map(|_| weld.scatter(&body.positions))
     };
-    if let Some(positions) = by_rig().or_else(by_place).or_else(by_order) {
+    let by_faces = || {
+        let of_body = Faces {
+            positions: &body.positions,
+            triangles: &body.triangles,
+            edges: &body.edges,
+        };
+        gathered(&same_vertices(&of_body, &faces_of(rest))?).filter(|positions| found(positions))
+    };
+    let by_others = || by_place().or_else(by_order).or_else(by_faces);
+    if let Some(positions) = by_rig().or_else(by_others) {
         body.positions = positions;
         body.edges = Arc::default();
+        body.triangles = Arc::default();
     }
 }
 
