@@ -9,9 +9,10 @@ use garnet_mesh::{Point3, edge_stretch};
 #[cfg(feature = "package")]
 use garnet_sim::Moment;
 use garnet_skin::{BodyAtHome, PosedBody, Warp};
-use garnet_untangle::{UntangleOptions, UntangleReport, Untangled, untangle};
+use garnet_untangle::{UntangleError, UntangleOptions, UntangleReport, Untangled, untangle};
 use tracing::{debug, info};
 
+use crate::blending::{REACHES, blended};
 #[cfg(feature = "package")]
 use crate::predicted::Learned;
 use crate::{BoundGarment, Error};
@@ -146,6 +147,9 @@ pub struct Provenance {
     pub unrelaxed: Option<Arc<Error>>,
     /// What relaxing would have made worse: the drape is that before it; `None` if it is not.
     pub worsened: Option<Worsened>,
+    /// How much of the cloth is where it was before it was relaxed, since it would be worse there,
+    /// by area, from 0 to 1.
+    pub unrelaxed_share: f32,
 }
 
 /// What would have become worse of a drape.
@@ -198,6 +202,9 @@ pub struct DrapeQuality {
 
 /// Longest edges up to this are no worse than shorter ones, over their length at rest.
 const USUAL_STRETCH: f32 = 1.3;
+
+/// Of a garment of which more than this share would go back it is told that it was not relaxed.
+const MOST_UNRELAXED: f32 = 0.5;
 
 /// Edges count as longer if they are by this factor: rounding and chance are less.
 const LONGER: f32 = 1.02;
@@ -495,21 +502,18 @@ impl Draper {
             let before = freed(&unrelaxed, was_by)?;
             let was = self.quality(&before);
             let first = self.quality(&untangled);
-            let mut is_worse = first.is_worse_than(&was);
-            // What untangling has strained gives way if its strain is relaxed, too.
-            for by in [PlacedBy::Network, PlacedBy::Warp] {
-                if is_worse {
-                    let other = freed(&nodes, by)?;
-                    is_worse = self.quality(&other).is_worse_than(&was);
-                    if !is_worse {
-                        untangled = other;
-                    }
+            if first.is_worse_than(&was) {
+                let found = (nodes.as_slice(), &before);
+                if let Some((mended, share)) =
+                    self.mended(home.body(), found, &untangled, &freed)?
+                {
+                    untangled = mended;
+                    provenance.unrelaxed_share = share;
+                } else {
+                    untangled = before;
+                    info!(?was, relaxed = ?first, "the drape before it was relaxed is better");
+                    provenance.keep(was, first);
                 }
-            }
-            if is_worse {
-                untangled = before;
-                info!(?was, relaxed = ?first, "the drape before it was relaxed is better, and kept");
-                provenance.keep(was, first);
             }
         }
         let positions = weld.scatter(&untangled.positions_nodes);
@@ -528,6 +532,49 @@ impl Draper {
             provenance,
             seconds,
         })
+    }
+
+    /// Cloth that was relaxed to `nodes` and `relaxed` by untangling, but is worse than `before`:
+    /// untangled otherwise, or where it was around what is worse; and how much of it is there. None
+    /// if that is worse, too.
+    fn mended(
+        &self,
+        body: &PosedBody,
+        (nodes, before): (&[Point3], &Untangled),
+        relaxed: &Untangled,
+        freed: &impl Fn(&[Point3], PlacedBy) -> Result<Untangled, UntangleError>,
+    ) -> Result<Option<(Untangled, f32)>, Error> {
+        let was = self.quality(before);
+        let is_sound = |other: &Untangled| !self.quality(other).is_worse_than(&was);
+        // What untangling has strained gives way if its strain is relaxed, too.
+        for by in [PlacedBy::Network, PlacedBy::Warp] {
+            let other = freed(nodes, by)?;
+            if is_sound(&other) {
+                return Ok(Some((other, 0.0)));
+            }
+        }
+        if self.quality(relaxed).p99 > LONGER * was.p99.max(1.0) {
+            // All of the cloth is longer, not some places.
+            return Ok(None);
+        }
+        let most = (LONGER * was.longest).max(USUAL_STRETCH);
+        for reach in REACHES {
+            let (nodes, share) = blended(&self.garment, body, [before, relaxed], most, reach)?;
+            if share > MOST_UNRELAXED {
+                break;
+            }
+            for by in [PlacedBy::Simulation, PlacedBy::Network] {
+                let other = freed(&nodes, by)?;
+                if is_sound(&other) {
+                    info!(
+                        share,
+                        reach, "the drape goes back to before it was relaxed in places"
+                    );
+                    return Ok(Some((other, share)));
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// How good cloth is that was untangled.

@@ -19,6 +19,7 @@ mod smoothing;
 mod take;
 
 #[cfg(feature = "package")]
+mod blending;
 mod body_path;
 #[cfg(feature = "package")]
 mod choice;
