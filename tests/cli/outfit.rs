@@ -1,6 +1,6 @@
 //! Whether garments fit, and garments over each other.
 
-use garnet::io::ObjFile;
+use garnet::{io::ObjFile, mesh::primitives::tube};
 use serde_json::Value;
 
 use crate::fixtures::{Fixture, refused, stderr, stdout};
@@ -131,6 +131,42 @@ fn an_outfit_is_an_obj_of_each_garment_with_nothing_through_the_other() {
         "drape jeans tee woman.obj -o again/ -q --threads 1",
     );
     assert!(first == fixture.read("again/tee.obj"));
+}
+
+#[test]
+fn layers_of_obj_files_are_an_outfit() {
+    let fixture = Fixture::new();
+    fixture.mesh("coat.obj", &tube(0.135, 0.5, 36, 22));
+    let inputs = "drape sleeve.obj body.obj --rig body.rig.npz --pose bend.json";
+    let output = fixture.garnet(&format!("{inputs} --layer coat.obj -o outfit --json"));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let report = json(&stdout(&output));
+    assert_eq!(report["schema"], "garnet.outfit/1");
+    let paths = [0, 1].map(|number| report["garments"][number]["drapes"][0]["output"].clone());
+    assert_eq!(paths, ["outfit/sleeve.obj", "outfit/coat.obj"]);
+    let layer = &report["layers"][0];
+    let names = (&layer["inner"], &layer["outer"]);
+    assert_eq!(names, (&"sleeve".into(), &"coat".into()));
+    // One by one, they run through each other.
+    assert!(number(layer, "crossing_share") < 0.02, "{layer}");
+    for (arguments, words) in [
+        (
+            "--layer sleeve.obj -o no",
+            "two garments lead to the output",
+        ),
+        ("--layer missing.obj -o no", "`missing.obj`"),
+        ("--layer coat.obj -o no.glb", "an OBJ of its own"),
+    ] {
+        refused(&fixture, &format!("{inputs} {arguments}"), &[words]);
+    }
+    // Its name would be that of a file that is read.
+    let before = fixture.read("coat.obj");
+    refused(
+        &fixture,
+        &format!("{inputs} --layer coat.obj -o ."),
+        &["one of the files that are read"],
+    );
+    assert!(before == fixture.read("coat.obj"));
 }
 
 #[test]

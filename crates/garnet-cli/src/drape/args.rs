@@ -24,8 +24,9 @@ use crate::{
 };
 
 /// All arguments that a job of `--batch` may have, and the command beside it may not.
-pub(super) const OF_A_JOB: [&str; 38] = [
+pub(super) const OF_A_JOB: [&str; 39] = [
     "output",
+    "layers",
     "body_out",
     "hide",
     "view",
@@ -93,6 +94,9 @@ pub(crate) struct DrapeArgs {
     /// table with such columns (.csv); see docs/guide/many-machines.md.
     #[arg(long, value_name = "JOBS", conflicts_with_all = OF_A_JOB)]
     pub(super) batch: Option<PathBuf>,
+    /// Another garment, OBJ or package, over GARMENT and the layers before: an outfit.
+    #[arg(long = "layer", value_name = "GARMENT")]
+    pub(super) layers: Vec<PathBuf>,
     /// With `--pose`: write the posed body, as the drape is written; a folder for several OBJ.
     #[arg(long, value_name = "OUT", requires = "pose")]
     pub(super) body_out: Option<PathBuf>,
@@ -232,7 +236,8 @@ pub(crate) struct InputArgs {
 
 const LONG_HELP: &str = "\
 Several garment packages before BODY are an outfit, the inner first: `garnet drape jeans tshirt body.obj -o outfit/` \
-drapes the jeans on the body and the T-shirt on body and jeans.
+drapes the jeans on the body and the T-shirt on body and jeans. So does `--layer`, of OBJ files, too: \
+`garnet drape trousers.obj body.obj --layer shirt.obj --layer coat.obj -o outfit/`.
 
 The rig of a body is found in this order: --rig; that of the garment package, unless --rest-body is given \
 or the rig beside BODY is of another topology; `<rest body>.rig.npz` beside the OBJ of --rest-body; `<body>.rig.npz` beside BODY. \
@@ -254,20 +259,34 @@ pub(super) struct OutfitArgs {
 
 impl DrapeArgs {
     /// The garment or package.
-    pub(super) fn package(&self) -> Option<&Path> {
+    pub(super) fn garment(&self) -> Option<&Path> {
         self.input.garment.as_deref()
     }
 
-    /// The outfit, if there are several packages before the body.
+    /// How many packages follow the one that is the garment.
+    fn num_packages_after_first(&self) -> usize {
+        let given = self.input.garment.iter().chain(&self.input.bodies);
+        let packages = given.take_while(|path| GarmentPackage::is_at(path));
+        packages.count().saturating_sub(1)
+    }
+
+    /// The outfit, if there are several packages before the body, or layers.
     pub(super) fn outfit(&self) -> anyhow::Result<Option<OutfitArgs>> {
-        let first = (self.input.garment.as_ref()).filter(|garment| GarmentPackage::is_at(garment));
-        let is_package = |path: &&PathBuf| GarmentPackage::is_at(path);
-        let others = self.input.bodies.iter().take_while(is_package).count();
-        let (Some(first), 1..) = (first, others) else {
+        let first = self.input.garment.as_ref();
+        let others = self.num_packages_after_first();
+        if others == 0 && self.layers.is_empty() {
             return Ok(None);
+        }
+        let Some(first) = first else {
+            return Err(refused(
+                "`--layer` is given with `--scene`",
+                "the garments of an outfit lie on one rest body, which is named with them",
+                "name the garment of the scene, and the body",
+            ));
         };
         let (over, bodies) = self.input.bodies.split_at(others);
-        let packages: Vec<&PathBuf> = std::iter::once(first).chain(over).collect();
+        let inner = std::iter::once(first).chain(over);
+        let garments: Vec<&PathBuf> = inner.chain(&self.layers).collect();
         let one = "an outfit is draped on one body in one pose";
         let what = "leave it out, or drape the garments one by one";
         let refused_options = [
@@ -297,23 +316,28 @@ impl DrapeArgs {
         }
         output::check_output_folder(&self.output)?;
         let mut names: Vec<PathBuf> = Vec::new();
-        let garments = packages.iter().enumerate().map(|(number, &package)| {
+        let garments = garments.iter().enumerate().map(|(number, &garment)| {
             let mut args = self.clone();
-            args.input.garment = Some(package.clone());
+            args.input.garment = Some(garment.clone());
             args.input.bodies = bodies.to_vec();
+            args.layers = Vec::new();
             args.report = None;
             if number > 0 {
                 args.body_out = None;
             }
-            args.output = output::name_in(&self.output, &stem_of(package));
+            args.output = if GarmentPackage::is_at(garment) {
+                output::name_in(&self.output, &stem_of(garment))
+            } else {
+                output::name_in(&self.output, garment)
+            };
             if names.contains(&args.output) {
                 return Err(refused(
                     format!(
                         "two garments lead to the output `{}`",
                         args.output.display()
                     ),
-                    format!("`{}` has the name of another one", package.display()),
-                    "outputs are named after the folders of the packages: rename one",
+                    format!("`{}` has the name of another one", garment.display()),
+                    "outputs are named after the files, or the folders of packages: rename one",
                 ));
             }
             names.push(args.output.clone());

@@ -12,6 +12,7 @@ use garnet::{
         LayerCount, LayerOptions, Placed, PlacedBy, WornGarment, count_layers, dressed, part_layers,
     },
     io::largest_distance,
+    package::GarmentPackage,
 };
 use serde::Serialize;
 
@@ -152,7 +153,7 @@ fn drape_all(args: OutfitArgs, console: &Console) -> anyhow::Result<(Reports, Ve
     done
 }
 
-/// Refuses drapes that would take the place of a file of another package.
+/// Refuses drapes that would take the place of a file of another garment.
 fn check_apart(args: &OutfitArgs) -> anyhow::Result<()> {
     let outputs: Vec<&Path> = args
         .garments
@@ -160,8 +161,12 @@ fn check_apart(args: &OutfitArgs) -> anyhow::Result<()> {
         .map(|args| args.output.as_path())
         .collect();
     let mut read = Vec::new();
-    for package in args.garments.iter().filter_map(|args| args.package()) {
-        read.extend(files_in(package)?);
+    for garment in args.garments.iter().filter_map(|args| args.garment()) {
+        if GarmentPackage::is_at(garment) {
+            read.extend(files_in(garment)?);
+        } else {
+            read.push(garment.to_path_buf());
+        }
     }
     output::check_apart(
         &outputs,
