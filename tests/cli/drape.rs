@@ -766,3 +766,23 @@ fn triangles_whose_corners_were_rounded_apart_are_one_cloth() {
         assert!((first - place).norm() < 1e-5, "{vertex}");
     }
 }
+
+#[test]
+fn a_few_faces_that_settling_brings_into_the_skin_do_not_stop_the_rest() {
+    let fixture = Fixture::new();
+    let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/demo");
+    let demo = demo.display();
+    let inputs = format!("drape {demo}/tunic.obj --rig {demo}/body.rig.npz --pose step_forward");
+    let drape =
+        |options: &str| reported(&fixture, &format!("{inputs} {options}"))["drapes"][0].clone();
+    let warped = drape("-o warped.obj");
+    let settled = drape("--settle 60 -o settled.obj");
+    assert!(settled["unsettled"].is_null(), "{settled}");
+    assert_eq!(settled["untangle"]["inside"], 0);
+    assert_eq!(settled["untangle"]["crossing_faces"], 0);
+    let strain = |drape: &Value| drape["stretch"]["p99"].as_f64().unwrap() - 1.0;
+    assert!(
+        strain(&settled) < 0.6 * strain(&warped),
+        "{settled} {warped}"
+    );
+}

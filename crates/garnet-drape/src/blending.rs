@@ -14,22 +14,17 @@ use crate::{BoundGarment, Error};
 /// bends over as much again. Larger ones leave little of what has settled.
 pub(crate) const REACHES: [f32; 3] = [0.05, 0.1, 0.2];
 
-/// Nodes `[node]` of cloth that has settled, where it was before near what is worse after it, and
-/// how much of the cloth that is, from 0 to 1.
-///
-/// Worse are faces that cross the skin of `body`, nodes inside it, and edges of more than
-/// `max_stretch` of their length at rest.
+/// Nodes `[node]` of cloth that has settled, where it was before within `reach` of what is worse
+/// after it, in metres of a person; and how much of the cloth that is, from 0 to 1.
 pub(crate) fn blended(
     garment: &BoundGarment,
-    body: &PosedBody,
     [before, after]: [&Untangled; 2],
-    max_stretch: f32,
+    is_worse: &[bool],
     reach: f32,
-) -> Result<(Vec<Point3>, f32), Error> {
+) -> (Vec<Point3>, f32) {
     let cloth = garment.cloth();
     let reach = cloth.scale() * reach;
-    let is_worse = worse(garment, body, after, max_stretch)?;
-    let distances = distances(garment, &is_worse, 2.0 * reach);
+    let distances = distances(garment, is_worse, 2.0 * reach);
     let shares = distances.iter().map(|distance| {
         let far = (distance / reach - 1.0).clamp(0.0, 1.0);
         1.0 - far * far * (3.0 - 2.0 * far)
@@ -45,11 +40,12 @@ pub(crate) fn blended(
         .map(|(area, share)| area * share)
         .sum();
     let all: f32 = areas.iter().sum();
-    Ok((nodes.collect(), back / all.max(f32::MIN_POSITIVE)))
+    (nodes.collect(), back / all.max(f32::MIN_POSITIVE))
 }
 
-/// Whether the cloth is worse at each node `[node]`.
-fn worse(
+/// Where cloth that has settled is worse `[node]`: faces that cross the skin of `body`, nodes in
+/// it, and edges of more than `max_stretch` of their length at rest.
+pub(crate) fn worse(
     garment: &BoundGarment,
     body: &PosedBody,
     settled: &Untangled,
@@ -140,7 +136,8 @@ mod tests {
             place + inwards * if node == deep { 0.06 } else { 0.001 }
         });
         let [before, after] = [rest.clone(), moved.collect()].map(untangled);
-        let (nodes, share) = blended(&garment, &posed, [&before, &after], 9.0, 0.05).unwrap();
+        let is_worse = worse(&garment, &posed, &after, 9.0).unwrap();
+        let (nodes, share) = blended(&garment, [&before, &after], &is_worse, 0.05);
         assert!((0.01..0.2).contains(&share), "{share}");
         assert_eq!(nodes[deep], rest[deep]);
         for (node, place) in nodes.iter().enumerate() {

@@ -12,7 +12,7 @@ use garnet_skin::{BodyAtHome, PosedBody, Warp};
 use garnet_untangle::{UntangleError, UntangleOptions, UntangleReport, Untangled, untangle};
 use tracing::{debug, info};
 
-use crate::blending::{REACHES, blended};
+use crate::blending::{REACHES, blended, worse};
 #[cfg(feature = "package")]
 use crate::predicted::Learned;
 use crate::{BoundGarment, Error};
@@ -558,19 +558,33 @@ impl Draper {
             return Ok(None);
         }
         let most = (LONGER * was.longest).max(USUAL_STRETCH);
-        for reach in REACHES {
-            let (nodes, share) = blended(&self.garment, body, [before, relaxed], most, reach)?;
-            if share > MOST_UNRELAXED {
-                break;
-            }
-            for by in [PlacedBy::Simulation, PlacedBy::Network] {
-                let other = freed(&nodes, by)?;
-                if is_sound(&other) {
-                    info!(
-                        share,
-                        reach, "the drape goes back to before it was relaxed in places"
-                    );
-                    return Ok(Some((other, share)));
+        let is_worse = worse(&self.garment, body, relaxed, most)?;
+        // Where cloth bends from one to the other, it may be worse, too.
+        let mut is_ever_worse = is_worse.clone();
+        for is_tried_again in [false, true] {
+            for reach in REACHES {
+                let around = if is_tried_again {
+                    &is_ever_worse
+                } else {
+                    &is_worse
+                };
+                let (nodes, share) = blended(&self.garment, [before, relaxed], around, reach);
+                if share > MOST_UNRELAXED {
+                    break;
+                }
+                for by in [PlacedBy::Simulation, PlacedBy::Network] {
+                    let other = freed(&nodes, by)?;
+                    if is_sound(&other) {
+                        info!(
+                            share,
+                            reach, "places go back to where they were before settling"
+                        );
+                        return Ok(Some((other, share)));
+                    }
+                    let still = worse(&self.garment, body, &other, most)?;
+                    for (is_worse, still) in is_ever_worse.iter_mut().zip(still) {
+                        *is_worse |= still;
+                    }
                 }
             }
         }
