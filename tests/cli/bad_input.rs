@@ -297,7 +297,7 @@ fn bodies_of_other_topology() {
     for vertex in 0..count {
         places[rolled(vertex) as usize] = positions[vertex as usize];
     }
-    let faces = faces.into_iter().map(|face| face.map(rolled)).collect();
+    // With faces numbered likewise, they would tell which vertex is which.
     fixture.mesh("rolled.obj", &garnet::TriMesh::new(places, faces).unwrap());
     refused(
         &fixture,
