@@ -18,7 +18,6 @@ mod refit;
 mod smoothing;
 mod take;
 
-#[cfg(feature = "package")]
 mod blending;
 mod body_path;
 #[cfg(feature = "package")]
