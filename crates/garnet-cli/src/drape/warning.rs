@@ -247,7 +247,7 @@ impl fmt::Display for Warning {
             }
             Problem::InsideOutBody => format!("the body `{path}` {INSIDE_OUT}"),
             Problem::InsideOutGarment(share) => format!(
-                "`{path}` is inside out: {:.0} % of its faces look towards the body, as its normals                  do; it is draped as it is worn, and the faces of the file are kept",
+                "`{path}` is inside out: {:.0} % of its faces look towards the body, as its normals do; it is draped as it is worn, and the faces of the file are kept",
                 100.0 * share
             ),
             Problem::SmallBody(height) => format!(
@@ -335,8 +335,7 @@ const CROSSING: &str = " the skin between vertices that are outside";
 const AT_REST: &str = " the skin of the rest body, which looks out through the cloth there";
 
 /// What to do about those of cloth that was not untangled.
-const LIFTED_BY: &str =
-    " the skin: untangling, which `garnet drape` ends with, by `--method sim`, too, lifts them";
+const LIFTED_BY: &str = " the skin: `garnet drape --method sim` simulates, too, and frees them";
 
 /// What is done with a body whose faces look inwards.
 const INSIDE_OUT: &str = "is inside out: its faces look inwards, and are taken the other way round";
