@@ -3,7 +3,7 @@
 //! Where a limb folds onto another one, or a thigh rises into a hem, projection can send the cloth
 //! before it to both sides of the limb, and a loop of it goes round. What is pulled tighter there
 //! only lies tighter on the limb. Cloth has room on the side that it comes from: it bunches. So the
-//! loop comes together without regard to lengths and skin, is held by the cloth around it alone, and
+//! loop comes together without regard to lengths and skin, held by the cloth around it alone, and
 //! leaves the skin from there.
 
 use garnet_knn::TORN_STRETCH;
@@ -19,8 +19,8 @@ use crate::region::{Region, rings_of};
 const LOOP_STRETCH: f32 = 1.25 * TORN_STRETCH;
 
 /// Cloth this far from such an edge is drawn back, in metres; the wider ones if a loop is left. The
-/// first is half of the way round a wrist, the last that round a thigh with the hem below it. Tried:
-/// without the last, a hem stays round a thigh (docs/experiments/068).
+/// first is half of the way round a wrist, the last that round a thigh with the hem below it.
+/// Tried: without the last, a hem stays round a thigh (docs/experiments/068).
 const RADII: [f32; 6] = [0.04, 0.06, 0.09, 0.13, 0.18, 0.25];
 
 /// Steps that bring the cloth together, for each edge across it.
