@@ -33,7 +33,7 @@ const SEARCHES: usize = 6;
 const STEPS: usize = 8;
 
 /// Draws cloth back that goes round a part of the body, and lifts it where it crosses the skin;
-/// keeps what lessens such edges and lets no more faces cross the skin.
+/// keeps what lessens such edges, tears no others and lets no more faces cross the skin.
 pub(crate) fn retreat(
     cloth: &mut Cloth<'_>,
     mut crossing: Crossing,
@@ -56,7 +56,9 @@ pub(crate) fn retreat(
         drawn.refresh(cloth, &moved)?;
         let left = Loops::of(cloth);
         let crossing_left = free_faces(cloth, &drawn);
-        if left.excess < loops.excess && crossing_left <= stuck {
+        // Shorter loops are not to strain the cloth around them.
+        let is_better = left.excess < loops.excess && left.torn <= loops.torn;
+        if is_better && crossing_left <= stuck {
             (loops, stuck, crossing) = (left, crossing_left, drawn);
         } else {
             (cloth.positions, cloth.contacts, cloth.clearances) = kept;
@@ -71,6 +73,8 @@ struct Loops {
     nodes: Vec<u32>,
     /// The sum of their stretch beyond the limit.
     excess: f32,
+    /// The sum of the stretch of torn edges beyond what counts as torn.
+    torn: f32,
 }
 
 impl Loops {
@@ -79,6 +83,7 @@ impl Loops {
         let beyond = |edge| cloth.stretch(edge) - LOOP_STRETCH;
         Self {
             excess: edges.iter().map(beyond).sum(),
+            torn: cloth.tears().excess,
             nodes: edges.iter().flat_map(|edge| edge.ends).collect(),
         }
     }
