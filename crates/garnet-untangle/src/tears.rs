@@ -45,6 +45,16 @@ impl Cloth<'_> {
             .collect()
     }
 
+    /// The stretch of all torn edges beyond what counts as torn, also of trapped ones.
+    pub(crate) fn torn_anywhere(&self) -> f32 {
+        let graph = self.scene.garment.graph();
+        let edges = graph.edges()[..graph.num_cloth_edges()].iter();
+        let all = edges.zip(graph.rest_lengths());
+        let all = all.map(|(&ends, &rest_length)| LongEdge { ends, rest_length });
+        let excess = all.map(|edge| self.stretch(&edge) - TORN_STRETCH);
+        excess.filter(|excess| *excess > 0.0).sum()
+    }
+
     /// Length over rest length of an edge.
     pub(crate) fn stretch(&self, edge: &LongEdge) -> f32 {
         let [a, b] = edge.ends.map(|node| self.positions[node as usize]);

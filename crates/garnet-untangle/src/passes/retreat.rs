@@ -73,7 +73,7 @@ struct Loops {
     nodes: Vec<u32>,
     /// The sum of their stretch beyond the limit.
     excess: f32,
-    /// The sum of the stretch of torn edges beyond what counts as torn.
+    /// The sum of the stretch of all torn edges beyond what counts as torn, trapped ones, too.
     torn: f32,
 }
 
@@ -83,7 +83,7 @@ impl Loops {
         let beyond = |edge| cloth.stretch(edge) - LOOP_STRETCH;
         Self {
             excess: edges.iter().map(beyond).sum(),
-            torn: cloth.tears().excess,
+            torn: cloth.torn_anywhere(),
             nodes: edges.iter().flat_map(|edge| edge.ends).collect(),
         }
     }
