@@ -168,6 +168,16 @@ impl<'a> Cloth<'a> {
         farthest > scale * REST_DISTANCE
     }
 
+    /// Lets the nodes of a region go where skin is, and out of it by another way.
+    pub(crate) fn forget_contacts(&mut self, region: &Region) {
+        for &node in region.nodes() {
+            let contact = &mut self.contacts[node as usize];
+            contact.own = None;
+            contact.foreign = None;
+            self.ways_out[node as usize] = None;
+        }
+    }
+
     fn find_ways_out(&mut self, found: &[u32]) {
         find_ways_out(
             self.scene.finder,

@@ -13,9 +13,9 @@ pub(crate) struct Tears {
     pub(crate) excess: f32,
 }
 
-/// An edge of the cloth that is longer than it may be.
+/// An edge of the cloth.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct LongEdge {
+pub(crate) struct ClothEdge {
     pub(crate) ends: [u32; 2],
     /// In metres.
     pub(crate) rest_length: f32,
@@ -35,28 +35,28 @@ impl Cloth<'_> {
     }
 
     /// The edges that are stretched beyond `limit` where the body leaves room.
-    pub(crate) fn edges_beyond(&self, limit: f32) -> Vec<LongEdge> {
-        let graph = self.scene.garment.graph();
-        let edges = graph.edges()[..graph.num_cloth_edges()].iter();
-        let all = edges.zip(graph.rest_lengths());
-        let all = all.map(|(&ends, &rest_length)| LongEdge { ends, rest_length });
-        let is_free = |edge: &LongEdge| !edge.ends.iter().any(|&n| self.is_trapped(n as usize));
-        all.filter(|edge| self.stretch(edge) > limit && is_free(edge))
+    pub(crate) fn edges_beyond(&self, limit: f32) -> Vec<ClothEdge> {
+        let is_free = |edge: &ClothEdge| !edge.ends.iter().any(|&n| self.is_trapped(n as usize));
+        self.edges()
+            .filter(|edge| self.stretch(edge) > limit && is_free(edge))
             .collect()
     }
 
     /// The stretch of all torn edges beyond what counts as torn, also of trapped ones.
     pub(crate) fn torn_anywhere(&self) -> f32 {
-        let graph = self.scene.garment.graph();
-        let edges = graph.edges()[..graph.num_cloth_edges()].iter();
-        let all = edges.zip(graph.rest_lengths());
-        let all = all.map(|(&ends, &rest_length)| LongEdge { ends, rest_length });
-        let excess = all.map(|edge| self.stretch(&edge) - TORN_STRETCH);
+        let excess = self.edges().map(|edge| self.stretch(&edge) - TORN_STRETCH);
         excess.filter(|excess| *excess > 0.0).sum()
     }
 
+    fn edges(&self) -> impl Iterator<Item = ClothEdge> {
+        let graph = self.scene.garment.graph();
+        let edges = graph.edges()[..graph.num_cloth_edges()].iter();
+        let all = edges.zip(graph.rest_lengths());
+        all.map(|(&ends, &rest_length)| ClothEdge { ends, rest_length })
+    }
+
     /// Length over rest length of an edge.
-    pub(crate) fn stretch(&self, edge: &LongEdge) -> f32 {
+    pub(crate) fn stretch(&self, edge: &ClothEdge) -> f32 {
         let [a, b] = edge.ends.map(|node| self.positions[node as usize]);
         (b - a).norm() / edge.rest_length.max(f32::MIN_POSITIVE)
     }

@@ -43,12 +43,7 @@ fn close_tears(cloth: &mut Cloth<'_>, nodes: &[u32]) {
     let graph = cloth.scene.garment.graph();
     let rings = rings_of(graph, cloth.scale() * MEND_RADIUS).max(2);
     let region = Region::around(graph, nodes.iter().copied(), rings);
-    for &node in region.nodes() {
-        let contact = &mut cloth.contacts[node as usize];
-        contact.own = None;
-        contact.foreign = None;
-        cloth.ways_out[node as usize] = None;
-    }
+    cloth.forget_contacts(&region);
     cloth.sweep(MEND_SWEEPS, &region);
     for _ in 0..MEND_SEARCHES {
         cloth.find_contacts(&region, Refresh::All);

@@ -104,11 +104,8 @@ fn draw_back(cloth: &mut Cloth<'_>, nodes: &[u32], radius: f32) {
     let graph = cloth.scene.garment.graph();
     let rings = rings_of(graph, cloth.scale() * radius).max(2);
     let region = Region::around(graph, nodes.iter().copied(), rings);
+    cloth.forget_contacts(&region);
     for &node in region.nodes() {
-        let contact = &mut cloth.contacts[node as usize];
-        contact.own = None;
-        contact.foreign = None;
-        cloth.ways_out[node as usize] = None;
         cloth.clearances[node as usize] = cloth.goal(node as usize);
     }
     for _ in 0..STEPS_PER_RING * rings {
