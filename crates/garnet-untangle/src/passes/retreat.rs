@@ -26,6 +26,10 @@ const RADII: [f32; 6] = [0.04, 0.06, 0.09, 0.13, 0.18, 0.25];
 /// Steps that bring the cloth together, for each edge across it.
 const STEPS_PER_RING: usize = 12;
 
+/// As if there were no more edges across it than this: on bodies far larger than their garment
+/// there are more than can be waited for.
+const MOST_RINGS: usize = 64;
+
 /// Searches for contacts after that, ...
 const SEARCHES: usize = 6;
 
@@ -108,7 +112,7 @@ fn draw_back(cloth: &mut Cloth<'_>, nodes: &[u32], radius: f32) {
     for &node in region.nodes() {
         cloth.clearances[node as usize] = cloth.goal(node as usize);
     }
-    for _ in 0..STEPS_PER_RING * rings {
+    for _ in 0..STEPS_PER_RING * rings.min(MOST_RINGS) {
         cloth.smooth(&region);
     }
     for _ in 0..SEARCHES {
