@@ -1,4 +1,5 @@
-//! Garments that are cut to the measures of whoever wears them.
+//! Garments that are cut before they are draped: to the measures of whoever wears them, in a size,
+//! or with other parameters.
 
 use std::fs;
 
@@ -98,4 +99,154 @@ fn the_body_of_the_package_wears_the_template() {
         "drape jeans --pose sit --method warp -o worn.obj --report report.json",
     );
     assert!(report(&fixture).get("cuts").is_none());
+}
+
+/// A T-shirt without variants, a large man, and a thin woman who waves.
+fn shirt_and_bodies() -> Fixture {
+    let fixture = Fixture::new();
+    done(&fixture, "garment tshirt --vertices 600 -o tee -q");
+    done(&fixture, "body --sex male --bmi 34 -o big.obj -q");
+    done(
+        &fixture,
+        "body --sex female --bmi 19 --pose wave -o thin.obj -q",
+    );
+    fixture
+}
+
+/// The girth of the garment round the chest in the first drape of a report.
+fn chest(report: &Value) -> f64 {
+    let regions = report["drapes"][0]["fit"].as_array().unwrap().iter();
+    let chest = regions.filter(|region| region["region"] == "chest");
+    chest
+        .map(|region| region["garment_m"].as_f64().unwrap())
+        .sum()
+}
+
+#[test]
+fn a_shirt_is_draped_in_the_size_that_is_named_or_fits() {
+    let fixture = shirt_and_bodies();
+    let draped = |options: &str| {
+        let command =
+            format!("drape tee big.obj {options} --method warp -o worn.obj --report report.json");
+        let output = fixture.garnet(&command);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (report(&fixture), stderr(&output))
+    };
+    let (own, _) = draped("");
+    assert!(own.get("cuts").is_none());
+    let (small, _) = draped("--size S");
+    let (large, told) = draped("--size 2xl");
+    assert!(told.contains("cut in size 2xl for `big.obj`"), "{told}");
+    assert_eq!(large["cuts"][0]["size"], "2xl");
+    // A step of size is 8 cm round the body's chest, and a fifth more round the shirt's.
+    let steps = (chest(&large) - chest(&small)) / (1.2 * 0.08);
+    assert!((steps - 4.0).abs() < 0.35, "{steps} steps from S to 2XL");
+    assert!(chest(&small) < chest(&own) && chest(&own) < chest(&large));
+
+    let (chosen, told) = draped("--size auto");
+    let sizes =
+        ["size", "second_size"].map(|key| chosen["cuts"][0][key].as_str().unwrap().to_owned());
+    let large_ones = ["l", "xl", "2xl", "3xl"];
+    assert!(
+        sizes.iter().all(|size| large_ones.contains(&size.as_str())),
+        "{sizes:?}"
+    );
+    assert!(
+        told.contains(&format!("size {} is taken", sizes[0])),
+        "{told}"
+    );
+    assert_ne!(sizes[0], sizes[1]);
+
+    let (both, _) = draped("--size l --ease 35 --length 70");
+    let changed = &both["cuts"][0]["parameters"];
+    assert_eq!(changed["chest-ease"].as_f64(), Some(0.35));
+    assert_eq!(changed["length"].as_f64(), Some(0.7));
+    let (plain, _) = draped("--size l");
+    let ratio = chest(&both) / chest(&plain);
+    assert!((ratio - 1.35 / 1.2).abs() < 0.01, "{ratio}");
+}
+
+#[test]
+fn each_body_gets_the_size_that_fits_it() {
+    let fixture = shirt_and_bodies();
+    done(
+        &fixture,
+        "drape tee big.obj thin.obj --size auto --method warp -o worn/ --report report.json",
+    );
+    let report = report(&fixture);
+    let sizes = report["cuts"].as_array().unwrap().iter();
+    let sizes: Vec<&str> = sizes.map(|cut| cut["size"].as_str().unwrap()).collect();
+    assert_eq!(sizes.len(), 2);
+    assert_ne!(sizes[0], sizes[1]);
+    assert!(["xs", "s"].contains(&sizes[1]), "{sizes:?}");
+    // A size that is named is one garment for all, also in one file.
+    done(
+        &fixture,
+        "drape tee big.obj thin.obj --size m --method warp -o all.npz",
+    );
+}
+
+#[test]
+fn a_size_on_a_body_of_another_topology_is_that_of_who_stands_in_for_it() {
+    let fixture = shirt_and_bodies();
+    done(
+        &fixture,
+        "body --sex male --bmi 34 --coarse -o coarse.obj -q",
+    );
+    done(
+        &fixture,
+        "drape tee --rest-body coarse.obj --pose stand --size auto --method warp -o worn.obj \
+         --report report.json",
+    );
+    let of_coarse = report(&fixture)["cuts"][0]["size"].clone();
+    done(
+        &fixture,
+        "drape tee big.obj --size auto --method warp -o worn.obj --report report.json",
+    );
+    assert_eq!(of_coarse, report(&fixture)["cuts"][0]["size"]);
+}
+
+#[test]
+fn sizes_are_simulated_and_colored_as_they_are_cut() {
+    let fixture = shirt_and_bodies();
+    done(
+        &fixture,
+        "simulate tee big.obj --size 2xl --quality fast -o worn.obj --report report.json",
+    );
+    assert_eq!(report(&fixture)["cuts"][0]["size"], "2xl");
+    let pixels = |package: &str| {
+        let command = format!("render worn.obj big.obj --color-by fit={package} -o fit.png -q");
+        done(&fixture, &command);
+        fixture.read("fit.png")
+    };
+    assert_ne!(pixels("tee"), pixels("tee@2xl"));
+    assert_eq!(pixels("tee@2xl"), pixels("tee@2XL"));
+    let output = fixture.garnet("render worn.obj big.obj --color-by fit=tee@huge -o fit.png");
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn cuts_that_there_are_not_are_refused() {
+    let fixture = shirt_and_bodies();
+    done(&fixture, "garment jeans --vertices 600 -o jeans -q");
+    for (options, words) in [
+        ("tee big.obj --size huge", "there is no size `huge`"),
+        ("tee big.obj --size 32x34", "there is no size `32x34`"),
+        (
+            "tee big.obj --sleeve 90",
+            "it lies between 16.0 cm and 36.0 cm",
+        ),
+        ("tee big.obj --length=-3", "is not possible"),
+        (
+            "jeans big.obj --sleeve 30",
+            "a jeans has no parameter `sleeve`",
+        ),
+        ("tee/template.obj big.obj --size m", "cannot be cut anew"),
+    ] {
+        let output = fixture.garnet(&format!("drape {options} --method warp -o worn.obj"));
+        assert_eq!(output.status.code(), Some(2), "{options}");
+        let told = stderr(&output);
+        assert!(told.contains(words), "{options}: {told}");
+        assert!(!fixture.path("worn.obj").exists(), "{options}");
+    }
 }

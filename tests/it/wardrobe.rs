@@ -69,3 +69,36 @@ fn the_default_of_every_garment_is_its_most_accurate_variant() {
         assert_eq!(default.name, "accurate", "{}", path.display());
     }
 }
+
+/// How far the vertices of a garment lie from the axis of the body in the mean, in metres.
+fn mean_width(package: &Package) -> f32 {
+    let places = package.garment().mesh().positions();
+    let widths = places.iter().map(|place| place.x.hypot(place.z));
+    widths.sum::<f32>() / places.len() as f32
+}
+
+#[test]
+fn shirts_and_dress_come_in_sizes_that_drape_without_being_cut() {
+    for name in ["tshirt", "sweater", "dress"] {
+        let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+        let package = Package::open(models.join(name)).unwrap();
+        let sizes = package.sizes().unwrap();
+        assert_eq!(sizes, ["2xl", "3xl", "l", "m", "s", "xl", "xs"], "{name}");
+        let widths = ["xs", "m", "3xl"].map(|size| mean_width(&package.in_size(size).unwrap()));
+        assert!(
+            widths[0] < widths[1] && widths[1] < widths[2],
+            "{name}: {widths:?}"
+        );
+        let large = package.in_size("xl").unwrap();
+        let poser = Poser::new(large.body().skeleton()).unwrap();
+        let pose = poser.pose(&key_pose(POSES[0]).unwrap().angles);
+        let target = large.body().posed(&pose).unwrap();
+        let drape = large.draper("fast").unwrap().drape(&target).unwrap();
+        assert_eq!(drape.report.unwrap().inside, 0, "{name}");
+        let error = package.in_size("huge").unwrap_err().to_string();
+        assert!(
+            error.contains("no size `huge`") && error.contains("xl"),
+            "{error}"
+        );
+    }
+}

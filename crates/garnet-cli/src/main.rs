@@ -7,6 +7,7 @@ mod args;
 mod body;
 mod chart;
 mod console;
+mod cut_args;
 mod dataset;
 mod drape;
 mod eval;

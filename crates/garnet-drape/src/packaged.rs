@@ -79,6 +79,32 @@ impl Package {
         })
     }
 
+    /// The sizes that the package has beside its template, as `l`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Package`] for a damaged file.
+    pub fn sizes(&self) -> Result<Vec<String>, Error> {
+        Ok(self.content.sizes(&self.folder)?)
+    }
+
+    /// The same with its garment in another of its [sizes](Package::sizes).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Package`] for a size that there is not, or a damaged file, and what
+    /// [`Garment::bind`] refuses.
+    pub fn in_size(&self, size: &str) -> Result<Self, Error> {
+        match self.content.in_size(&self.folder, size)? {
+            Some(content) => self.with_content(content),
+            None => Err(PackageError::NoSize {
+                name: size.to_owned(),
+                known: self.sizes()?.join(", "),
+            }
+            .into()),
+        }
+    }
+
     /// What the package says of itself: its variants, with their errors and costs.
     pub fn manifest(&self) -> &Manifest {
         &self.content.manifest

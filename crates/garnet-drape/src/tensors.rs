@@ -175,6 +175,11 @@ impl<'a> Contents<'a> {
         foreign.into_iter().next()
     }
 
+    /// The names of its arrays.
+    pub fn names(&self) -> Vec<&str> {
+        self.tensors.names()
+    }
+
     /// An array of a name; none if there is none, or if it does not hold `f32`.
     pub fn array(&self, name: &str) -> Option<Array> {
         let view = self.tensors.tensor(name).ok()?;

@@ -41,6 +41,7 @@ mod sampled;
 mod sewing;
 mod sheet;
 mod sim_scene;
+mod sizes;
 mod spread;
 mod torch_case;
 mod wardrobe;
@@ -99,6 +100,8 @@ enum Instrument {
     PatternSheet(pattern_sheet::Arguments),
     /// Drape a garment by simulation on poses of the library, and draw it.
     SimScene(sim_scene::Arguments),
+    /// Store the garments of packages in all letter sizes beside their templates.
+    Sizes(sizes::Arguments),
     /// Draw the drapes of a data set.
     DrapeSheet(drape_sheet::Arguments),
     /// Draw what the variants of a package make of a data set, beside the teacher.
@@ -139,6 +142,7 @@ fn main() -> ExitCode {
         Instrument::PoseSheet(arguments) => pose_sheet::run(&arguments),
         Instrument::PatternSheet(arguments) => pattern_sheet::run(&arguments),
         Instrument::SimScene(arguments) => sim_scene::run(&arguments),
+        Instrument::Sizes(arguments) => sizes::run(&arguments),
         Instrument::DrapeSheet(arguments) => drape_sheet::run(&arguments),
         Instrument::Gallery(arguments) => gallery::run(&arguments),
         Instrument::Wardrobe(arguments) => wardrobe::run(&arguments),

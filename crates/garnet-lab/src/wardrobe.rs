@@ -8,7 +8,7 @@ use std::{path::PathBuf, sync::atomic::AtomicBool};
 use clap::Args;
 use garnet::body::shape::{BodyParameters, Measure, ParametricBody};
 use garnet_body::poses::{Poser, key_pose};
-use garnet_data::recut;
+use garnet_data::{CutOptions, recut};
 use garnet_drape::Package;
 use garnet_mesh::TriMesh;
 use garnet_view::{Camera, palette};
@@ -55,7 +55,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
                 .rest()
                 .with_positions(posed.skin().positions().to_vec())?;
             let cut = if package.manifest().is_made_to_measure() {
-                recut(package.content(), own, &AtomicBool::new(false))?
+                let to_measure = CutOptions::default();
+                recut(package.content(), own, &to_measure, &AtomicBool::new(false))?
             } else {
                 None
             };

@@ -47,6 +47,23 @@ impl Package {
         })
     }
 
+    /// The sizes that the package has beside its template, as "l".
+    #[getter]
+    fn sizes(&self) -> PyResult<Vec<String>> {
+        self.inner.sizes().map_err(failed)
+    }
+
+    /// The same package with its garment in another of its sizes.
+    ///
+    /// Raises GarnetError for a size that there is not.
+    fn in_size(&self, py: Python<'_>, size: &str) -> PyResult<Self> {
+        let package = py.detach(|| self.inner.in_size(size));
+        Ok(Self {
+            inner: package.map_err(failed)?,
+            drapers: Mutex::default(),
+        })
+    }
+
     /// Drapes the garment on a target.
     ///
     /// target: a PosedBody, or vertices [n, 3] of the garment's body in another pose or shape.

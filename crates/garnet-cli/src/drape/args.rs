@@ -14,6 +14,7 @@ use garnet::{
 pub(crate) use super::names::{MethodName, NetworkChoice, Shard, UpName, units};
 use super::sink::CacheFile;
 use crate::{
+    cut_args::CutArgs,
     fabric,
     failure::{Hint, refused},
     models,
@@ -24,7 +25,7 @@ use crate::{
 };
 
 /// All arguments that a job of `--batch` may have, and the command beside it may not.
-pub(super) const OF_A_JOB: [&str; 39] = [
+pub(super) const OF_A_JOB: [&str; 43] = [
     "output",
     "layers",
     "body_out",
@@ -54,6 +55,10 @@ pub(super) const OF_A_JOB: [&str; 39] = [
     "pose",
     "pose_up",
     "place",
+    "size",
+    "sleeve",
+    "length",
+    "ease",
     "units",
     "up",
     "ground",
@@ -221,6 +226,8 @@ pub(crate) struct InputArgs {
     /// sleeves are found by its openings and the skin.
     #[arg(long, conflicts_with = "scene")]
     place: bool,
+    #[command(flatten)]
+    cut: CutArgs,
     /// Unit of the files: m, dm, cm, mm, in, ft or auto; or two, of garment and bodies: `cm,m`.
     #[arg(long, hide_short_help = true, value_name = "UNIT", default_value = "auto", value_parser = units)]
     units: SceneUnits,
@@ -455,6 +462,8 @@ pub(crate) enum Source {
 pub(crate) struct SourceFiles {
     /// The package that the garment is from.
     pub(crate) package: Option<PathBuf>,
+    /// How its garment is cut anew.
+    pub(crate) cut: CutArgs,
     pub(crate) scene: SceneFiles,
 }
 
@@ -742,7 +751,11 @@ impl InputArgs {
         scene.units = self.units;
         scene.up = self.up.axis();
         scene.place = self.place;
-        let files = SourceFiles { package, scene };
+        let files = SourceFiles {
+            package,
+            cut: self.cut,
+            scene,
+        };
         files.check()?;
         Ok(Source::Files(Box::new(files)))
     }

@@ -43,6 +43,7 @@ pub(crate) use prepared::Prepared;
 use ready::{Found, Ready};
 pub(crate) use report::WarningReport;
 use report::{BodyReport, DrapeOutput, DrapeReport, GarmentReport, OnceSeconds, PoseReport};
+pub(crate) use tailored::Tailoring;
 use tailored::{Cut, by_wearer};
 use timing::timed;
 pub(crate) use warning::warnings_of;
@@ -175,7 +176,7 @@ impl Bound {
             cut,
             warnings,
             notes: _,
-            tailored: _,
+            tailoring: _,
             is_on_other: _,
         } = prepared;
         let unusual = || unusual(&garment, &body);

@@ -13,7 +13,7 @@ use garnet::{
 
 use super::{
     args::{Source, SourceFiles},
-    tailored::{Cut, tailored_package},
+    tailored::{Cut, Tailoring, stand_in_at_rest},
     warning::Warning,
 };
 
@@ -35,8 +35,8 @@ pub(crate) struct Prepared {
     pub(crate) frame_time: Option<f64>,
     /// What was taken for granted while poses were read.
     pub(crate) notes: Vec<String>,
-    /// The package whose garment is to be cut for each wearer.
-    pub(super) tailored: Option<GarmentPackage>,
+    /// How the garment is to be cut for each wearer.
+    pub(super) tailoring: Option<Tailoring>,
     /// Whether `body` is another one than that of the package, on which the garment does not lie.
     pub(super) is_on_other: bool,
     /// The garment as it was cut for its wearer.
@@ -48,7 +48,7 @@ pub(crate) struct Prepared {
 impl Prepared {
     /// Reads the files and brings them together.
     pub(crate) fn read(source: &Source) -> anyhow::Result<Self> {
-        let tailored = tailored_package(source)?;
+        let mut tailoring = Tailoring::of(source)?;
         match source {
             Source::Scene(path) => Ok(Self::of(
                 Scene::read(path)?,
@@ -63,16 +63,33 @@ impl Prepared {
                 }
                 let own = scene.own.take();
                 let is_measured = own.is_none() || tape_measures(&scene.body).is_some();
-                let is_on_other = own.is_some() && is_measured && tailored.is_some();
-                let refit = match own {
-                    Some(own) if !is_on_other => Some(refitted(source, &mut scene, &own)?),
-                    _ => None,
-                };
+                let is_to_measure = tailoring.as_ref().is_some_and(Tailoring::is_to_measure);
+                let is_on_other = own.is_some() && is_measured && is_to_measure;
+                let own = own.filter(|_| !is_on_other);
+                let mut refit = None;
+                let mut cut = None;
+                if let Some(own) = own {
+                    let fitted = refitted(source, &scene, &own)?;
+                    let asked = tailoring.take_if(|tailoring| tailoring.is_asked_for());
+                    if let Some(mut asked) = asked {
+                        let wearer = stand_in_at_rest(&fitted, &scene.body)?;
+                        let made = asked.cut_for(&wearer, &scene.rest.path)?;
+                        scene.garment.mesh = made.package.mesh.clone();
+                        refit = Some(fitted.with_garment(scene.garment.mesh.clone())?);
+                        cut = Some(Arc::new(made));
+                    } else {
+                        refit = Some(fitted);
+                    }
+                    if let Some(refit) = &refit {
+                        scene.garment.mesh = dressed(source, refit, &scene.body)?;
+                    }
+                }
                 let files = &source.scene;
                 let prepared = Self::of(scene, refit, files.pose.clone(), files.motion);
                 Ok(Self {
-                    tailored,
+                    tailoring,
                     is_on_other,
+                    cut,
                     ..prepared
                 })
             }
@@ -97,7 +114,7 @@ impl Prepared {
             motion,
             frame_time: scene.frame_time,
             notes: scene.notes.iter().map(ToString::to_string).collect(),
-            tailored: None,
+            tailoring: None,
             is_on_other: false,
             cut: None,
             warnings: Vec::new(),
@@ -118,7 +135,7 @@ impl Prepared {
             motion: self.motion,
             frame_time: self.frame_time,
             notes: Vec::new(),
-            tailored: None,
+            tailoring: None,
             is_on_other: self.is_on_other,
             cut: None,
             warnings: Vec::new(),
@@ -134,13 +151,17 @@ fn check_template(folder: &Path, scene: &Scene) -> anyhow::Result<()> {
 }
 
 /// Brings the garment of a package from its own body to the other one at rest.
-fn refitted(source: &SourceFiles, scene: &mut Scene, own: &Body) -> anyhow::Result<Refit> {
-    let cannot = || {
-        let garment = source.scene.garment.display();
-        format!("cannot bring `{garment}` from the body of its package to the other one")
-    };
+fn refitted(source: &SourceFiles, scene: &Scene, own: &Body) -> anyhow::Result<Refit> {
     let garment = Garment::new(scene.garment.mesh.clone());
-    let refit = Refit::new(garment, own, &scene.body).with_context(cannot)?;
-    scene.garment.mesh = refit.dressed(&scene.body).with_context(cannot)?;
-    Ok(refit)
+    Refit::new(garment, own, &scene.body).with_context(|| cannot_bring(source))
+}
+
+/// The garment of a package on the other body at rest.
+fn dressed(source: &SourceFiles, refit: &Refit, other: &Body) -> anyhow::Result<TriMesh> {
+    refit.dressed(other).with_context(|| cannot_bring(source))
+}
+
+fn cannot_bring(source: &SourceFiles) -> String {
+    let garment = source.scene.garment.display();
+    format!("cannot bring `{garment}` from the body of its package to the other one")
 }

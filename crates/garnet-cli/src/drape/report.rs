@@ -1,12 +1,13 @@
 //! The report of `drape` and `simulate`: `garnet.drape/1`, `garnet.simulate/1`. Lengths are metres,
 //! times seconds.
 
+use std::{collections::BTreeMap, path::Path};
+
 use garnet::{
     Drape, TriMesh,
     body::shape::{Measure, Measures},
     data::SceneReport,
     drape::TakeFrame,
-    io::Target,
     knn::Surface,
     package::StoredFabric,
     sim,
@@ -97,27 +98,57 @@ pub(crate) struct GarmentReport {
     pub(crate) up: String,
 }
 
-/// Whom a garment was cut for.
+/// How a garment was cut before it was draped. SI units.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct CutReport {
-    /// The first of the bodies of this shape.
+    /// The first of the bodies that it was cut for.
     pub(crate) target: String,
-    pub(crate) chest_m: f64,
-    pub(crate) waist_m: f64,
-    pub(crate) hip_m: f64,
-    pub(crate) inseam_m: f64,
+    /// The size, `m` or `32x34`; none if it was cut to measure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) size: Option<String>,
+    /// The size that comes next, if the size was chosen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) second_size: Option<String>,
+    /// Why the size was chosen, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) choice: Option<String>,
+    /// Parameters of the pattern that are others than those of the package.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) parameters: BTreeMap<&'static str, f64>,
+    /// Girths and inner leg of the wearer, if these are known.
+    #[serde(flatten)]
+    pub(crate) wearer: Option<WearerReport>,
     /// How long it took to cut it and to put it on.
     pub(crate) seconds: f64,
 }
 
+/// Measures of a wearer.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct WearerReport {
+    #[serde(rename = "chest_m")]
+    pub(crate) chest: f64,
+    #[serde(rename = "waist_m")]
+    pub(crate) waist: f64,
+    #[serde(rename = "hip_m")]
+    pub(crate) hip: f64,
+    #[serde(rename = "inseam_m")]
+    pub(crate) inseam: f64,
+}
+
 impl CutReport {
-    pub(super) fn new(target: &Target, measures: &Measures, seconds: f64) -> Self {
+    pub(super) fn new(target: &Path, measures: Option<&Measures>, seconds: f64) -> Self {
         Self {
-            target: target.path.display().to_string(),
-            chest_m: measures[Measure::Chest],
-            waist_m: measures[Measure::Waist],
-            hip_m: measures[Measure::Hip],
-            inseam_m: measures[Measure::Inseam],
+            target: target.display().to_string(),
+            size: None,
+            second_size: None,
+            choice: None,
+            parameters: BTreeMap::new(),
+            wearer: measures.map(|measures| WearerReport {
+                chest: measures[Measure::Chest],
+                waist: measures[Measure::Waist],
+                hip: measures[Measure::Hip],
+                inseam: measures[Measure::Inseam],
+            }),
             seconds,
         }
     }

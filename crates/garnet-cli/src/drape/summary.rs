@@ -45,21 +45,34 @@ pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Consol
     console.detail(&stages(report));
 }
 
-/// For whom the garment was cut.
+/// How and for whom the garment was cut.
 fn cut_for(cut: &CutReport) -> String {
-    let measures = [
-        ("chest", cut.chest_m),
-        ("waist", cut.waist_m),
-        ("hip", cut.hip_m),
-        ("inseam", cut.inseam_m),
-    ];
-    let measures = measures.map(|(name, metres)| format!("{name} {:.0}", 100.0 * metres));
-    format!(
-        "cut for `{}`: {} cm, in {}",
-        cut.target,
-        measures.join(", "),
-        readable(cut.seconds)
-    )
+    let size = (cut.size.as_ref()).map_or_else(String::new, |size| format!(" in size {size}"));
+    let changed = cut.parameters.iter();
+    let changed: Vec<String> = changed
+        .map(|(name, value)| format!("{name} {:.1}", 100.0 * value))
+        .collect();
+    let changed = if changed.is_empty() {
+        String::new()
+    } else {
+        format!(" with {}", changed.join(", "))
+    };
+    let measures = cut.wearer.as_ref().map_or_else(String::new, |wearer| {
+        let measures = [
+            ("chest", wearer.chest),
+            ("waist", wearer.waist),
+            ("hip", wearer.hip),
+            ("inseam", wearer.inseam),
+        ];
+        let measures = measures.map(|(name, metres)| format!("{name} {:.0}", 100.0 * metres));
+        format!(": {} cm", measures.join(", "))
+    });
+    let (target, time) = (&cut.target, readable(cut.seconds));
+    let line = format!("cut{size}{changed} for `{target}`{measures}, in {time}");
+    match &cut.choice {
+        Some(choice) => format!("{line}; {choice}"),
+        None => line,
+    }
 }
 
 /// More warnings of a kind are told in one line.

@@ -1,26 +1,34 @@
-//! Garments that are cut for whoever wears them: those of packages whose variants know them so.
+//! Garments of packages that are cut before they are draped: for whoever wears them, where variants
+//! know them so, and as the user asks for.
 
-use std::sync::{Arc, atomic::AtomicBool};
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, atomic::AtomicBool},
+};
 
 use anyhow::Context;
 use garnet::{
     Body, Point3,
     body::shape::{tape_measures, unposed},
-    data::recut,
+    data::{CutOptions, Tailor, recut, wearer_of},
+    drape::Refit,
     io::{Target, TargetSource},
     package::GarmentPackage,
+    pattern::{Parameters, Size},
 };
 
 use super::{
     all::Part,
-    args::{Job, Source},
+    args::{Job, Source, SourceFiles},
     prepared::Prepared,
-    ready::package_of,
     report::CutReport,
     timing::timed,
     warning::{Problem, Warning},
 };
-use crate::failure::refused;
+use crate::{
+    cut_args::{CutArgs, SizeChoice, chosen_size},
+    failure::refused,
+};
 
 /// Bodies whose vertices at rest are as near as this are of one wearer, in metres.
 const SAME_WEARER: f32 = 5e-3;
@@ -33,16 +41,203 @@ pub(crate) struct Cut {
     pub(super) report: CutReport,
 }
 
-/// The package of a job whose garment is cut for each wearer.
-pub(super) fn tailored_package(source: &Source) -> anyhow::Result<Option<GarmentPackage>> {
-    let Some(folder) = package_of(source) else {
-        return Ok(None);
-    };
-    let manifest = GarmentPackage::read_manifest(folder)?;
-    if !manifest.is_made_to_measure() {
-        return Ok(None);
+/// A package whose garment is cut before it is draped.
+#[derive(Debug)]
+pub(crate) struct Tailoring {
+    folder: PathBuf,
+    package: GarmentPackage,
+    /// Those of the package, and what the user has changed of them.
+    parameters: Parameters,
+    cut: CutArgs,
+    /// What was cut in a size, on the body of the package.
+    made: Vec<(Option<Size>, GarmentPackage)>,
+}
+
+/// A size that was chosen for a wearer.
+struct Chosen {
+    size: Size,
+    next: Size,
+    text: String,
+}
+
+impl Tailoring {
+    /// That of a job; none if the garment is draped as it is.
+    ///
+    /// # Errors
+    ///
+    /// What the user asks for that cannot be cut.
+    pub(super) fn of(source: &Source) -> anyhow::Result<Option<Self>> {
+        let Source::Files(files) = source else {
+            return Ok(None);
+        };
+        let SourceFiles { package, cut, .. } = &**files;
+        let Some(folder) = package else {
+            return match cut.given() {
+                None => Ok(None),
+                Some(option) => Err(refused(
+                    format!("`{option}` is given for a garment that cannot be cut anew"),
+                    "it is no garment package, which has a sewing pattern",
+                    "name a package, or leave the option out",
+                )),
+            };
+        };
+        let manifest = GarmentPackage::read_manifest(folder)?;
+        if !manifest.is_made_to_measure() && cut.given().is_none() {
+            return Ok(None);
+        }
+        Self::new(folder, *cut)
     }
-    Ok(Some(GarmentPackage::read(folder)?))
+
+    /// That of a package.
+    ///
+    /// # Errors
+    ///
+    /// As [`Tailoring::of`].
+    pub(crate) fn new(folder: &Path, cut: CutArgs) -> anyhow::Result<Option<Self>> {
+        let package = GarmentPackage::read(folder)?;
+        let cannot = || format!("cannot cut the garment of `{}` anew", folder.display());
+        let tailor = Tailor::of_package(&package).with_context(cannot)?;
+        let Some(tailor) = tailor.filter(|_| tape_measures(&package.body).is_some()) else {
+            return match cut.given() {
+                None => Ok(None),
+                Some(option) => Err(refused(
+                    cannot(),
+                    "it was not made from a sewing pattern on a body whose measures are known",
+                    format!("leave out `{option}`"),
+                )),
+            };
+        };
+        let mut parameters = tailor.parameters().clone();
+        cut.set_in(&mut parameters).with_context(cannot)?;
+        Ok(Some(Self {
+            folder: folder.to_path_buf(),
+            package,
+            parameters,
+            cut,
+            made: Vec::new(),
+        }))
+    }
+
+    /// Whether variants know the garment as it is cut for each wearer.
+    pub(super) fn is_to_measure(&self) -> bool {
+        self.package.manifest.is_made_to_measure()
+    }
+
+    /// Whether the size is chosen by the wearer.
+    pub(super) fn is_chosen(&self) -> bool {
+        self.cut.size == Some(SizeChoice::Auto)
+    }
+
+    /// Whether the user has asked for another cut.
+    pub(super) fn is_asked_for(&self) -> bool {
+        self.cut.given().is_some()
+    }
+
+    fn named(&self) -> Option<Size> {
+        match self.cut.size {
+            Some(SizeChoice::Named(size)) => Some(size),
+            Some(SizeChoice::Auto) | None => None,
+        }
+    }
+
+    /// The size for a wearer, if it is to be chosen and the measures can be told.
+    fn chosen_for(&self, wearer: &Body) -> anyhow::Result<Option<Chosen>> {
+        if !self.is_chosen() {
+            return Ok(None);
+        }
+        let Some(wearer) = wearer_of(wearer).transpose()? else {
+            return Ok(None);
+        };
+        let chosen = chosen_size(&self.parameters, &wearer.measures);
+        Ok(chosen.map(|([size, next], text)| Chosen { size, next, text }))
+    }
+
+    /// The package with its garment as `wearer` wears it, who is a built-in body at rest.
+    pub(crate) fn worn_by(&mut self, wearer: Body) -> anyhow::Result<GarmentPackage> {
+        if !self.is_to_measure() {
+            return Ok(self.cut_for(&wearer, Path::new(""))?.package);
+        }
+        let chosen = self.chosen_for(&wearer)?;
+        let size = chosen.map(|chosen| chosen.size).or(self.named());
+        Ok(self.cut_on(wearer, size)?.0)
+    }
+
+    /// The garment in a size, on a body.
+    fn cut_on(&self, body: Body, size: Option<Size>) -> anyhow::Result<(GarmentPackage, f64)> {
+        let options = CutOptions {
+            size,
+            parameters: Some(self.parameters.clone()),
+        };
+        let stop = AtomicBool::new(false);
+        let (cut, seconds) = timed(|| recut(&self.package, body, &options, &stop));
+        let cut = cut?.context("the measures of the body are not known")?;
+        Ok((cut, seconds))
+    }
+
+    /// The garment on the body of the package, in the size for `wearer` if it is chosen by that.
+    pub(super) fn cut_for(&mut self, wearer: &Body, target: &Path) -> anyhow::Result<Cut> {
+        let chosen = self.chosen_for(wearer)?;
+        let size = chosen.as_ref().map(|chosen| chosen.size).or(self.named());
+        let made = self.made.iter().find(|(other, ..)| *other == size);
+        let (package, seconds) = if let Some((_, package)) = made {
+            (package.clone(), 0.0)
+        } else {
+            let (package, seconds) = self.cut_on_own(size)?;
+            self.made.push((size, package.clone()));
+            (package, seconds)
+        };
+        let report = self.report(target, wearer, (size, chosen), seconds);
+        Ok(Cut { package, report })
+    }
+
+    /// The garment in a size on the body of the package: as it is stored there, or cut.
+    fn cut_on_own(&self, size: Option<Size>) -> anyhow::Result<(GarmentPackage, f64)> {
+        if let Some(size) = size.filter(|_| self.changed().is_empty()) {
+            let (stored, seconds) = timed(|| self.package.in_size(&self.folder, &size.to_string()));
+            if let Some(stored) = stored? {
+                return Ok((stored, seconds));
+            }
+        }
+        self.cut_on(self.package.body.clone(), size)
+    }
+
+    fn report(
+        &self,
+        target: &Path,
+        wearer: &Body,
+        (size, chosen): (Option<Size>, Option<Chosen>),
+        seconds: f64,
+    ) -> CutReport {
+        let next = chosen.as_ref().map(|chosen| chosen.next.to_string());
+        CutReport {
+            size: size.map(|size| size.to_string()),
+            second_size: next,
+            choice: chosen.map(|chosen| chosen.text),
+            parameters: self.changed().into_iter().collect(),
+            ..CutReport::new(target, tape_measures(wearer).as_ref(), seconds)
+        }
+    }
+
+    /// Name and value of the parameters that the user has changed.
+    fn changed(&self) -> Vec<(&'static str, f64)> {
+        let own = Tailor::of_package(&self.package).ok().flatten();
+        let pairs = self.parameters.iter().filter(|parameter| {
+            let own = own
+                .as_ref()
+                .map(|tailor| tailor.parameters().get(parameter.spec.name));
+            !matches!(own, Some(Ok(value)) if (value - parameter.value).abs() < 1e-9)
+        });
+        pairs
+            .map(|parameter| (parameter.spec.name, parameter.value))
+            .collect()
+    }
+}
+
+/// Who stands in for a body of another topology at rest, as the built-in body at rest.
+pub(super) fn stand_in_at_rest(refit: &Refit, other: &Body) -> anyhow::Result<Body> {
+    let stand_in = refit.stand_in(other.rest().positions())?;
+    let at_rest = unposed(refit.own(), stand_in.skin().positions())?;
+    Ok(at_rest.unwrap_or_else(|| refit.own().clone()))
 }
 
 /// What is draped together: all targets, or those of one wearer each, of garments that are cut for
@@ -52,12 +247,20 @@ pub(super) fn by_wearer(
     part: Part,
     job: &Job,
 ) -> anyhow::Result<Vec<(Prepared, Part)>> {
-    let Some(package) = prepared.tailored.take() else {
+    let Some(mut tailoring) = prepared.tailoring.take() else {
         return Ok(vec![(prepared, part)]);
     };
     if prepared.refit.is_some() {
         let reason = "the measures of bodies of this topology are not known";
         prepared.warn_of_cut(reason.to_owned());
+        return Ok(vec![(prepared, part)]);
+    }
+    if !tailoring.is_to_measure() && !tailoring.is_chosen() {
+        // Of whatever shape they are, all wear the same.
+        if let Some(first) = prepared.targets.first() {
+            let wearer = Wearer::of(first, &prepared.body)?;
+            prepared.dress(wearer, &mut tailoring)?;
+        }
         return Ok(vec![(prepared, part)]);
     }
     let wearers = prepared.targets.iter();
@@ -92,7 +295,7 @@ pub(super) fn by_wearer(
             .take(count.saturating_sub(1))
             .for_each(drop);
         if let Some(wearer) = wearer {
-            group.dress(wearer, &package)?;
+            group.dress(wearer, &mut tailoring)?;
         }
         let part = Part {
             warm_up: if first == 0 { warm_up } else { 0 },
@@ -155,32 +358,46 @@ impl Prepared {
     }
 
     /// Cuts the garment for a wearer of all targets.
-    fn dress(&mut self, wearer: Wearer, package: &GarmentPackage) -> anyhow::Result<()> {
+    fn dress(&mut self, wearer: Wearer, tailoring: &mut Tailoring) -> anyhow::Result<()> {
         let wearer = match wearer {
+            Wearer::Unknown if tailoring.is_asked_for() && !tailoring.is_chosen() => {
+                self.body.clone()
+            }
             Wearer::Unknown => {
                 self.warn_of_cut("the shape of the body is none that has measures".to_owned());
                 return Ok(());
             }
             // It lies there already.
-            Wearer::Own if !self.is_on_other => return Ok(()),
+            Wearer::Own if !self.is_on_other && !tailoring.is_asked_for() => return Ok(()),
             Wearer::Own => self.body.clone(),
             Wearer::Other(body) => *body,
         };
-        let (Some(target), Some(measures)) = (self.targets.first(), tape_measures(&wearer)) else {
+        let Some(target) = self.targets.first() else {
             return Ok(());
         };
-        let stop = AtomicBool::new(false);
-        let (cut, seconds) = timed(|| recut(package, wearer, &stop));
+        let path = target.path.clone();
         let cannot = || {
             let garment = self.garment_file.path().display();
-            format!("cannot cut `{garment}` for `{}`", target.path.display())
+            format!("cannot cut `{garment}` for `{}`", path.display())
         };
-        let Some(cut) = cut.with_context(cannot)? else {
+        if !tailoring.is_to_measure() {
+            let cut = tailoring.cut_for(&wearer, &path).with_context(cannot)?;
+            self.garment = cut.package.mesh.clone();
+            self.cut = Some(Arc::new(cut));
             return Ok(());
-        };
-        let report = CutReport::new(target, &measures, seconds);
-        self.garment = cut.mesh.clone();
-        self.body = cut.body.clone();
+        }
+        if tape_measures(&wearer).is_none() {
+            return Ok(());
+        }
+        let chosen = tailoring.chosen_for(&wearer).with_context(cannot)?;
+        let size = chosen
+            .as_ref()
+            .map(|chosen| chosen.size)
+            .or(tailoring.named());
+        let (package, seconds) = tailoring.cut_on(wearer, size).with_context(cannot)?;
+        let report = tailoring.report(&path, &package.body, (size, chosen), seconds);
+        self.garment = package.mesh.clone();
+        self.body = package.body.clone();
         for target in &mut self.targets {
             // How the joints of the other body moved says nothing of those of this one.
             if let TargetSource::Transforms(places, _) = &mut target.source {
@@ -188,10 +405,7 @@ impl Prepared {
                 target.source = TargetSource::Vertices(places);
             }
         }
-        self.cut = Some(Arc::new(Cut {
-            package: cut,
-            report,
-        }));
+        self.cut = Some(Arc::new(Cut { package, report }));
         Ok(())
     }
 }

@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, Subcommand, error::ErrorKind};
 use garnet::{
     io::SceneUnits,
-    pattern::{GarmentKind, ParameterSpec, ParameterUnit, Parameters, PatternError, Size},
+    pattern::{GarmentKind, ParameterSpec, ParameterUnit, Parameters, PatternError},
 };
 
 use crate::{
+    cut_args::{SizeChoice, check_size, size, told},
     drape::{UpName, units},
-    hints::for_pattern,
     rig_args::RigArgs,
 };
 
@@ -67,15 +67,6 @@ pub(crate) struct PatternOptions {
     pub(crate) name: Option<String>,
 }
 
-/// The size that a garment is cut in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum SizeChoice {
-    /// This one.
-    Named(Size),
-    /// The one that fits the body best.
-    Auto,
-}
-
 /// Arguments of `from-obj`.
 #[derive(Debug, Args)]
 pub(crate) struct OwnArgs {
@@ -129,22 +120,6 @@ pub(crate) fn name(text: &str) -> Result<String, String> {
     ))
 }
 
-fn size(text: &str) -> Result<SizeChoice, String> {
-    if text.eq_ignore_ascii_case("auto") {
-        return Ok(SizeChoice::Auto);
-    }
-    let named = text.parse().map(SizeChoice::Named);
-    named.map_err(|error: PatternError| told(&error))
-}
-
-/// An error of a pattern in the line that a wrong argument gets, with what to do about it.
-fn told(error: &PatternError) -> String {
-    match for_pattern(error) {
-        Some(hint) => format!("{error}; {hint}"),
-        None => error.to_string(),
-    }
-}
-
 const OWN: &str = "from-obj";
 
 impl Subcommand for GarmentSource {
@@ -196,11 +171,8 @@ impl FromArgMatches for GarmentSource {
             }
         }
         let common = PatternOptions::from_arg_matches(matches)?;
-        if let Some(SizeChoice::Named(size @ Size::Trousers { .. })) = common.size
-            && kind != GarmentKind::Jeans
-        {
-            let name = size.to_string();
-            return Err(refused(&PatternError::UnknownSize { name }));
+        if let Some(SizeChoice::Named(size)) = common.size {
+            check_size(size, kind).map_err(|error| refused(&error))?;
         }
         Ok(Self::Pattern(Box::new(PatternArgs { parameters, common })))
     }

@@ -17,15 +17,16 @@ use garnet::{
     data::{Tailor, default_rest_body, usual_fabric, wearer_of},
     io::rig_beside,
     package::{GarmentPackage, MANIFEST_FILE, StoredParameters},
-    pattern::{GarmentKind, Measures, Parameters, Size},
+    pattern::Size,
 };
 
 pub(crate) use args::GarmentArgs;
-use args::{GarmentSource, OwnArgs, PatternArgs, SizeChoice};
+use args::{GarmentSource, OwnArgs, PatternArgs};
 use report::GarmentReport;
 
 use crate::{
     console::{Console, print_document},
+    cut_args::{SizeChoice, chosen_size},
     drape::WarningReport,
     fabric::fabric,
     failure::{ExitStatus, Hint, refused},
@@ -152,7 +153,10 @@ fn cut(args: &PatternArgs) -> anyhow::Result<Made> {
         .ok_or_else(|| wearer::unknown(common.body.as_deref(), body.rest()))?;
     let tailor = Tailor::new(args.parameters.clone(), common.vertices, fabric)?;
     let (sizes, notes) = match common.size {
-        Some(SizeChoice::Auto) => chosen_size(&args.parameters, &wearer.measures),
+        Some(SizeChoice::Auto) => match chosen_size(&args.parameters, &wearer.measures) {
+            Some((sizes, text)) => (sizes.map(Some), vec![text]),
+            None => ([None; 2], Vec::new()),
+        },
         Some(SizeChoice::Named(size)) => ([Some(size), None], Vec::new()),
         None => ([None; 2], Vec::new()),
     };
@@ -170,26 +174,4 @@ fn cut(args: &PatternArgs) -> anyhow::Result<Made> {
         sizes,
         notes,
     })
-}
-
-/// The size that fits best, the one that comes next, and what is told of them.
-fn chosen_size(parameters: &Parameters, wearer: &Measures) -> ([Option<Size>; 2], Vec<String>) {
-    let sizes = match parameters.garment() {
-        GarmentKind::Jeans => Size::trousers(),
-        _ => Size::ALL.to_vec(),
-    };
-    let sizes = parameters.by_fit(&sizes, wearer);
-    let [first, second, ..] = sizes[..] else {
-        return ([None; 2], Vec::new());
-    };
-    let is_fitting = |size: Size| parameters.fit(&size.measures(), wearer).fits();
-    let nearest = "its ease is nearest to that of the pattern";
-    let text = match (is_fitting(first), is_fitting(second)) {
-        (true, true) => format!("size {first} is taken: {nearest}; {second} fits, too"),
-        (true, false) => {
-            format!("size {first} is taken, the only one that fits; {second} comes next")
-        }
-        (false, _) => format!("no size fits: {first} is taken, {nearest}; {second} comes next"),
-    };
-    ([Some(first), Some(second)], vec![text])
 }

@@ -14,6 +14,7 @@ use super::{
     args::{self, OwnArgs},
 };
 use crate::{
+    cut_args::CutArgs,
     drape::{Prepared, Source, SourceFiles, warnings_of},
     fabric::fabric,
     failure::{Hint, refused},
@@ -52,6 +53,7 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
         ..
     } = Prepared::read(&Source::Files(Box::new(SourceFiles {
         package: None,
+        cut: CutArgs::default(),
         scene,
     })))?;
     let path = garment_file.path().to_path_buf();

@@ -10,7 +10,12 @@ use garnet::{
 use garnet_view::{ColorMap, Heat};
 
 use super::{fit, metres_of, problems::problems};
-use crate::{failure::refused, hints::did_you_mean_or, input};
+use crate::{
+    cut_args::{SizeChoice, size},
+    failure::refused,
+    hints::did_you_mean_or,
+    input,
+};
 
 /// What the first mesh is colored by.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,8 +28,8 @@ pub(crate) enum ColorBy {
     Distance(PathBuf),
     /// Distance to the same vertex of this mesh.
     Displacement(PathBuf),
-    /// How the garment of this package fits the body of the picture.
-    Fit(PathBuf),
+    /// How the garment of this package, cut in a size if one is named, fits the body of the picture.
+    Fit(PathBuf, Option<SizeChoice>),
     /// Numbers in this file.
     File(PathBuf),
     /// What is wrong with it on its body.
@@ -39,7 +44,7 @@ impl ColorBy {
             Self::Stretch(path)
             | Self::Distance(path)
             | Self::Displacement(path)
-            | Self::Fit(path)
+            | Self::Fit(path, _)
             | Self::File(path) => Some(path),
         }
     }
@@ -56,6 +61,16 @@ const NAMES: [&str; 7] = [
     "file",
 ];
 
+/// A package, with a size after an `@` unless that is a part of its name.
+fn fit_of(text: &str) -> Result<ColorBy, String> {
+    match text.rsplit_once('@') {
+        Some((path, named)) if !Path::new(text).exists() => {
+            Ok(ColorBy::Fit(path.into(), Some(size(named)?)))
+        }
+        _ => Ok(ColorBy::Fit(text.into(), None)),
+    }
+}
+
 pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {
     match text.split_once('=') {
         None if text == "none" => Ok(ColorBy::Nothing),
@@ -63,12 +78,12 @@ pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {
         Some(("stretch", path)) => Ok(ColorBy::Stretch(path.into())),
         Some(("distance", path)) => Ok(ColorBy::Distance(path.into())),
         Some(("displacement", path)) => Ok(ColorBy::Displacement(path.into())),
-        Some(("fit", path)) => Ok(ColorBy::Fit(path.into())),
+        Some(("fit", path)) => fit_of(path),
         Some(("file", path)) => Ok(ColorBy::File(path.into())),
         found => {
             const EXPECTED: &str = "expected `none`, `problems`, `stretch=REST.obj`, \
-                                    `distance=BODY.obj`, `displacement=OTHER.obj`, `fit=PACKAGE` \
-                                    or `file=VALUES.txt`";
+                                    `distance=BODY.obj`, `displacement=OTHER.obj`, `fit=PACKAGE`, \
+                                    `fit=PACKAGE@SIZE` or `file=VALUES.txt`";
             let name = found.map_or(text, |(name, _)| name);
             Err(did_you_mean_or(name, NAMES, EXPECTED))
         }
@@ -163,7 +178,7 @@ pub(crate) enum Measure {
     /// Distance to the same vertex of a mesh.
     Displacement(ObjFile),
     /// How the garment of a package fits.
-    Fit(PathBuf),
+    Fit(PathBuf, Option<SizeChoice>),
     /// The numbers of a file.
     Numbers(PathBuf),
     /// Distance to the body that the mesh is on.
@@ -184,7 +199,7 @@ impl Measure {
                 Self::Distance(Box::new(skin), 1e3 * metres_of(&body))
             }
             ColorBy::Displacement(path) => Self::Displacement(read_mesh(path)?),
-            ColorBy::Fit(path) => Self::Fit(path.clone()),
+            ColorBy::Fit(path, size) => Self::Fit(path.clone(), *size),
             ColorBy::File(path) => Self::Numbers(path.clone()),
             ColorBy::Problems => Self::Problems,
         }))
@@ -200,7 +215,7 @@ impl Measure {
             Self::Stretch(_) => Scale::stretch(),
             Self::Distance(..) | Self::ToSkin => Scale::distance(),
             Self::Problems => Scale::problems(),
-            Self::Fit(_) => Scale {
+            Self::Fit(..) => Scale {
                 label: "fit".to_owned(),
                 map: ColorMap::Fit,
                 range: None,
@@ -215,7 +230,7 @@ impl Measure {
 
     /// Whether it depends on the body that the mesh is on.
     pub(crate) fn needs_skin(&self) -> bool {
-        matches!(self, Self::ToSkin | Self::Problems | Self::Fit(_))
+        matches!(self, Self::ToSkin | Self::Problems | Self::Fit(..))
     }
 
     /// A value for each vertex of a mesh that is at `positions`, in the unit of its file, on a
@@ -252,7 +267,9 @@ impl Measure {
                 let pairs = positions.iter().zip(other.positions());
                 pairs.map(|(a, b)| millimetres * (a - b).norm()).collect()
             }
-            Self::Fit(package) => fit::levels(package, file, skin.map(Skin::in_metres))?,
+            Self::Fit(package, size) => {
+                fit::levels((package, *size), file, skin.map(Skin::in_metres))?
+            }
             Self::Numbers(path) => numbers(path, file.num_vertices())?,
         })
     }

@@ -1,23 +1,26 @@
 //! How a garment fits, as values of its vertices.
 
-use std::{path::Path, sync::atomic::AtomicBool};
+use std::path::Path;
 
 use anyhow::Context;
 use garnet::{
     Garment, Point3,
     body::shape::unposed,
-    data::recut,
     drape::{fit_map, wearer_tape},
     io::ObjFile,
     package::GarmentPackage,
 };
 
-use crate::failure::{Hint, refused};
+use crate::{
+    cut_args::{CutArgs, SizeChoice},
+    drape::Tailoring,
+    failure::{Hint, refused},
+};
 
-/// The levels of a drape of the garment of a package `[vertex]`, on the body of the picture, whose
+/// The levels of a drape of the garment of a package, in a size, `[vertex]`, on the body of the picture, whose
 /// vertices are at `body`, in metres.
 pub(super) fn levels(
-    folder: &Path,
+    (folder, size): (&Path, Option<SizeChoice>),
     file: &ObjFile,
     body: Option<Vec<Point3>>,
 ) -> anyhow::Result<Vec<f32>> {
@@ -46,7 +49,7 @@ pub(super) fn levels(
             "name the package that was draped: `--color-by fit=PACKAGE`",
         ));
     }
-    let package = worn(package, &positions).with_context(cannot)?;
+    let package = worn((folder, size), package, &positions).with_context(cannot)?;
     let fitted = package.body.fitted(&positions);
     let not_built_in =
         || "the girths of the built-in body alone are known: a body of `garnet body`".to_owned();
@@ -58,14 +61,22 @@ pub(super) fn levels(
     fit_map(&garment, Some(&package.rest), &tape).with_context(cannot)
 }
 
-/// The package as the body at `positions` wears it: one that is made to measure is cut for it.
-fn worn(package: GarmentPackage, positions: &[Point3]) -> anyhow::Result<GarmentPackage> {
-    if !package.manifest.is_made_to_measure() {
+/// The package as the body at `positions` wears it: in a size, or cut for it if it is made to
+/// measure.
+fn worn(
+    (folder, size): (&Path, Option<SizeChoice>),
+    package: GarmentPackage,
+    positions: &[Point3],
+) -> anyhow::Result<GarmentPackage> {
+    let cut = CutArgs::in_size(size);
+    let is_cut = cut.given().is_some() || package.manifest.is_made_to_measure();
+    if !is_cut {
         return Ok(package);
     }
-    let Some(wearer) = unposed(&package.body, positions).ok().flatten() else {
-        return Ok(package);
-    };
-    let cut = recut(&package, wearer, &AtomicBool::new(false))?;
-    Ok(cut.unwrap_or(package))
+    let wearer = unposed(&package.body, positions).ok().flatten();
+    let wearer = wearer.unwrap_or_else(|| package.body.clone());
+    match Tailoring::new(folder, cut)? {
+        Some(mut tailoring) => tailoring.worn_by(wearer),
+        None => Ok(package),
+    }
 }

@@ -89,6 +89,14 @@ pub enum PackageError {
         /// Those there are.
         known: String,
     },
+    /// The package does not have the size that is asked for.
+    #[error("the package has no size `{name}`; it has {}", if known.is_empty() { "none" } else { known })]
+    NoSize {
+        /// The name.
+        name: String,
+        /// Those there are.
+        known: String,
+    },
     /// A garment lies too deep in its body to be simulated.
     #[error("{inside} of {vertices} vertices of the garment are inside the body at rest, the deepest by {:.1} mm", 1e3 * deepest)]
     InsideAtStart {

@@ -4,6 +4,7 @@ mod before;
 mod error;
 mod manifest;
 mod rest_file;
+mod sizes_file;
 mod stored_parameters;
 mod together;
 

@@ -137,6 +137,10 @@ class Package:
     """A garment on its body, with trained variants and its simulation."""
 
     def __new__(cls, folder: str | PathLike[str]) -> Package: ...
+    @property
+    def sizes(self) -> list[str]: ...
+    def in_size(self, size: str) -> Package:
+        """The same package with its garment in another of its sizes."""
     def drape(
         self,
         target: PosedBody | ArrayLike,

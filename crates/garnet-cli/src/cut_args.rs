@@ -1,0 +1,149 @@
+//! In which size and with which parameters a garment is cut.
+
+use clap::Args;
+use garnet::pattern::{GarmentKind, Measures, Parameters, PatternError, Size};
+
+use crate::hints::for_pattern;
+
+/// The size that a garment is cut in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SizeChoice {
+    /// This one.
+    Named(Size),
+    /// The one that fits the body best.
+    Auto,
+}
+
+/// How the garment of a package is cut anew before it is draped.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Args)]
+pub(crate) struct CutArgs {
+    /// Size of the garment of a package: XS to 3XL or, of jeans, waist and inner leg in inches
+    /// (32x34); auto is the one that fits the body best [default: the cut of the package].
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    pub(crate) size: Option<SizeChoice>,
+    /// Length of its sleeves, in centimetres.
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
+    sleeve: Option<f64>,
+    /// Its length, from the neck to the hem, or of jeans of the inner leg, in centimetres.
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "CM",
+        allow_negative_numbers = true
+    )]
+    length: Option<f64>,
+    /// How much wider it is than the chest, or of jeans than the hip, in per cent.
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "PERCENT",
+        allow_negative_numbers = true
+    )]
+    ease: Option<f64>,
+}
+
+impl CutArgs {
+    /// In a size, or none.
+    pub(crate) fn in_size(size: Option<SizeChoice>) -> Self {
+        Self {
+            size,
+            ..Self::default()
+        }
+    }
+
+    /// The option that was given, if one was.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        let options = [
+            (self.size.is_some(), "--size"),
+            (self.sleeve.is_some(), "--sleeve"),
+            (self.length.is_some(), "--length"),
+            (self.ease.is_some(), "--ease"),
+        ];
+        let mut given = options.into_iter().filter(|(is_given, _)| *is_given);
+        given.next().map(|(_, name)| name)
+    }
+
+    /// Sets what was given; true if anything changed.
+    ///
+    /// # Errors
+    ///
+    /// What the pattern does not have, or not so long or wide.
+    pub(crate) fn set_in(&self, parameters: &mut Parameters) -> Result<(), PatternError> {
+        let [length, ease] = match parameters.garment() {
+            GarmentKind::Jeans => ["inseam", "hip-ease"],
+            _ => ["length", "chest-ease"],
+        };
+        let named = [
+            ("sleeve", self.sleeve),
+            (length, self.length),
+            (ease, self.ease),
+        ];
+        for (name, shown) in named {
+            if let Some(shown) = shown {
+                parameters.set(name, shown / 100.0)?;
+            }
+        }
+        if let Some(SizeChoice::Named(size)) = self.size {
+            check_size(size, parameters.garment())?;
+        }
+        Ok(())
+    }
+}
+
+/// Refuses sizes of trousers for what is none.
+pub(crate) fn check_size(size: Size, garment: GarmentKind) -> Result<(), PatternError> {
+    match (size, garment) {
+        (Size::Trousers { .. }, GarmentKind::Jeans) => Ok(()),
+        (Size::Trousers { .. }, _) => Err(PatternError::UnknownSize {
+            name: size.to_string(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Reads a size, or `auto`.
+pub(crate) fn size(text: &str) -> Result<SizeChoice, String> {
+    if text.eq_ignore_ascii_case("auto") {
+        return Ok(SizeChoice::Auto);
+    }
+    let named = text.parse().map(SizeChoice::Named);
+    named.map_err(|error: PatternError| told(&error))
+}
+
+/// An error of a pattern in the line that a wrong argument gets, with what to do about it.
+pub(crate) fn told(error: &PatternError) -> String {
+    match for_pattern(error) {
+        Some(hint) => format!("{error}; {hint}"),
+        None => error.to_string(),
+    }
+}
+
+/// The size that fits best, the one that comes next, and what is told of them.
+pub(crate) fn chosen_size(
+    parameters: &Parameters,
+    wearer: &Measures,
+) -> Option<([Size; 2], String)> {
+    let sizes = match parameters.garment() {
+        GarmentKind::Jeans => Size::trousers(),
+        _ => Size::ALL.to_vec(),
+    };
+    let sizes = parameters.by_fit(&sizes, wearer);
+    let [first, second, ..] = sizes[..] else {
+        return None;
+    };
+    let is_fitting = |size: Size| parameters.fit(&size.measures(), wearer).fits();
+    let nearest = "its ease is nearest to that of the pattern";
+    let text = match (is_fitting(first), is_fitting(second)) {
+        (true, true) => format!("size {first} is taken: {nearest}; {second} fits, too"),
+        (true, false) => {
+            format!("size {first} is taken, the only one that fits; {second} comes next")
+        }
+        (false, _) => format!("no size fits: {first} is taken, {nearest}; {second} comes next"),
+    };
+    Some(([first, second], text))
+}
