@@ -3,6 +3,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use garnet_body::shape::{BodyParameters, Measure};
 use garnet_drape::GarmentPackage;
 use garnet_mesh::Fingerprint;
 use garnet_pattern::{Parameters, Size};
@@ -53,4 +54,23 @@ pub fn recut(
     manifest.positions = positions;
     cut.manifest = manifest;
     Ok(Some(cut))
+}
+
+/// Whom a size of a package is cut for: of the stature and girths of the size, and of the sex of
+/// the body of the package, if that is known.
+pub fn body_of_size(package: &GarmentPackage, size: Size) -> BodyParameters {
+    let own = package.manifest.rest_body.parameters.as_ref();
+    let cut = size.measures();
+    let given = [
+        (Measure::Stature, cut.stature),
+        (Measure::Chest, cut.chest),
+        (Measure::Waist, cut.waist),
+        (Measure::Hip, cut.hip),
+    ];
+    let body = BodyParameters::new(own.map_or(0.5, |own| own.sex));
+    // As files keep them, so that the body that is read is this one.
+    let rounded = |value: f64| f64::from(value as f32);
+    (given.into_iter()).fold(body, |body, (measure, value)| {
+        body.with(measure, rounded(value))
+    })
 }

@@ -88,7 +88,8 @@ impl Package {
         Ok(self.content.sizes(&self.folder)?)
     }
 
-    /// The same with its garment in another of its [sizes](Package::sizes).
+    /// The same with its garment in another of its [sizes](Package::sizes), on the body that it is
+    /// cut for: targets are [`Package::body`] of what is returned.
     ///
     /// # Errors
     ///

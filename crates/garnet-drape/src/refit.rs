@@ -34,16 +34,6 @@ impl Refit {
         })
     }
 
-    /// The same with another garment on the body that it was made for.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`Garment::bind`].
-    pub fn with_garment(self, garment: TriMesh) -> Result<Self, Error> {
-        let garment = Garment::new(garment).bind(self.own())?;
-        Ok(Self { garment, ..self })
-    }
-
     /// The body that the garment was made for.
     pub fn own(&self) -> &Body {
         self.garment.body()

@@ -3,7 +3,8 @@
 use std::{path::PathBuf, sync::atomic::AtomicBool};
 
 use clap::Args;
-use garnet_data::{CutOptions, recut};
+use garnet_body::shape::ParametricBody;
+use garnet_data::{CutOptions, body_of_size, recut};
 use garnet_drape::GarmentPackage;
 use garnet_pattern::Size;
 
@@ -27,9 +28,11 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
                 size: Some(size),
                 parameters: None,
             };
-            let cut = recut(&package, package.body.clone(), &options, &never)?;
+            let wearer = body_of_size(&package, size);
+            let body = ParametricBody::build(&wearer)?.into_body();
+            let cut = recut(&package, body, &options, &never)?;
             let cut = cut.ok_or("the package has no sewing pattern, or no built-in body")?;
-            sizes.push((size.to_string(), cut));
+            sizes.push((size.to_string(), wearer, cut));
         }
         let path = package.write_sizes(folder, &sizes)?;
         let bytes = std::fs::metadata(&path)?.len();

@@ -1,6 +1,6 @@
 //! The garments of packages on four bodies in four poses: the picture of README.
 //!
-//! A row has a garment, a column a body in a pose. Each is draped by the default variant of its
+//! A row has a garment or an outfit, a column a body in a pose. Each is draped by the default variant of its
 //! package, cut to measure where the package is.
 
 use std::{path::PathBuf, sync::atomic::AtomicBool};
@@ -9,9 +9,10 @@ use clap::Args;
 use garnet::body::shape::{BodyParameters, Measure, ParametricBody};
 use garnet_body::poses::{Poser, key_pose};
 use garnet_data::{CutOptions, recut};
-use garnet_drape::Package;
+use garnet_drape::{LayerOptions, Package, WornGarment, dressed, part_layers};
 use garnet_mesh::TriMesh;
-use garnet_view::{Camera, palette};
+use garnet_skin::Body;
+use garnet_view::{Camera, Rgb, palette};
 
 use crate::{
     Outcome,
@@ -29,21 +30,26 @@ const COLUMNS: [(f64, f64, f64, &str); 4] = [
 /// Width and height of a view, in pixels.
 const CELL: [u32; 2] = [300, 420];
 
+/// Colors of the garments of an outfit, the innermost first.
+const COLORS: [Rgb; 3] = [palette::GARMENT, palette::REFERENCE, palette::THIRD];
+
 /// What to draw.
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     /// Where the picture goes.
     picture: PathBuf,
-    /// Garment packages, a row each.
+    /// Garment packages, a row each; an outfit of several, the inner first, as
+    /// `models/jeans+models/tshirt`.
     #[arg(required = true)]
-    packages: Vec<PathBuf>,
+    packages: Vec<String>,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut sheet = Sheet::new(COLUMNS.len(), CELL);
     let camera = [Camera::new(0.45, 0.1)];
-    for path in &arguments.packages {
-        let package = Package::open(path)?;
+    for outfit in &arguments.packages {
+        let packages = outfit.split('+').map(Package::open);
+        let packages = packages.collect::<Result<Vec<Package>, _>>()?;
         let mut row = Vec::new();
         for (sex, bmi, stature, pose) in COLUMNS {
             let parameters = BodyParameters::new(sex);
@@ -54,25 +60,12 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             let skin = own
                 .rest()
                 .with_positions(posed.skin().positions().to_vec())?;
-            let cut = if package.manifest().is_made_to_measure() {
-                let to_measure = CutOptions::default();
-                recut(package.content(), own, &to_measure, &AtomicBool::new(false))?
-            } else {
-                None
-            };
-            let cut = cut
-                .map(|content| package.with_content(content))
-                .transpose()?;
-            let package = cut.as_ref().unwrap_or(&package);
-            let target = package.body().fitted(skin.positions())?;
-            let drape = package.default_draper()?.drape(&target)?;
-            let faces = package.content().mesh.faces().to_vec();
+            let garments = worn(&packages, &own, &skin)?;
+            let garments = garments.into_iter().zip(COLORS);
+            let meshes = std::iter::once((skin, palette::SKIN)).chain(garments);
             row.push(Scene {
                 caption: String::new(),
-                meshes: vec![
-                    (skin, palette::SKIN),
-                    (TriMesh::new(drape.positions, faces)?, palette::GARMENT),
-                ],
+                meshes: meshes.collect(),
                 framed: 0,
             });
         }
@@ -80,4 +73,48 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     }
     sheet.write_png(&arguments.picture)?;
     Ok(())
+}
+
+/// The garments of an outfit, the inner first, on a body with its skin at `skin`, which stands as
+/// `own` at rest.
+fn worn(
+    packages: &[Package],
+    own: &Body,
+    skin: &TriMesh,
+) -> Result<Vec<TriMesh>, Box<dyn std::error::Error>> {
+    let mut cut = Vec::with_capacity(packages.len());
+    for package in packages {
+        let content = if package.manifest().is_made_to_measure() {
+            let to_measure = CutOptions::default();
+            let never = AtomicBool::new(false);
+            recut(package.content(), own.clone(), &to_measure, &never)?
+        } else {
+            None
+        };
+        let content = content.unwrap_or_else(|| package.content().clone());
+        cut.push(package.with_content(content)?);
+    }
+    let mut garments: Vec<WornGarment<'_>> = Vec::with_capacity(cut.len());
+    for package in &cut {
+        let posed = package.body().fitted(skin.positions())?;
+        let body = if garments.is_empty() {
+            posed.clone()
+        } else {
+            dressed(&posed, &garments, package.garment())?
+        };
+        let drape = package.default_draper()?.drape(&body)?;
+        let mut outer = WornGarment {
+            garment: package.garment(),
+            positions: drape.positions,
+        };
+        for inner in garments.iter_mut().rev() {
+            part_layers(inner, &mut outer, &posed, LayerOptions::default())?;
+        }
+        garments.push(outer);
+    }
+    let mut meshes = Vec::with_capacity(garments.len());
+    for worn in garments {
+        meshes.push(worn.garment.mesh().with_positions(worn.positions)?);
+    }
+    Ok(meshes)
 }

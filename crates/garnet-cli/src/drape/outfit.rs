@@ -39,6 +39,10 @@ use crate::{
 /// The bodies of two packages are one if no vertex is farther apart than this, in metres.
 const SAME_BODY: f32 = 1e-4;
 
+/// Of layers of which a larger share of the faces of one crosses the other it is told that they
+/// have no room. Those that fit stay below it where people stand; see docs/experiments/058.
+const MOST_CROSSING: f64 = 0.02;
+
 /// What was draped over each other, and what runs through each other. SI units.
 #[derive(Debug, Serialize)]
 struct OutfitReport {
@@ -105,6 +109,13 @@ pub(super) fn run(args: OutfitArgs, console: &Console) -> anyhow::Result<ExitSta
             100.0 * layer.crossing_share,
             layer.inner_outside
         ));
+        if layer.crossing_share > MOST_CROSSING {
+            console.warning(&format!(
+                "`{}` has hardly room under `{}`: it may belong over it (name them in the other order), \
+                 or under a larger size",
+                layer.inner, layer.outer
+            ));
+        }
     }
     console.summary(&format_args!(
         "dressed in {} garments in `{}` in {}",

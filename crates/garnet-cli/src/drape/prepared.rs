@@ -68,21 +68,23 @@ impl Prepared {
                 let own = own.filter(|_| !is_on_other);
                 let mut refit = None;
                 let mut cut = None;
-                if let Some(own) = own {
-                    let fitted = refitted(source, &scene, &own)?;
+                if let Some(mut own) = own {
                     let asked = tailoring.take_if(|tailoring| tailoring.is_asked_for());
                     if let Some(mut asked) = asked {
-                        let wearer = stand_in_at_rest(&fitted, &scene.body)?;
-                        let made = asked.cut_for(&wearer, &scene.rest.path)?;
+                        let wearer = if asked.is_chosen() {
+                            let fitted = refitted(source, &scene, &own)?;
+                            Some(stand_in_at_rest(&fitted, &scene.body)?)
+                        } else {
+                            None
+                        };
+                        let made = asked.cut_for(wearer.as_ref(), &scene.rest.path)?;
                         scene.garment.mesh = made.package.mesh.clone();
-                        refit = Some(fitted.with_garment(scene.garment.mesh.clone())?);
+                        own = made.package.body.clone();
                         cut = Some(Arc::new(made));
-                    } else {
-                        refit = Some(fitted);
                     }
-                    if let Some(refit) = &refit {
-                        scene.garment.mesh = dressed(source, refit, &scene.body)?;
-                    }
+                    let fitted = refitted(source, &scene, &own)?;
+                    scene.garment.mesh = dressed(source, &fitted, &scene.body)?;
+                    refit = Some(fitted);
                 }
                 let files = &source.scene;
                 let prepared = Self::of(scene, refit, files.pose.clone(), files.motion);

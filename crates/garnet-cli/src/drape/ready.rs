@@ -194,7 +194,9 @@ impl Unbound {
         bound: &Bound,
         settle: Option<u32>,
     ) -> anyhow::Result<(Draper, NetworkReport, Option<Expected>)> {
-        let parameters = self.manifest.sewing_parameters();
+        // What is cut anew has another manifest than the one that names the variants.
+        let cut = (bound.cut.as_ref()).map_or(&self.manifest, |cut| &cut.package.manifest);
+        let parameters = cut.sewing_parameters();
         let garment = match &bound.refit {
             Some(refit) => refit.garment(),
             None => &bound.garment,

@@ -8,9 +8,9 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    Body, Point3,
-    body::shape::{tape_measures, unposed},
-    data::{CutOptions, Tailor, recut, wearer_of},
+    Body,
+    body::shape::{ParametricBody, tape_measures, unposed},
+    data::{CutOptions, Tailor, body_of_size, recut, wearer_of},
     drape::Refit,
     io::{Target, TargetSource},
     package::GarmentPackage,
@@ -155,7 +155,7 @@ impl Tailoring {
     /// The package with its garment as `wearer` wears it, who is a built-in body at rest.
     pub(crate) fn worn_by(&mut self, wearer: Body) -> anyhow::Result<GarmentPackage> {
         if !self.is_to_measure() {
-            return Ok(self.cut_for(&wearer, Path::new(""))?.package);
+            return Ok(self.cut_for(Some(&wearer), Path::new(""))?.package);
         }
         let chosen = self.chosen_for(&wearer)?;
         let size = chosen.map(|chosen| chosen.size).or(self.named());
@@ -174,9 +174,11 @@ impl Tailoring {
         Ok((cut, seconds))
     }
 
-    /// The garment on the body of the package, in the size for `wearer` if it is chosen by that.
-    pub(super) fn cut_for(&mut self, wearer: &Body, target: &Path) -> anyhow::Result<Cut> {
-        let chosen = self.chosen_for(wearer)?;
+    /// The garment on the body that it is cut for, in the size for `wearer` if it is chosen by
+    /// that.
+    pub(super) fn cut_for(&mut self, wearer: Option<&Body>, target: &Path) -> anyhow::Result<Cut> {
+        let chosen = wearer.map(|wearer| self.chosen_for(wearer)).transpose()?;
+        let chosen = chosen.flatten();
         let size = chosen.as_ref().map(|chosen| chosen.size).or(self.named());
         let made = self.made.iter().find(|(other, ..)| *other == size);
         let (package, seconds) = if let Some((_, package)) = made {
@@ -190,7 +192,8 @@ impl Tailoring {
         Ok(Cut { package, report })
     }
 
-    /// The garment in a size on the body of the package: as it is stored there, or cut.
+    /// The garment in a size on the body that this is for, as it is stored in the package, or cut;
+    /// or, cut to measure, on the body of the package.
     fn cut_on_own(&self, size: Option<Size>) -> anyhow::Result<(GarmentPackage, f64)> {
         if let Some(size) = size.filter(|_| self.changed().is_empty()) {
             let (stored, seconds) = timed(|| self.package.in_size(&self.folder, &size.to_string()));
@@ -198,13 +201,18 @@ impl Tailoring {
                 return Ok((stored, seconds));
             }
         }
-        self.cut_on(self.package.body.clone(), size)
+        let of_size = size.and_then(|size| {
+            let wearer = body_of_size(&self.package, size);
+            ParametricBody::build(&wearer).ok()
+        });
+        let body = of_size.map_or_else(|| self.package.body.clone(), ParametricBody::into_body);
+        self.cut_on(body, size)
     }
 
     fn report(
         &self,
         target: &Path,
-        wearer: &Body,
+        wearer: Option<&Body>,
         (size, chosen): (Option<Size>, Option<Chosen>),
         seconds: f64,
     ) -> CutReport {
@@ -214,7 +222,7 @@ impl Tailoring {
             second_size: next,
             choice: chosen.map(|chosen| chosen.text),
             parameters: self.changed().into_iter().collect(),
-            ..CutReport::new(target, tape_measures(wearer).as_ref(), seconds)
+            ..CutReport::new(target, wearer.and_then(tape_measures).as_ref(), seconds)
         }
     }
 
@@ -308,6 +316,8 @@ pub(super) fn by_wearer(
     Ok(groups)
 }
 
+const NOWHERE: TargetSource = TargetSource::Vertices(Vec::new());
+
 /// Who wears the garment.
 enum Wearer {
     /// The body that the scene has at rest.
@@ -381,10 +391,10 @@ impl Prepared {
             format!("cannot cut `{garment}` for `{}`", path.display())
         };
         if !tailoring.is_to_measure() {
-            let cut = tailoring.cut_for(&wearer, &path).with_context(cannot)?;
-            self.garment = cut.package.mesh.clone();
-            self.cut = Some(Arc::new(cut));
-            return Ok(());
+            let cut = tailoring
+                .cut_for(Some(&wearer), &path)
+                .with_context(cannot)?;
+            return self.put_on(cut);
         }
         if tape_measures(&wearer).is_none() {
             return Ok(());
@@ -395,17 +405,30 @@ impl Prepared {
             .map(|chosen| chosen.size)
             .or(tailoring.named());
         let (package, seconds) = tailoring.cut_on(wearer, size).with_context(cannot)?;
-        let report = tailoring.report(&path, &package.body, (size, chosen), seconds);
-        self.garment = package.mesh.clone();
-        self.body = package.body.clone();
+        let report = tailoring.report(&path, Some(&package.body), (size, chosen), seconds);
+        self.put_on(Cut { package, report })
+    }
+
+    /// Takes a garment that was cut, and the body that it lies on.
+    fn put_on(&mut self, cut: Cut) -> anyhow::Result<()> {
+        self.garment = cut.package.mesh.clone();
+        let before = std::mem::replace(&mut self.body, cut.package.body.clone());
+        let pairs = before.rest().positions().iter();
+        let pairs = pairs.zip(self.body.rest().positions());
+        let is_same = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f32::max) < SAME_WEARER;
         for target in &mut self.targets {
-            // How the joints of the other body moved says nothing of those of this one.
-            if let TargetSource::Transforms(places, _) = &mut target.source {
-                let places: Vec<Point3> = std::mem::take(places);
-                target.source = TargetSource::Vertices(places);
-            }
+            target.source = match std::mem::replace(&mut target.source, NOWHERE) {
+                // How the joints of the other body moved says nothing of those of this one.
+                TargetSource::Transforms(places, _) => TargetSource::Vertices(places),
+                pose @ (TargetSource::Pose(_) | TargetSource::PoseOfRig(..)) if !is_same => {
+                    target.source = pose;
+                    let posed = target.posed(&before)?;
+                    TargetSource::Vertices(posed.skin().positions().to_vec())
+                }
+                other => other,
+            };
         }
-        self.cut = Some(Arc::new(Cut { package, report }));
+        self.cut = Some(Arc::new(cut));
         Ok(())
     }
 }

@@ -58,8 +58,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "WxH", value_parser = words::size)]
     size: Option<[u32; 2]>,
     /// Color the first mesh: none, problems (where it runs through body or cloth, or is trapped),
-    /// stretch=REST.obj, distance=BODY.obj, displacement=OTHER.obj, fit=PACKAGE (of its garment,
-    /// for the body) or file=VALUES.txt (one number for each vertex).
+    /// stretch=REST.obj, distance=BODY.obj, displacement=OTHER.obj, fit=PACKAGE or fit=PACKAGE@SIZE
+    /// (of its garment, for the body) or file=VALUES.txt (one number for each vertex).
     #[arg(long, value_name = "WHAT", default_value = "none", value_parser = colors::color_by)]
     color_by: ColorBy,
     /// Values at the ends of the color bar.

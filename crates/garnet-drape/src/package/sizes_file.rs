@@ -1,15 +1,16 @@
 //! The garment of a package in other sizes, as a file.
 //!
-//! A size has the faces of the template: what differs is where its vertices lie on the body at
-//! rest, and where the points of its pattern lie in the plane.
+//! A size has the faces of the template: what differs is the body that it is cut for, where its
+//! vertices lie on that at rest, and where the points of its pattern lie in the plane.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use garnet_body::shape::{BodyParameters, Measure, ParametricBody};
 use garnet_mesh::{Fingerprint, MOST_BYTES, StagedFile, read_bounded};
 use garnet_sim::RestShape;
 
-use super::{GarmentPackage, PackageError};
+use super::{GarmentPackage, PackageError, StoredParameters};
 use crate::tensors::{Array, Contents, to_bytes};
 
 const SIZES_FILE: &str = "sizes.safetensors";
@@ -18,6 +19,15 @@ const SCHEMA: &str = "garnet.sizes/1";
 /// What the names of the tensors begin with.
 const PLACES: &str = "positions.";
 const PATTERN: &str = "pattern.";
+const BODY: &str = "body.";
+
+/// The measures of a body that are stored, after its sex.
+const MEASURES: [Measure; 4] = [
+    Measure::Stature,
+    Measure::Chest,
+    Measure::Waist,
+    Measure::Hip,
+];
 
 /// Points of two sizes that are one in the template are no farther apart than this, in metres.
 const SAME_POINT: f32 = 1e-5;
@@ -65,8 +75,8 @@ impl GarmentPackage {
         let Some(contents) = self.sound(&bytes, &path)? else {
             return Ok(None);
         };
-        let named = [PLACES, PATTERN].map(|kind| contents.array(&format!("{kind}{size}")));
-        let [Some(places), Some(pattern)] = named else {
+        let named = [PLACES, PATTERN, BODY].map(|kind| contents.array(&format!("{kind}{size}")));
+        let [Some(places), Some(pattern), Some(body)] = named else {
             return Ok(None);
         };
         let RestShape::Flat {
@@ -79,13 +89,29 @@ impl GarmentPackage {
         };
         let (points, num_points) = points_of(corners);
         let num_vertices = self.mesh.num_vertices();
-        if places.shape != [1, num_vertices, 3] || pattern.shape != [num_points, 2] {
-            let what = format!("size `{size}` is not of the template");
-            return Err(PackageError::foreign(&path, what));
+        let foreign = |what: String| PackageError::foreign(&path, format!("size `{size}` {what}"));
+        let shapes = [&*places.shape, &*pattern.shape, &*body.shape];
+        if shapes
+            != [
+                &[1, num_vertices, 3][..],
+                &[num_points, 2],
+                &[1 + MEASURES.len()],
+            ]
+        {
+            return Err(foreign("is not of the template".to_owned()));
         }
+        let numbers: Vec<f64> = body.values.iter().map(|&value| f64::from(value)).collect();
+        let measures = MEASURES.into_iter().zip(&numbers[1..]);
+        let parameters = measures.fold(
+            BodyParameters::new(numbers[0]),
+            |body, (measure, &value)| body.with(measure, value),
+        );
+        let built = ParametricBody::build(&parameters);
+        let built = built.map_err(|error| foreign(format!("is for no body: {error}")))?;
         let at = |point: usize| [pattern.values[2 * point], pattern.values[2 * point + 1]];
         let mesh = self.mesh.with_positions(places.points(0))?;
         let mut manifest = self.manifest.clone();
+        manifest.rest_body.parameters = Some(StoredParameters::from(&parameters));
         manifest.positions = Fingerprint::of_positions(mesh.positions()).to_string();
         if let Some(pattern) = &mut manifest.pattern {
             pattern.size = Some(size.to_owned());
@@ -98,11 +124,13 @@ impl GarmentPackage {
                 shrink: shrink.clone(),
                 grip: *grip,
             },
-            ..self.clone()
+            body: built.into_body(),
+            template: self.template.clone(),
         }))
     }
 
-    /// Stores the garment in other sizes, each with its name, beside the template.
+    /// Stores the garment in other sizes, each with its name and whom it is cut for, beside the
+    /// template. Of the bodies sex, stature and the girths of chest, waist and hip are kept.
     ///
     /// # Errors
     ///
@@ -111,11 +139,11 @@ impl GarmentPackage {
     pub fn write_sizes(
         &self,
         folder: &Path,
-        sizes: &[(String, Self)],
+        sizes: &[(String, BodyParameters, Self)],
     ) -> Result<PathBuf, PackageError> {
         let path = folder.join(SIZES_FILE);
         let mut arrays = Vec::new();
-        for (name, cut) in sizes {
+        for (name, body, cut) in sizes {
             let foreign = || {
                 let what = format!("size `{name}` is not the template in another size");
                 PackageError::foreign(&path, what)
@@ -125,6 +153,14 @@ impl GarmentPackage {
             let places = Array::of_points([places].into_iter(), places.len());
             arrays.push((format!("{PLACES}{name}"), places));
             arrays.push((format!("{PATTERN}{name}"), pattern));
+            let measures = MEASURES.map(|measure| body.measure(measure));
+            let measures: Option<Vec<f64>> = measures.into_iter().collect();
+            let numbers = [vec![body.sex()], measures.ok_or_else(foreign)?].concat();
+            let body = Array {
+                shape: vec![numbers.len()],
+                values: numbers.into_iter().map(|number| number as f32).collect(),
+            };
+            arrays.push((format!("{BODY}{name}"), body));
         }
         let arrays: Vec<(&str, &Array)> = (arrays.iter())
             .map(|(name, array)| (name.as_str(), array))
