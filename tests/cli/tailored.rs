@@ -251,3 +251,29 @@ fn cuts_that_there_are_not_are_refused() {
         assert!(!fixture.path("worn.obj").exists(), "{options}");
     }
 }
+
+#[test]
+fn what_networks_have_not_learned_is_told_and_far_from_it_simulated() {
+    let fixture = shirt_and_bodies();
+    let shirt = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/tshirt");
+    let draped = |options: &str| {
+        let command = format!("drape {shirt} big.obj {options} -o worn.obj --report report.json");
+        let output = fixture.garnet(&command);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let report = report(&fixture);
+        let warnings = report["warnings"].as_array().unwrap().iter();
+        let is_told = warnings
+            .clone()
+            .any(|warning| warning["kind"] == "other_cut");
+        let inside = report["drapes"][0]["untangle"]["inside"].as_u64();
+        assert_eq!(inside, Some(0), "{options}");
+        (report["method"].as_str().unwrap().to_owned(), is_told)
+    };
+    assert_eq!(draped(""), ("accurate".to_owned(), false));
+    assert_eq!(draped("--size l"), ("accurate".to_owned(), true));
+    assert_eq!(
+        draped("--size 3xl --method fast"),
+        ("fast".to_owned(), true)
+    );
+    assert_eq!(draped("--size 3xl"), ("sim".to_owned(), false));
+}

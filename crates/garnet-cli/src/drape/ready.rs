@@ -7,14 +7,14 @@ use garnet::{
     Draper, PosedBody,
     net::{ModelFile, Network},
     package::{
-        Choice, ChoiceOptions, Expectation, GarmentPackage, Limit, Manifest, StoredPoses,
+        Choice, ChoiceOptions, Expectation, GarmentPackage, Limit, Manifest, Quality, StoredPoses,
         familiarity,
     },
 };
 
 use super::{
     Bound,
-    args::{Job, MethodName, NetworkChoice, Source},
+    args::{Job, MethodName, NetworkChoice, Simulation, Source},
     choice::ChoiceReport,
     fit::Fitting,
     method_name,
@@ -257,6 +257,30 @@ fn note_of_size(size: f32) -> Option<String> {
     })
 }
 
+/// How the garment is simulated, if it is: as the user says, or because no variant knows a cut like
+/// this, and none was asked for.
+fn simulation_of(bound: &Bound, job: &Job, console: &Console) -> Option<Simulation> {
+    if job.simulation.is_some() {
+        return job.simulation.clone();
+    }
+    let is_default = matches!(job.network, NetworkChoice::Default) && job.limit.is_none();
+    let is_far = bound.cut.as_ref().is_some_and(|cut| cut.is_far);
+    let package = package_of(&job.source).map(GarmentPackage::read_manifest);
+    let has_variants = matches!(package, Some(Ok(manifest)) if !manifest.variants.is_empty());
+    if !is_default || !is_far || !has_variants || job.settle.is_some() {
+        return None;
+    }
+    console.summary(
+        &"note: the variants of the package have learned a cut that is far from this one: it is \
+          simulated; `--method accurate` is quicker, and less exact",
+    );
+    Some(Simulation {
+        quality: Quality::Teacher,
+        fabric: job.fabric.clone(),
+        frames: None,
+    })
+}
+
 impl Ready {
     /// Brings a bound garment and what was read for it together.
     pub(super) fn new(
@@ -280,17 +304,28 @@ impl Ready {
         }
         let mut method = Method::Warp;
         let mut expected = None;
+        let simulation = simulation_of(&bound, job, console);
         match found {
+            Found::Network(_) if simulation.is_some() => {}
             Found::Network(network) => {
                 let (joined, report, known) = network.joined(draper, &bound, job.settle)?;
-                (draper, method, expected) = (joined, Method::Network(report), known);
+                if bound.cut.as_ref().is_some_and(|cut| cut.is_unknown) {
+                    bound.warnings.push(Warning {
+                        path: bound.garment_file.path().to_path_buf(),
+                        problem: Problem::OtherCut(report.variant.clone()),
+                    });
+                    // What is expected is expected of the cut of the package.
+                    (draper, method) = (joined, Method::Network(report));
+                } else {
+                    (draper, method, expected) = (joined, Method::Network(report), known);
+                }
             }
             Found::NotAsked => {}
             Found::NoneInPackage => console.summary(
                 &"note: the package has no trained variant: the garment is warped and untangled",
             ),
         }
-        if let Some(simulation) = &job.simulation {
+        if let Some(simulation) = &simulation {
             let (simulator, simulated) = Simulated::new(&bound, simulation, &job.source)?;
             draper = draper.with_simulator(simulator);
             method = Method::Simulation(simulated);

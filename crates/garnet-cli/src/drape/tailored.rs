@@ -2,6 +2,7 @@
 //! know them so, and as the user asks for.
 
 use std::{
+    ops::RangeInclusive,
     path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
 };
@@ -14,7 +15,7 @@ use garnet::{
     drape::Refit,
     io::{Target, TargetSource},
     package::GarmentPackage,
-    pattern::{Parameters, Size},
+    pattern::{GarmentKind, Measures, Parameters, Size},
 };
 
 use super::{
@@ -33,12 +34,24 @@ use crate::{
 /// Bodies whose vertices at rest are as near as this are of one wearer, in metres.
 const SAME_WEARER: f32 = 5e-3;
 
+/// Cuts are near to that of the package, whose variants drape them, if their girth is in this range
+/// of its own: two sizes to either side. Wider ranges simulate less, and drape less exactly; see
+/// docs/experiments/069.
+const NEAR_GIRTHS: RangeInclusive<f64> = 0.82..=1.2;
+
+/// And if they are longer or shorter by no more than this, in metres.
+const NEAR_LENGTH: f64 = 0.1;
+
 /// A garment that was cut for a wearer.
 #[derive(Debug)]
 pub(crate) struct Cut {
     /// The package, with the garment on the wearer at rest.
     pub(super) package: GarmentPackage,
     pub(super) report: CutReport,
+    /// Whether variants have learned another cut.
+    pub(super) is_unknown: bool,
+    /// Whether that is so far from this one that drapes are simulated.
+    pub(super) is_far: bool,
 }
 
 /// A package whose garment is cut before it is draped.
@@ -189,7 +202,39 @@ impl Tailoring {
             (package, seconds)
         };
         let report = self.report(target, wearer, (size, chosen), seconds);
-        Ok(Cut { package, report })
+        Ok(self.cut(package, report, size))
+    }
+
+    fn cut(&self, package: GarmentPackage, report: CutReport, size: Option<Size>) -> Cut {
+        let is_other = size.is_some() || !self.changed().is_empty();
+        Cut {
+            package,
+            report,
+            is_unknown: is_other,
+            is_far: is_other && self.is_far(size),
+        }
+    }
+
+    /// Whether a cut is wider, narrower, longer or shorter than that of the package by more than
+    /// its variants are asked to know.
+    fn is_far(&self, size: Option<Size>) -> bool {
+        let own = Tailor::of_package(&self.package).ok().flatten();
+        let wearer = wearer_of(&self.package.body).and_then(Result::ok);
+        let Some((own, wearer)) = own.zip(wearer) else {
+            return true;
+        };
+        let value = |parameters: &Parameters, name| parameters.get(name).unwrap_or(0.0);
+        let girth = |parameters: &Parameters, body: &Measures| match parameters.garment() {
+            GarmentKind::Jeans => body.hip * (1.0 + value(parameters, "hip-ease")),
+            _ => body.chest * (1.0 + value(parameters, "chest-ease")),
+        };
+        let cut = size.map_or(wearer.measures, Size::measures);
+        let is_to_measure = self.is_to_measure() && size.is_none();
+        let wider = girth(&self.parameters, &cut) / girth(own.parameters(), &wearer.measures);
+        let longer = ["length", "sleeve", "inseam"]
+            .map(|name| value(&self.parameters, name) - value(own.parameters(), name));
+        (!is_to_measure && !NEAR_GIRTHS.contains(&wider))
+            || longer.into_iter().any(|longer| longer.abs() > NEAR_LENGTH)
     }
 
     /// The garment in a size on the body that this is for, as it is stored in the package, or cut;
@@ -406,7 +451,8 @@ impl Prepared {
             .or(tailoring.named());
         let (package, seconds) = tailoring.cut_on(wearer, size).with_context(cannot)?;
         let report = tailoring.report(&path, Some(&package.body), (size, chosen), seconds);
-        self.put_on(Cut { package, report })
+        let cut = tailoring.cut(package, report, size);
+        self.put_on(cut)
     }
 
     /// Takes a garment that was cut, and the body that it lies on.

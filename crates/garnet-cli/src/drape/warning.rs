@@ -79,6 +79,8 @@ pub(crate) enum Problem {
     Inside(usize, f32),
     /// The garment is not cut for its wearer, and why.
     NotCut(String),
+    /// A variant has learned another cut of the garment: its name.
+    OtherCut(String),
     /// The target was fitted with this error, in metres.
     PoorFit(f32),
     /// The network was not used, and why, and whether the whole motion was simulated in its place.
@@ -129,6 +131,7 @@ impl Problem {
             Self::Moving(_) => "moving",
             Self::Inside(..) => "inside",
             Self::NotCut(_) => "not_cut",
+            Self::OtherCut(_) => "other_cut",
             Self::PoorFit(_) => "poor_fit",
             Self::Fallback(..) => "fallback",
             Self::Beyond(_) => "beyond_training",
@@ -173,6 +176,7 @@ impl Problem {
             | Self::Tight(_)
             | Self::Moving(_)
             | Self::NotCut(_)
+            | Self::OtherCut(_)
             | Self::PoorFit(_)
             | Self::Fallback(..)
             | Self::Beyond(_)
@@ -294,6 +298,10 @@ impl fmt::Display for Warning {
                 let deepest = millimetres(deepest);
                 vertices(count, is) + &format!(" left inside the body, the deepest {deepest} mm")
             }
+            Problem::OtherCut(ref variant) => format!(
+                "`{variant}` has learned the garment of `{path}` as it is, not in this cut, which \
+                 it drapes less exactly; `--method sim` simulates it"
+            ),
             Problem::NotCut(ref reason) => {
                 format!("`{path}` is not cut for its wearer, as it should be: {reason}")
             }
