@@ -9,7 +9,7 @@ use clap::Args;
 use garnet::body::shape::{BodyParameters, Measure, ParametricBody};
 use garnet_body::poses::{Poser, key_pose};
 use garnet_data::{CutOptions, recut};
-use garnet_drape::{LayerOptions, Package, WornGarment, dressed, part_layers};
+use garnet_drape::{LayerOptions, Package, Placed, PlacedBy, WornGarment, dressed, part_layers};
 use garnet_mesh::TriMesh;
 use garnet_skin::Body;
 use garnet_view::{Camera, Rgb, palette};
@@ -95,6 +95,7 @@ fn worn(
         cut.push(package.with_content(content)?);
     }
     let mut garments: Vec<WornGarment<'_>> = Vec::with_capacity(cut.len());
+    let mut drapers = Vec::with_capacity(cut.len());
     for package in &cut {
         let posed = package.body().fitted(skin.positions())?;
         let body = if garments.is_empty() {
@@ -102,7 +103,8 @@ fn worn(
         } else {
             dressed(&posed, &garments, package.garment())?
         };
-        let drape = package.default_draper()?.drape(&body)?;
+        let draper = package.default_draper()?;
+        let drape = draper.drape(&body)?;
         let mut outer = WornGarment {
             garment: package.garment(),
             positions: drape.positions,
@@ -111,10 +113,15 @@ fn worn(
             part_layers(inner, &mut outer, &posed, LayerOptions::default())?;
         }
         garments.push(outer);
+        drapers.push((draper, posed));
     }
     let mut meshes = Vec::with_capacity(garments.len());
-    for worn in garments {
-        meshes.push(worn.garment.mesh().with_positions(worn.positions)?);
+    for (worn, (draper, posed)) in garments.into_iter().zip(drapers) {
+        // What was parted is freed of the skin anew, as the command does.
+        let by = PlacedBy::Simulation;
+        let placed = Placed::at(worn.garment, &posed, &worn.positions, by)?;
+        let freed = draper.untangle(placed)?;
+        meshes.push(worn.garment.mesh().with_positions(freed.positions)?);
     }
     Ok(meshes)
 }
