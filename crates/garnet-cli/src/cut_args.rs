@@ -1,7 +1,16 @@
 //! In which size and with which parameters a garment is cut.
 
+use std::{path::Path, sync::atomic::AtomicBool};
+
+use anyhow::Context;
 use clap::Args;
-use garnet::pattern::{GarmentKind, Measures, Parameters, PatternError, Size};
+use garnet::{
+    Body,
+    body::shape::ParametricBody,
+    data::{CutOptions, body_of_size, recut},
+    package::GarmentPackage,
+    pattern::{GarmentKind, Measures, Parameters, PatternError, Size},
+};
 
 use crate::hints::for_pattern;
 
@@ -48,14 +57,6 @@ pub(crate) struct CutArgs {
 }
 
 impl CutArgs {
-    /// In a size, or none.
-    pub(crate) fn in_size(size: Option<SizeChoice>) -> Self {
-        Self {
-            size,
-            ..Self::default()
-        }
-    }
-
     /// The option that was given, if one was.
     pub(crate) fn given(&self) -> Option<&'static str> {
         let options = [
@@ -146,4 +147,36 @@ pub(crate) fn chosen_size(
         (false, _) => format!("no size fits: {first} is taken, {nearest}; {second} comes next"),
     };
     Some(([first, second], text))
+}
+
+/// The garment of a package on the body that a size is for: as it is stored there, or cut.
+pub(crate) fn in_size(
+    package: &GarmentPackage,
+    folder: &Path,
+    size: Size,
+) -> anyhow::Result<GarmentPackage> {
+    if let Some(stored) = package.in_size(folder, &size.to_string())? {
+        return Ok(stored);
+    }
+    let options = CutOptions {
+        size: Some(size),
+        parameters: None,
+    };
+    cut_on(package, wearer_of_size(package, size), &options)
+}
+
+/// The garment of a package, cut anew and put on a body.
+pub(crate) fn cut_on(
+    package: &GarmentPackage,
+    body: Body,
+    options: &CutOptions,
+) -> anyhow::Result<GarmentPackage> {
+    let cut = recut(package, body, options, &AtomicBool::new(false))?;
+    cut.context("the measures of the body are not known")
+}
+
+/// The body that a size is for; that of the package, if there is none like it.
+pub(crate) fn wearer_of_size(package: &GarmentPackage, size: Size) -> Body {
+    let built = ParametricBody::build(&body_of_size(package, size));
+    built.map_or_else(|_| package.body.clone(), ParametricBody::into_body)
 }

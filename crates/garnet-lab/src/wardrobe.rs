@@ -1,7 +1,7 @@
 //! The garments of packages on four bodies in four poses: the picture of README.
 //!
-//! A row has a garment or an outfit, a column a body in a pose. Each is draped by the default variant of its
-//! package, cut to measure where the package is.
+//! A row has a garment or an outfit, a column a body in a pose. Each is draped by the default
+//! variant of its package, cut to measure where the package is.
 
 use std::{path::PathBuf, sync::atomic::AtomicBool};
 

@@ -43,7 +43,6 @@ pub(crate) use prepared::Prepared;
 use ready::{Found, Ready};
 pub(crate) use report::WarningReport;
 use report::{BodyReport, DrapeOutput, DrapeReport, GarmentReport, OnceSeconds, PoseReport};
-pub(crate) use tailored::Tailoring;
 use tailored::{Cut, by_wearer};
 use timing::timed;
 pub(crate) use warning::warnings_of;

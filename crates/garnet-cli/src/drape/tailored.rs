@@ -4,14 +4,14 @@
 use std::{
     ops::RangeInclusive,
     path::{Path, PathBuf},
-    sync::{Arc, atomic::AtomicBool},
+    sync::Arc,
 };
 
 use anyhow::Context;
 use garnet::{
     Body,
-    body::shape::{ParametricBody, tape_measures, unposed},
-    data::{CutOptions, Tailor, body_of_size, recut, wearer_of},
+    body::shape::{tape_measures, unposed},
+    data::{CutOptions, Tailor, wearer_of},
     drape::Refit,
     io::{Target, TargetSource},
     package::GarmentPackage,
@@ -27,7 +27,7 @@ use super::{
     warning::{Problem, Warning},
 };
 use crate::{
-    cut_args::{CutArgs, SizeChoice, chosen_size},
+    cut_args::{CutArgs, SizeChoice, chosen_size, cut_on, in_size, wearer_of_size},
     failure::refused,
 };
 
@@ -101,12 +101,7 @@ impl Tailoring {
         Self::new(folder, *cut)
     }
 
-    /// That of a package.
-    ///
-    /// # Errors
-    ///
-    /// As [`Tailoring::of`].
-    pub(crate) fn new(folder: &Path, cut: CutArgs) -> anyhow::Result<Option<Self>> {
+    fn new(folder: &Path, cut: CutArgs) -> anyhow::Result<Option<Self>> {
         let package = GarmentPackage::read(folder)?;
         let cannot = || format!("cannot cut the garment of `{}` anew", folder.display());
         let tailor = Tailor::of_package(&package).with_context(cannot)?;
@@ -165,26 +160,14 @@ impl Tailoring {
         Ok(chosen.map(|([size, next], text)| Chosen { size, next, text }))
     }
 
-    /// The package with its garment as `wearer` wears it, who is a built-in body at rest.
-    pub(crate) fn worn_by(&mut self, wearer: Body) -> anyhow::Result<GarmentPackage> {
-        if !self.is_to_measure() {
-            return Ok(self.cut_for(Some(&wearer), Path::new(""))?.package);
-        }
-        let chosen = self.chosen_for(&wearer)?;
-        let size = chosen.map(|chosen| chosen.size).or(self.named());
-        Ok(self.cut_on(wearer, size)?.0)
-    }
-
     /// The garment in a size, on a body.
     fn cut_on(&self, body: Body, size: Option<Size>) -> anyhow::Result<(GarmentPackage, f64)> {
         let options = CutOptions {
             size,
             parameters: Some(self.parameters.clone()),
         };
-        let stop = AtomicBool::new(false);
-        let (cut, seconds) = timed(|| recut(&self.package, body, &options, &stop));
-        let cut = cut?.context("the measures of the body are not known")?;
-        Ok((cut, seconds))
+        let (cut, seconds) = timed(|| cut_on(&self.package, body, &options));
+        Ok((cut?, seconds))
     }
 
     /// The garment on the body that it is cut for, in the size for `wearer` if it is chosen by
@@ -241,16 +224,11 @@ impl Tailoring {
     /// or, cut to measure, on the body of the package.
     fn cut_on_own(&self, size: Option<Size>) -> anyhow::Result<(GarmentPackage, f64)> {
         if let Some(size) = size.filter(|_| self.changed().is_empty()) {
-            let (stored, seconds) = timed(|| self.package.in_size(&self.folder, &size.to_string()));
-            if let Some(stored) = stored? {
-                return Ok((stored, seconds));
-            }
+            let (cut, seconds) = timed(|| in_size(&self.package, &self.folder, size));
+            return Ok((cut?, seconds));
         }
-        let of_size = size.and_then(|size| {
-            let wearer = body_of_size(&self.package, size);
-            ParametricBody::build(&wearer).ok()
-        });
-        let body = of_size.map_or_else(|| self.package.body.clone(), ParametricBody::into_body);
+        let of_size = size.map(|size| wearer_of_size(&self.package, size));
+        let body = of_size.unwrap_or_else(|| self.package.body.clone());
         self.cut_on(body, size)
     }
 

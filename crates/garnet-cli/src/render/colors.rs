@@ -28,7 +28,7 @@ pub(crate) enum ColorBy {
     Distance(PathBuf),
     /// Distance to the same vertex of this mesh.
     Displacement(PathBuf),
-    /// How the garment of this package, cut in a size if one is named, fits the body of the picture.
+    /// How the garment of this package, in a size if one is named, fits the body of the picture.
     Fit(PathBuf, Option<SizeChoice>),
     /// Numbers in this file.
     File(PathBuf),

@@ -6,19 +6,19 @@ use anyhow::Context;
 use garnet::{
     Garment, Point3,
     body::shape::unposed,
+    data::{CutOptions, Tailor, wearer_of},
     drape::{fit_map, wearer_tape},
     io::ObjFile,
     package::GarmentPackage,
 };
 
 use crate::{
-    cut_args::{CutArgs, SizeChoice},
-    drape::Tailoring,
+    cut_args::{SizeChoice, check_size, chosen_size, cut_on, in_size},
     failure::{Hint, refused},
 };
 
-/// The levels of a drape of the garment of a package, in a size, `[vertex]`, on the body of the picture, whose
-/// vertices are at `body`, in metres.
+/// The levels of a drape of the garment of a package, in a size, `[vertex]`, on the body of the
+/// picture, whose vertices are at `body`, in metres.
 pub(super) fn levels(
     (folder, size): (&Path, Option<SizeChoice>),
     file: &ObjFile,
@@ -68,15 +68,33 @@ fn worn(
     package: GarmentPackage,
     positions: &[Point3],
 ) -> anyhow::Result<GarmentPackage> {
-    let cut = CutArgs::in_size(size);
-    let is_cut = cut.given().is_some() || package.manifest.is_made_to_measure();
-    if !is_cut {
+    let is_to_measure = package.manifest.is_made_to_measure();
+    if size.is_none() && !is_to_measure {
         return Ok(package);
     }
     let wearer = unposed(&package.body, positions).ok().flatten();
     let wearer = wearer.unwrap_or_else(|| package.body.clone());
-    match Tailoring::new(folder, cut)? {
-        Some(mut tailoring) => tailoring.worn_by(wearer),
-        None => Ok(package),
+    let tailor = Tailor::of_package(&package)?.context("the package has no sewing pattern")?;
+    let size = match size {
+        Some(SizeChoice::Auto) => {
+            let measured = wearer_of(&wearer).transpose()?;
+            let measured = measured.context("the measures of its body are not known")?;
+            chosen_size(tailor.parameters(), &measured.measures).map(|([size, _], _)| size)
+        }
+        Some(SizeChoice::Named(size)) => {
+            check_size(size, tailor.parameters().garment())?;
+            Some(size)
+        }
+        None => None,
+    };
+    match size {
+        Some(size) if !is_to_measure => in_size(&package, folder, size),
+        _ => {
+            let options = CutOptions {
+                size,
+                parameters: None,
+            };
+            cut_on(&package, wearer, &options)
+        }
     }
 }
