@@ -69,7 +69,7 @@ impl CutArgs {
         given.next().map(|(_, name)| name)
     }
 
-    /// Sets what was given; true if anything changed.
+    /// Sets what was given, and checks the size.
     ///
     /// # Errors
     ///
