@@ -1,23 +1,18 @@
 //! Garments over each other on bodies of the population: nothing of one through the other.
 
 use garnet::{
-    BoundGarment, Draper, Garment, Point3, PosedBody,
+    Draper, Garment,
     body::{
         poses::{Poser, SelfContact, SeparationOptions, key_pose},
         shape::{ParametricBody, Population},
     },
     data::usual_package,
-    drape::{LayerOptions, Placed, PlacedBy, WornGarment, count_layers, dressed, part_layers},
+    drape::Outfit,
     pattern::GarmentKind,
 };
 
 /// No more of the faces of one garment cross the other.
 const MAX_CROSSING: f64 = 0.01;
-
-fn draped(garment: &BoundGarment, body: &PosedBody) -> Vec<Point3> {
-    let drape = Draper::new(garment.clone()).drape(body).unwrap();
-    drape.positions
-}
 
 #[test]
 fn tops_over_jeans_and_a_sweater_over_a_dress_keep_their_order() {
@@ -39,28 +34,27 @@ fn tops_over_jeans_and_a_sweater_over_a_dress_keep_their_order() {
         let posed = person.body().posed(&pose).unwrap();
         let posed = rest.fitted(posed.skin().positions()).unwrap();
         for (inner, outer) in [(jeans, tshirt), (jeans, sweater), (dress, sweater)] {
-            let mut under = WornGarment {
-                garment: inner,
-                positions: draped(inner, &posed),
+            let mut outfit = Outfit::default();
+            for garment in [inner, outer] {
+                let draper = Draper::new(garment.clone());
+                outfit.drape(draper, posed.clone()).unwrap();
+            }
+            let crossing = |outfit: &Outfit| {
+                let [pair] = outfit.layers().unwrap()[..] else {
+                    panic!("two garments have one pair");
+                };
+                assert_eq!((pair.inner, pair.outer), (0, 1));
+                pair.count.crossing_share()
             };
-            let body = dressed(&posed, std::slice::from_ref(&under), outer).unwrap();
-            let mut over = WornGarment {
-                garment: outer,
-                positions: draped(outer, &body),
-            };
-            let before = count_layers(&under, &over).unwrap();
-            part_layers(&mut under, &mut over, &posed, LayerOptions::default()).unwrap();
-            let after = count_layers(&under, &over).unwrap();
-            println!("{number}: {before:?}, {after:?}");
-            assert!(after.crossing_share() < MAX_CROSSING, "{number} {after:?}");
+            let parted = crossing(&outfit);
+            assert!(parted < MAX_CROSSING, "{number} {parted}");
             // What was pushed into arms for it is freed again.
-            let by = PlacedBy::Simulation;
-            let placed = Placed::at(outer, &posed, &over.positions, by).unwrap();
-            let freed = Draper::new(outer.clone()).untangle(placed).unwrap();
-            assert_eq!(freed.report.unwrap().inside, 0, "{number}");
-            over.positions = freed.positions;
-            let freed = count_layers(&under, &over).unwrap();
-            assert!(freed.crossing_share() < MAX_CROSSING, "{number} {freed:?}");
+            outfit.free().unwrap();
+            let freed = crossing(&outfit);
+            assert!(freed < MAX_CROSSING, "{number} {freed}");
+            for drape in outfit.into_drapes() {
+                assert_eq!(drape.report.unwrap().inside, 0, "{number}");
+            }
         }
     }
 }

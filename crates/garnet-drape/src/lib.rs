@@ -76,7 +76,7 @@ pub use key_frames::{KeyFrame, KeySpacing};
 pub use lock::{Attempt, FileLock};
 #[cfg(feature = "package")]
 pub use network::{Network, Predicted};
-pub use outfit::{LayerCount, LayerOptions, WornGarment, count_layers, dressed, part_layers};
+pub use outfit::{LayerCount, LayerPair, Outfit};
 #[cfg(feature = "package")]
 pub use package::{
     GarmentPackage, MANIFEST_FILE, Manifest, PACKAGE_SCHEMA, PackageError, PackageParts,

@@ -9,7 +9,7 @@ use clap::Args;
 use garnet::body::shape::{BodyParameters, Measure, ParametricBody};
 use garnet_body::poses::{Poser, key_pose};
 use garnet_data::{CutOptions, recut};
-use garnet_drape::{LayerOptions, Package, Placed, PlacedBy, WornGarment, dressed, part_layers};
+use garnet_drape::{Outfit, Package};
 use garnet_mesh::TriMesh;
 use garnet_skin::Body;
 use garnet_view::{Camera, Rgb, palette};
@@ -94,34 +94,16 @@ fn worn(
         let content = content.unwrap_or_else(|| package.content().clone());
         cut.push(package.with_content(content)?);
     }
-    let mut garments: Vec<WornGarment<'_>> = Vec::with_capacity(cut.len());
-    let mut drapers = Vec::with_capacity(cut.len());
+    let mut outfit = Outfit::default();
     for package in &cut {
         let posed = package.body().fitted(skin.positions())?;
-        let body = if garments.is_empty() {
-            posed.clone()
-        } else {
-            dressed(&posed, &garments, package.garment())?
-        };
-        let draper = package.default_draper()?;
-        let drape = draper.drape(&body)?;
-        let mut outer = WornGarment {
-            garment: package.garment(),
-            positions: drape.positions,
-        };
-        for inner in garments.iter_mut().rev() {
-            part_layers(inner, &mut outer, &posed, LayerOptions::default())?;
-        }
-        garments.push(outer);
-        drapers.push((draper, posed));
+        outfit.drape(package.default_draper()?, posed)?;
     }
-    let mut meshes = Vec::with_capacity(garments.len());
-    for (worn, (draper, posed)) in garments.into_iter().zip(drapers) {
-        // What was parted is freed of the skin anew, as the command does.
-        let by = PlacedBy::Simulation;
-        let placed = Placed::at(worn.garment, &posed, &worn.positions, by)?;
-        let freed = draper.untangle(placed)?;
-        meshes.push(worn.garment.mesh().with_positions(freed.positions)?);
-    }
-    Ok(meshes)
+    outfit.free()?;
+    let pairs = cut.iter().zip(outfit.into_drapes());
+    let meshes = pairs.map(|(package, drape)| {
+        let mesh = package.garment().mesh();
+        mesh.with_positions(drape.positions)
+    });
+    Ok(meshes.collect::<Result<_, _>>()?)
 }

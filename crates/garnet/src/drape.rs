@@ -1,9 +1,8 @@
 //! The steps of a drape, for those who time or replace them.
 
 pub use garnet_drape::{
-    Coverage, CoverageOptions, KeyFrame, KeySpacing, LayerCount, LayerOptions, LimbOutside, Placed,
-    PlacedBy, Refit, Smoothing, StepLimit, Take, TakeFrame, Tubes, WornGarment, count_layers,
-    dressed, part_layers,
+    Coverage, CoverageOptions, KeyFrame, KeySpacing, LayerCount, LayerPair, LimbOutside, Outfit,
+    Placed, PlacedBy, Refit, Smoothing, StepLimit, Take, TakeFrame, Tubes,
 };
 #[cfg(feature = "package")]
 pub use garnet_drape::{FitLines, FitWord, NoFit, Region, RegionFit, fit_map, wearer_tape};

@@ -7,11 +7,7 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    Drape, PosedBody,
-    drape::{
-        LayerCount, LayerOptions, Placed, PlacedBy, WornGarment, count_layers, dressed, part_layers,
-    },
-    io::largest_distance,
+    drape::{LayerPair, Outfit},
     package::GarmentPackage,
 };
 use serde::Serialize;
@@ -35,9 +31,6 @@ use crate::{
     failure::{ExitStatus, refused},
     output,
 };
-
-/// The bodies of two packages are one if no vertex is farther apart than this, in metres.
-const SAME_BODY: f32 = 1e-4;
 
 /// Of layers of which a larger share of the faces of one crosses the other it is told that they
 /// have no room. Those that fit stay below it where people stand; see docs/experiments/058.
@@ -228,54 +221,6 @@ impl Garment {
     fn frame<'a>(&'a self, console: &'a Console, stop: &'a AtomicBool) -> Frame<'a> {
         Frame::alone(&self.ready, (&self.job, &self.part), (console, stop))
     }
-
-    /// The wearer, who is that of the inner garment.
-    fn wearer(&self, inner: Option<&PosedBody>) -> anyhow::Result<PosedBody> {
-        let bound = &self.ready.bound;
-        let posed = bound.targets[0].posed(bound.garment.body())?;
-        let Some(inner) = inner else {
-            return Ok(posed);
-        };
-        let [places, of_inner] = [&posed, inner].map(|body| body.skin().positions());
-        if places.len() == of_inner.len() && largest_distance(places, of_inner) < SAME_BODY {
-            return Ok(posed);
-        }
-        let fitted = bound.garment.body().fitted(of_inner);
-        fitted.with_context(|| {
-            format!(
-                "`{}` and what is worn under it are not of one body",
-                self.name
-            )
-        })
-    }
-
-    fn worn(&self, drape: &Drape) -> WornGarment<'_> {
-        WornGarment {
-            garment: &self.ready.bound.garment,
-            positions: drape.positions.clone(),
-        }
-    }
-
-    /// Frees a garment that was moved of the skin, and tells what is left of penetrations.
-    fn freed(&self, draped: &mut Draped) -> anyhow::Result<()> {
-        let Some(first) = draped.drape.report.clone() else {
-            return Ok(());
-        };
-        let by = PlacedBy::Simulation;
-        let garment = &self.ready.bound.garment;
-        let placed = Placed::at(garment, &draped.posed, &draped.drape.positions, by)?;
-        let freed = self.ready.draper.untangle(placed)?;
-        draped.drape.positions = freed.positions;
-        draped.drape.is_trapped = freed.is_trapped;
-        draped.drape.report = freed.report.map(|mut report| {
-            report.inside_before = first.inside_before;
-            report.deepest_before = first.deepest_before;
-            report.moved = report.moved.max(first.moved);
-            report.max_displacement = report.max_displacement.max(first.max_displacement);
-            report
-        });
-        Ok(())
-    }
 }
 
 fn drape(
@@ -283,33 +228,37 @@ fn drape(
     console: &Console,
 ) -> anyhow::Result<(Reports, Vec<LayerReport>)> {
     let stop = Arc::new(AtomicBool::new(false));
+    let mut outfit = Outfit::default();
     let mut drapes: Vec<Draped> = Vec::with_capacity(garments.len());
-    for number in 0..garments.len() {
-        let (inner, garment) = (&garments[..number], &garments[number]);
-        let wearer = drapes.first().map(|draped| &draped.posed);
-        let (posed, fit) = timed(|| garment.wearer(wearer));
-        let posed = posed?;
-        let worn = inner.iter().zip(&drapes);
-        let worn: Vec<_> = worn
-            .map(|(garment, draped)| garment.worn(&draped.drape))
-            .collect();
-        let body = if worn.is_empty() {
-            posed.clone()
-        } else {
-            dressed(&posed, &worn, &garment.ready.bound.garment)?
-        };
+    for garment in &garments {
+        let Ready { bound, draper, .. } = &garment.ready;
+        let (wearer, fit) = timed(|| {
+            let posed = bound.targets[0].posed(bound.garment.body())?;
+            let wearer = outfit.wearer_for(draper, posed);
+            wearer.with_context(|| {
+                let name = &garment.name;
+                format!("`{name}` and what is worn under it are not of one body")
+            })
+        });
+        let wearer = wearer?;
+        let body = outfit.body_for(draper, &wearer)?;
         let frame = garment.frame(console, &stop);
         let mut draped = frame.draped_on(0, body, fit)?;
-        draped.posed = posed;
+        draped.posed = wearer.clone();
+        let (put_on, seconds) =
+            timed(|| outfit.put_on(draper.clone(), wearer, draped.drape.clone()));
+        put_on?;
+        draped.time.untangle += seconds;
         drapes.push(draped);
-        let (parted, seconds) = timed(|| part_all(&garments[..=number], &mut drapes));
-        parted?;
-        drapes[number].time.untangle += seconds;
     }
-    for (garment, draped) in garments.iter().zip(&mut drapes) {
-        garment.freed(draped)?;
+    outfit.free()?;
+    let layers = outfit.layers()?.into_iter();
+    let layers = layers
+        .map(|pair| LayerReport::new(&garments, pair))
+        .collect();
+    for (draped, drape) in drapes.iter_mut().zip(outfit.into_drapes()) {
+        draped.drape = drape;
     }
-    let layers = layers_of(&garments, &drapes)?;
     let mut reports = Vec::with_capacity(garments.len());
     for (garment, draped) in garments.iter_mut().zip(drapes) {
         let seconds = draped.time.fit + draped.time.of_drape();
@@ -343,52 +292,12 @@ fn drape(
     Ok((reports.collect(), layers))
 }
 
-/// Parts the outermost garment from all under it, and these from each other.
-fn part_all(garments: &[Garment], drapes: &mut [Draped]) -> anyhow::Result<()> {
-    for outer in (1..drapes.len()).rev() {
-        for inner in (0..outer).rev() {
-            let Some(options) = layer_options(&garments[outer]) else {
-                continue;
-            };
-            let mut of_inner = garments[inner].worn(&drapes[inner].drape);
-            let mut of_outer = garments[outer].worn(&drapes[outer].drape);
-            part_layers(&mut of_inner, &mut of_outer, &drapes[outer].posed, options)?;
-            let (inner_places, outer_places) = (of_inner.positions, of_outer.positions);
-            drapes[inner].drape.positions = inner_places;
-            drapes[outer].drape.positions = outer_places;
-        }
-    }
-    Ok(())
-}
-
-/// How layers are parted; none if penetrations are left as they are.
-fn layer_options(garment: &Garment) -> Option<LayerOptions> {
-    let untangle = garment.ready.draper.options().untangle?;
-    Some(LayerOptions {
-        clearance: untangle.clearance,
-        ..LayerOptions::default()
-    })
-}
-
-fn layers_of(garments: &[Garment], drapes: &[Draped]) -> anyhow::Result<Vec<LayerReport>> {
-    let count = garments.len();
-    let pairs = (1..count).flat_map(|outer| (0..outer).map(move |inner| [inner, outer]));
-    let counted = pairs.map(|[inner, outer]| {
-        let worn = |number: usize| garments[number].worn(&drapes[number].drape);
-        let found = count_layers(&worn(inner), &worn(outer))?;
-        Ok(LayerReport::new(
-            [&garments[inner], &garments[outer]],
-            found,
-        ))
-    });
-    counted.collect()
-}
-
 impl LayerReport {
-    fn new([inner, outer]: [&Garment; 2], found: LayerCount) -> Self {
+    fn new(garments: &[Garment], pair: LayerPair) -> Self {
+        let found = pair.count;
         Self {
-            inner: inner.name.clone(),
-            outer: outer.name.clone(),
+            inner: garments[pair.inner].name.clone(),
+            outer: garments[pair.outer].name.clone(),
             outer_crossing: found.outer_crossing,
             outer_faces: found.outer_faces,
             inner_crossing: found.inner_crossing,

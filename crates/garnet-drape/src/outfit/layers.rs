@@ -52,7 +52,7 @@ const TOLERANCE: f32 = 1e-4;
 
 /// How layers are parted. Lengths are metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LayerOptions {
+pub(super) struct LayerOptions {
     /// What is kept between two layers.
     pub gap: f32,
     /// What the inner layer keeps from the skin while it gives way.
@@ -165,7 +165,7 @@ fn is_near(a: Point3, b: Point3) -> bool {
 /// # Errors
 ///
 /// [`Error::Mesh`] or [`Error::Knn`] for positions out of any range.
-pub fn part_layers<'a>(
+pub(super) fn part_layers<'a>(
     inner: &mut WornGarment<'a>,
     outer: &mut WornGarment<'a>,
     body: &PosedBody,
@@ -370,7 +370,10 @@ fn spread(topology: &Topology, pushes: &[Vector3]) -> Vec<Vector3> {
 /// # Errors
 ///
 /// [`Error::Mesh`] for positions out of any range.
-pub fn count_layers(inner: &WornGarment<'_>, outer: &WornGarment<'_>) -> Result<LayerCount, Error> {
+pub(super) fn count_layers(
+    inner: &WornGarment<'_>,
+    outer: &WornGarment<'_>,
+) -> Result<LayerCount, Error> {
     let sheets = [Sheet::new(inner)?, Sheet::new(outer)?];
     let of_inner = anchors(inner.garment, outer.garment);
     let of_outer = anchors(outer.garment, outer.garment);

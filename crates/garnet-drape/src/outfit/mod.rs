@@ -4,8 +4,9 @@
 //! skin is moved out to it ([`dressed`]). The result is a body of the same topology in another
 //! shape, which all ways to drape know how to deal with. Cloth has finer folds than a body has
 //! vertices; so the layers are brought in order at last ([`part_layers`]), and what is left is
-//! counted ([`LayerCount`]).
+//! counted ([`LayerCount`]). [`Outfit`] takes these steps in their order.
 
+mod dressing;
 mod layers;
 mod sheet;
 
@@ -15,7 +16,9 @@ use garnet_skin::{Body, PosedBody};
 use rayon::prelude::*;
 
 use crate::{BoundGarment, Error};
-pub use layers::{LayerCount, LayerOptions, count_layers, part_layers};
+pub use dressing::{LayerPair, Outfit};
+pub use layers::LayerCount;
+use layers::{LayerOptions, count_layers, part_layers};
 use sheet::Sheet;
 
 /// Cloth that stands farther off than this does not lie on the skin in front of which it is, in
@@ -41,7 +44,7 @@ const EVENINGS: usize = 2;
 
 /// A garment as it is worn: bound, and where its vertices are.
 #[derive(Debug, Clone)]
-pub struct WornGarment<'a> {
+struct WornGarment<'a> {
     /// The garment.
     pub garment: &'a BoundGarment,
     /// Positions `[vertex]` of its mesh, in metres.
@@ -57,7 +60,7 @@ pub struct WornGarment<'a> {
 ///
 /// [`Error::Skin`] if `posed` is not of `body`; [`Error::Knn`] or [`Error::Mesh`] for garments that
 /// are out of any range.
-pub fn dressed(
+fn dressed(
     posed: &PosedBody,
     inner: &[WornGarment<'_>],
     outer: &BoundGarment,
