@@ -62,8 +62,17 @@ pub(crate) enum Kind {
     Pieces,
     Lining,
     Clearance,
+    Tall,
+    Short,
+    Female,
+    Male,
+    HeavyCloth,
+    SoftCloth,
+    StiffCloth,
     Place,
     Threads,
+    Antipodal,
+    UnscaledWeights,
 }
 
 impl Kind {
@@ -104,6 +113,7 @@ impl Kind {
                 | Self::Fins
                 | Self::Pieces
                 | Self::Lining
+                | Self::UnscaledWeights
         )
     }
 }
@@ -427,6 +437,55 @@ pub const AXES: &[Axis] = &[
         &[0.0, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0],
         &[0.0, 2.0, 10.0],
     ),
+    axis(
+        ["tall", "stature", "m"],
+        Kind::Tall,
+        2.0,
+        &[1.7, 1.8, 1.9, 2.0, 2.1, 2.2, 2.3],
+        &[1.7, 2.0],
+    ),
+    axis(
+        ["short", "stature below 1.7 m by", "m"],
+        Kind::Short,
+        0.25,
+        &[0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.5],
+        &[0.0, 0.25],
+    ),
+    axis(
+        ["female", "sex of the body, from between to female", "of 1"],
+        Kind::Female,
+        1.0,
+        &[0.0, 0.5, 1.0],
+        &[0.0, 1.0],
+    ),
+    axis(
+        ["male", "sex of the body, from between to male", "of 1"],
+        Kind::Male,
+        1.0,
+        &[0.0, 0.5, 1.0],
+        &[0.0, 1.0],
+    ),
+    axis(
+        ["heavy-cloth", "mass of the fabric", "times"],
+        Kind::HeavyCloth,
+        4.0,
+        &[1.0, 2.0, 4.0, 8.0],
+        &[1.0, 4.0],
+    ),
+    axis(
+        ["soft-cloth", "the fabric stretches more easily", "times"],
+        Kind::SoftCloth,
+        4.0,
+        &[1.0, 2.0, 4.0, 8.0],
+        &[1.0, 4.0],
+    ),
+    axis(
+        ["stiff-cloth", "the fabric is stiffer in bending", "times"],
+        Kind::StiffCloth,
+        100.0,
+        &[1.0, 10.0, 100.0, 1000.0],
+        &[1.0, 100.0],
+    ),
     sanity(axis(
         [
             "place",
@@ -444,6 +503,28 @@ pub const AXES: &[Axis] = &[
         8.0,
         &[1.0, 2.0, 4.0, 8.0],
         &[1.0, 2.0],
+    )),
+    sanity(axis(
+        [
+            "antipodal",
+            "joints whose turn is given by the other one of its two quaternions",
+            "%",
+        ],
+        Kind::Antipodal,
+        100.0,
+        &[0.0, 25.0, 50.0, 100.0],
+        &[0.0, 50.0],
+    )),
+    sanity(axis(
+        [
+            "unscaled-weights",
+            "weights of the body as the file has them are larger",
+            "times",
+        ],
+        Kind::UnscaledWeights,
+        100.0,
+        &[1.0, 2.0, 10.0, 100.0],
+        &[1.0, 10.0],
     )),
 ];
 

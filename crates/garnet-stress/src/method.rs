@@ -120,11 +120,14 @@ impl<'a> Way<'a> {
                 let draper = Draper::new(Arc::clone(&scene.garment));
                 by(&draper, scene, stop)?
             }
-            Method::Variant(_) => match &self.draper {
-                Some(draper) => by(draper, scene, stop)?,
-                None => return Err(StressError::NoVariant),
+            Method::Variant(name) => match (&scene.package, &self.draper) {
+                (Some(package), _) => by(&package.draper(name)?, scene, stop)?,
+                (None, Some(draper)) => by(draper, scene, stop)?,
+                (None, None) => return Err(StressError::NoVariant),
             },
-            Method::Simulator => simulated(self.package, scene, stop)?,
+            Method::Simulator => {
+                simulated(scene.package.as_ref().unwrap_or(self.package), scene, stop)?
+            }
         };
         draped.seconds = start.elapsed().as_secs_f64();
         Ok(draped)

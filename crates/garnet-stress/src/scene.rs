@@ -9,7 +9,7 @@ use garnet_data::{Tailor, wearer_of};
 use garnet_drape::{BoundGarment, Garment, Package};
 use garnet_knn::Surface;
 use garnet_mesh::{Point3, TriMesh, Vector3, vertex_normals};
-use garnet_skin::{Body, Pose, PosedBody};
+use garnet_skin::{Body, Pose, PosedBody, SkinWeights};
 use nalgebra::{Isometry3, UnitQuaternion};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -47,6 +47,10 @@ pub(crate) struct Scene {
     pub(crate) num_outer: Option<usize>,
     /// Threads to drape with, where their number is the level.
     pub(crate) threads: Option<usize>,
+    /// The package with another fabric, where that is what differs.
+    pub(crate) package: Option<Package>,
+    /// Whether the drape is to be that of the first level.
+    pub(crate) is_as_first: bool,
 }
 
 impl Scene {
@@ -103,16 +107,14 @@ impl<'a> Scenes<'a> {
                     None => return Ok(None),
                 }
             }
-            Kind::Heavy | Kind::Thin => {
-                let bmi = if axis.kind == Kind::Heavy {
-                    level
-                } else {
-                    22.0 - level
-                };
-                match self.of_mass(bmi)? {
+            Kind::Heavy | Kind::Thin | Kind::Tall | Kind::Short | Kind::Female | Kind::Male => {
+                match self.of_person(axis.kind, level)? {
                     Some(scene) => scene,
                     None => return Ok(None),
                 }
+            }
+            Kind::HeavyCloth | Kind::SoftCloth | Kind::StiffCloth => {
+                self.of_fabric(axis.kind, level as f32)?
             }
             Kind::Larger => self.scaled(level as f32)?,
             Kind::Smaller => self.scaled(1.0 / level as f32)?,
@@ -155,6 +157,8 @@ impl<'a> Scenes<'a> {
                 threads: Some(level as usize),
                 ..self.usual()?
             },
+            Kind::Antipodal => self.antipodal(level, &mut random)?,
+            Kind::UnscaledWeights => self.unscaled(level as f32)?,
             kind => self.posed(&self.bent(kind, level))?,
         };
         Ok(Some(scene))
@@ -211,6 +215,8 @@ impl<'a> Scenes<'a> {
             moved_by: None,
             num_outer: None,
             threads: None,
+            package: None,
+            is_as_first: false,
         }
     }
 
@@ -289,19 +295,74 @@ impl<'a> Scenes<'a> {
         Ok(Some(pose(high)))
     }
 
-    /// A body of another mass; none for bodies that are not built in, or a mass that none has.
-    fn of_mass(&self, bmi: f64) -> Result<Option<Scene>, StressError> {
+    /// A body of another mass, stature or sex; none for bodies that are not built in, or one that
+    /// nobody has.
+    fn of_person(&self, kind: Kind, level: f64) -> Result<Option<Scene>, StressError> {
         let body = self.package.body();
         let Some(measures) = tape_measures(body) else {
             return Ok(None);
         };
-        let stature = measures[Measure::Stature];
-        let parameters = BodyParameters::new(0.5).with(Measure::Stature, stature);
+        let (mut sex, mut stature, mut bmi) = (0.5, measures[Measure::Stature], 22.0);
+        match kind {
+            Kind::Thin => bmi -= level,
+            Kind::Tall => stature = level,
+            Kind::Short => stature = 1.7 - level,
+            Kind::Female => sex += 0.5 * level,
+            Kind::Male => sex -= 0.5 * level,
+            _ => bmi = level,
+        }
+        let parameters = BodyParameters::new(sex).with(Measure::Stature, stature);
         let Ok(other) = ParametricBody::build(&parameters.with_bmi(bmi)) else {
             return Ok(None);
         };
         let target = other.body().posed(&self.at_rest())?;
         Ok(Some(self.on(body.fitted(target.skin().positions())?)))
+    }
+
+    /// The garment of a fabric that is so many times heavier, easier to stretch, or stiffer.
+    fn of_fabric(&self, kind: Kind, times: f32) -> Result<Scene, StressError> {
+        let mut content = self.package.content().clone();
+        let fabric = &mut content.manifest.fabric;
+        match kind {
+            Kind::HeavyCloth => fabric.density *= times,
+            Kind::SoftCloth => fabric.membrane /= times,
+            _ => fabric.bending *= times,
+        }
+        let package = self.package.with_content(content)?;
+        Ok(Scene {
+            package: Some(package),
+            ..self.usual()?
+        })
+    }
+
+    /// The usual scene, with turns of some joints given by their other quaternion.
+    fn antipodal(&self, percent: f64, random: &mut ChaCha8Rng) -> Result<Scene, StressError> {
+        let mut pose = self.usual_pose();
+        for turn in &mut pose.rotations {
+            if random.random_range(0.0..100.0) < percent {
+                *turn = UnitQuaternion::new_unchecked(-turn.into_inner());
+            }
+        }
+        Ok(Scene {
+            is_as_first: true,
+            ..self.posed(&pose)?
+        })
+    }
+
+    /// The usual scene, on a body whose weights have another sum.
+    fn unscaled(&self, sum: f32) -> Result<Scene, StressError> {
+        let body = self.package.body();
+        let weights = body.weights();
+        let rows = (0..body.rest().num_vertices()).map(|vertex| {
+            let row = weights.vertex(vertex);
+            row.map(|(joint, weight)| (joint, sum * weight))
+        });
+        let weights = SkinWeights::from_influences(body.skeleton().num_joints(), rows)?;
+        let body = Body::new(body.rest().clone(), body.skeleton().clone(), weights)?;
+        Ok(Scene {
+            is_as_first: true,
+            ..self.with_body(&body)?
+        })
     }
 
     fn scaled(&self, size: f32) -> Result<Scene, StressError> {

@@ -303,6 +303,7 @@ impl<'a> OfAxis<'a> {
         let farthest = match (scene.moved_by, scene.threads) {
             (Some(moved), _) => farthest(found, expected.iter().map(|place| moved * place)),
             (None, Some(_)) => farthest(found, expected.iter().copied()),
+            (None, None) if scene.is_as_first => farthest(found, expected.iter().copied()),
             (None, None) => return None,
         };
         let share = f64::from(farthest) / scene.size().max(1e-9);
@@ -316,7 +317,10 @@ impl<'a> OfAxis<'a> {
 }
 
 fn is_compared(kind: Kind) -> bool {
-    matches!(kind, Kind::Place | Kind::Threads)
+    matches!(
+        kind,
+        Kind::Place | Kind::Threads | Kind::Antipodal | Kind::UnscaledWeights
+    )
 }
 
 fn draped(way: &Way<'_>, scene: &Scene, stop: &AtomicBool) -> Result<Draped, StressError> {
