@@ -260,7 +260,7 @@ pub(crate) fn check_apart(outputs: &[&Path], inputs: &[&Path]) -> anyhow::Result
 /// The files of a garment package that are read, its weights among them.
 pub(crate) fn files_of_package(folder: &Path, manifest: &Manifest) -> Vec<PathBuf> {
     let fixed = GarmentPackage::file_names().into_iter().map(PathBuf::from);
-    let weights = (manifest.variants.iter()).map(|variant| PathBuf::from(&variant.weights));
+    let weights = manifest.weight_files().map(PathBuf::from);
     let rig = PathBuf::from(&manifest.rest_body.rig);
     let all = fixed.chain(weights).chain([rig]);
     all.map(|name| folder.join(name)).collect()

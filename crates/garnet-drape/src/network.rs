@@ -121,6 +121,11 @@ impl Network {
         Ok(Self::of_model(Arc::new(model), garment))
     }
 
+    /// Whether it has learned garments that are cut like this one, and is told so.
+    pub fn knows_cut(&self) -> bool {
+        self.model.knows_cut()
+    }
+
     /// The moment at which it predicts the cloth.
     pub fn moment(&self) -> Moment {
         self.model.moment()

@@ -37,6 +37,8 @@ pub struct Package {
     content: GarmentPackage,
     garment: Arc<BoundGarment>,
     simulator: OnceLock<Arc<Simulator>>,
+    /// Whether the garment is as its variants have learned it: the template, or made to measure.
+    is_own_cut: bool,
 }
 
 impl Package {
@@ -54,6 +56,7 @@ impl Package {
             content,
             garment: Arc::new(garment),
             simulator: OnceLock::new(),
+            is_own_cut: true,
         })
     }
 
@@ -71,7 +74,9 @@ impl Package {
             return Err(PackageError::foreign(&self.folder, what).into());
         }
         let garment = Garment::new(content.mesh.clone()).bind(&content.body)?;
+        let is_own = self.is_own_cut && content.manifest.positions == self.manifest().positions;
         Ok(Self {
+            is_own_cut: is_own || content.manifest.is_made_to_measure(),
             folder: self.folder.clone(),
             content,
             garment: Arc::new(garment),
@@ -203,7 +208,11 @@ impl Package {
     }
 
     fn draper_relaxed(&self, name: &str, is_relaxed: Option<bool>) -> Result<Draper, Error> {
-        let weights = self.manifest().weights_of(&self.folder, name)?;
+        let weights = if self.is_own_cut {
+            self.manifest().weights_of(&self.folder, name)?
+        } else {
+            self.manifest().weights_of_cuts(&self.folder, name)?
+        };
         let parameters = self.manifest().sewing_parameters();
         let network = Network::load(weights, &self.garment, &parameters)?;
         let relaxation = self

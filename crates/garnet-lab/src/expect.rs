@@ -9,7 +9,7 @@ use std::{path::PathBuf, sync::atomic::AtomicBool};
 
 use clap::Args;
 use garnet::train::{Stage, scenes_found};
-use garnet_data::{Dataset, Split};
+use garnet_data::Split;
 use garnet_drape::{GarmentPackage, rank_correlation};
 use garnet_net::ModelHeader;
 
@@ -32,8 +32,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let never = AtomicBool::new(false);
-    let package = GarmentPackage::read(&arguments.package)?;
-    let stage = Stage::new(package, Dataset::open(&arguments.dataset)?)?;
+    let stage = Stage::open(&arguments.package, &arguments.dataset)?;
     let mut manifest = GarmentPackage::read_manifest(&arguments.package)?;
     let asked = |name: &String| arguments.variants.is_empty() || arguments.variants.contains(name);
     println!(

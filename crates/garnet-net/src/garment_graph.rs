@@ -9,6 +9,7 @@ use std::sync::Arc;
 use garnet_kernel::Adjacency;
 use garnet_mesh::{Fingerprint, Point3, Topology, TriMesh};
 
+use crate::pose_space::Cut;
 use crate::{GarNetConfig, NetError, UNIT};
 
 /// A garment at bind time: its one-rings, its template, its sewing parameters.
@@ -24,6 +25,7 @@ pub struct GarmentGraph {
     template: Arc<[f32]>,
     sewing_parameters: Vec<f32>,
     mean_edge_length: f32,
+    cut: Cut,
 }
 
 impl GarmentGraph {
@@ -44,6 +46,7 @@ impl GarmentGraph {
                 .collect(),
             sewing_parameters: Vec::new(),
             mean_edge_length: mean_edge_length(template.positions(), topology.edges()),
+            cut: cut_of(template),
         };
         graph.with_sewing_parameters(sewing_parameters)
     }
@@ -95,6 +98,11 @@ impl GarmentGraph {
         self.mean_edge_length
     }
 
+    /// How the garment is cut.
+    pub fn cut(&self) -> &Cut {
+        &self.cut
+    }
+
     /// Takes over what a configuration depends on: edge length and number of sewing parameters.
     #[must_use]
     pub fn configured(&self, mut config: GarNetConfig) -> GarNetConfig {
@@ -102,6 +110,28 @@ impl GarmentGraph {
         config.num_sewing_parameters = self.sewing_parameters.len();
         config
     }
+}
+
+fn cut_of(template: &TriMesh) -> Cut {
+    let places = template.positions();
+    let (mut low, mut high) = (places[0], places[0]);
+    for place in places {
+        (low, high) = (low.inf(place), high.sup(place));
+    }
+    let area: f64 = template
+        .faces()
+        .iter()
+        .map(|face| {
+            let [a, b, c] = face.map(|corner| places[corner as usize].cast::<f64>());
+            0.5 * (b - a).cross(&(c - a)).norm()
+        })
+        .sum();
+    let [width, height] = [high.x - low.x, high.y - low.y];
+    [
+        (area / f64::from(height.max(f32::EPSILON))) as f32,
+        height,
+        width,
+    ]
 }
 
 fn mean_edge_length(positions: &[Point3], edges: &[[u32; 2]]) -> f32 {

@@ -9,7 +9,7 @@ use garnet_mesh::Point3;
 use garnet_sim::Moment;
 use garnet_skin::Warp;
 
-use crate::pose_space::{PoseSpaceHeader, deformation_name, is_pose_space};
+use crate::pose_space::{Cut, PoseSpaceHeader, deformation_name, is_pose_space};
 use crate::{
     CheckpointError, CheckpointHeader, Cost, GarNetConfig, GarmentGraph, NetError, PoseSpace,
     ReferenceCase, SceneInput, TrainedRange, weight_file,
@@ -23,6 +23,8 @@ pub struct Model {
     pose_space: Option<PoseSpace>,
     network: Option<Network>,
     range: Option<TrainedRange>,
+    /// How the garment is cut that it is bound to.
+    cut: Cut,
 }
 
 /// The file of a model, read and checked, not yet bound to a garment: for those who bind the
@@ -150,6 +152,7 @@ impl Model {
                     range: Some(space.range.clone()),
                     pose_space: Some(space),
                     network: None,
+                    cut: *garment.cut(),
                 });
             }
             Content::Network(bytes) => bytes,
@@ -200,6 +203,12 @@ impl Model {
             sum.flops += cost.flops;
         }
         Ok(sum)
+    }
+
+    /// Whether it has learned garments that are cut like the one that it is bound to, and is told
+    /// so.
+    pub fn knows_cut(&self) -> bool {
+        (self.pose_space.as_ref()).is_some_and(|space| space.knows(&self.cut))
     }
 
     /// The poses and shapes that it was trained on, if the file tells.
@@ -266,7 +275,7 @@ impl Model {
     ) -> Result<ReferenceCase, NetError> {
         let mut case = ReferenceCase::of_input(input);
         if let Some(network) = &self.network {
-            let started = self.started(input)?;
+            let started = self.started(garment, input)?;
             let warped = started.as_deref().unwrap_or(input.warped);
             network.add_to(&mut case, garment, &SceneInput { warped, ..*input })?;
         }
@@ -275,11 +284,16 @@ impl Model {
     }
 
     /// Where the pose-space deformation moves the warped garment, if there is one.
-    fn started(&self, input: &SceneInput<'_>) -> Result<Option<Vec<Point3>>, NetError> {
+    fn started(
+        &self,
+        garment: Option<&GarmentGraph>,
+        input: &SceneInput<'_>,
+    ) -> Result<Option<Vec<Point3>>, NetError> {
         let Some(space) = &self.pose_space else {
             return Ok(None);
         };
-        let shares = space.coefficients(input.parameters)?;
+        let cut = garment.map_or(&self.cut, GarmentGraph::cut);
+        let shares = space.coefficients(input.parameters, cut)?;
         space
             .moved(input.warped, input.rotations, &shares)
             .map(Some)
@@ -290,7 +304,7 @@ impl Model {
         garment: Option<&GarmentGraph>,
         input: &SceneInput<'_>,
     ) -> Result<Vec<Point3>, NetError> {
-        let started = self.started(input)?;
+        let started = self.started(garment, input)?;
         let warped = started.as_deref().unwrap_or(input.warped);
         let input = SceneInput { warped, ..*input };
         match (&self.network, garment) {

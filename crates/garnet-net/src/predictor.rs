@@ -69,6 +69,11 @@ impl Predictor {
         Self::new(config.init(seed, &Device::flex())?, garment, sampling)
     }
 
+    /// The garment that it is bound to.
+    pub(crate) fn garment(&self) -> &GarmentGraph {
+        &self.garment
+    }
+
     /// Reads a weight file and binds it to a garment that lies on a body at rest, in metres.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! From the records of a data set to garments that are warped to posed bodies.
 
 use std::borrow::Cow;
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use garnet_body::shape::ParametricBody;
@@ -170,6 +171,29 @@ impl StagedScene {
     }
 }
 
+/// The package with its garment in the size that a data set is of; as it is, if that is of none.
+///
+/// # Errors
+///
+/// [`TrainError::Package`] for a damaged file of sizes.
+fn in_size_of(
+    package: GarmentPackage,
+    folder: &Path,
+    dataset: &Dataset,
+) -> Result<GarmentPackage, TrainError> {
+    let theirs = &dataset.manifest.garment.positions;
+    if package.manifest.positions == *theirs {
+        return Ok(package);
+    }
+    for size in package.sizes(folder)? {
+        let sized = package.in_size(folder, &size)?;
+        if let Some(sized) = sized.filter(|sized| sized.manifest.positions == *theirs) {
+            return Ok(sized);
+        }
+    }
+    Ok(package)
+}
+
 impl Stage {
     /// Refuses a data set whose cloth has not settled for all but what it was simulated for.
     ///
@@ -178,12 +202,28 @@ impl Stage {
     /// [`TrainError::NotSettled`].
     pub fn check_moment(&self, moment: Moment) -> Result<(), TrainError> {
         let manifest = &self.dataset.manifest;
-        if manifest.until.is_rest() || manifest.until == moment {
+        // Before bodies arrive they are midway.
+        let is_on_way = moment == Moment::Midway && manifest.until == Moment::Arrival;
+        if manifest.until.is_rest() || manifest.until == moment || is_on_way {
             return Ok(());
         }
         Err(TrainError::NotSettled {
             garment: manifest.garment.name.clone(),
         })
+    }
+
+    /// Brings the package in a folder together with a data set of its garment, as it is or in
+    /// another size.
+    ///
+    /// # Errors
+    ///
+    /// As [`Stage::new`], and [`TrainError::Package`] or [`TrainError::Data`] for what cannot be
+    /// read.
+    pub fn open(folder: &Path, dataset: &Path) -> Result<Self, TrainError> {
+        let dataset = Dataset::open(dataset)?;
+        let package = GarmentPackage::read(folder)?;
+        let package = in_size_of(package, folder, &dataset)?;
+        Self::new(package, dataset)
     }
 
     /// Brings a package and a data set of its garment together.

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use burn::optim::GradientsAccumulator;
 use burn::tensor::Device;
-use garnet_data::{Dataset, Split};
+use garnet_data::Split;
 use garnet_drape::GarmentPackage;
 use garnet_mesh::Fingerprint;
 use garnet_net::losses::LossValue;
@@ -188,7 +188,7 @@ pub fn train(
 fn stage_of(job: &TrainJob) -> Result<Stage, TrainError> {
     let package = GarmentPackage::read(&job.package)?;
     publish::check_free(&package.manifest, &job.recipe.name)?;
-    Stage::new(package, Dataset::open(&job.dataset)?)
+    Stage::open(&job.package, &job.dataset)
 }
 
 /// The network of a configuration, with what the data set decides.

@@ -116,7 +116,7 @@ impl ChartArgs {
 
     /// Skinning, warp, and the models.
     pub(crate) fn candidates(&self, package: &GarmentPackage) -> anyhow::Result<Vec<Candidate>> {
-        eval::candidates(&self.package, package, &self.model, self.settle)
+        eval::candidates(&self.package, package, &self.model, self.settle, false)
     }
 
     /// The qualities of the simulations, from the fastest.

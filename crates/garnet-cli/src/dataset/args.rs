@@ -7,9 +7,10 @@ use garnet::{
     data::{Counts, Protocol, Sizing, Variations},
     mesh::{Unit, UnitError},
     package::{GarmentPackage, Moment, Quality},
+    pattern::{PatternError, Size},
 };
 
-use crate::{failure::refused, models};
+use crate::{cut_args::told, failure::refused, models};
 
 /// Arguments of `dataset`.
 #[derive(Debug, Args)]
@@ -93,6 +94,15 @@ pub(crate) struct DatasetArgs {
     /// Who wears what [default: made-to-measure for jeans and with --vary, one-size for all else].
     #[arg(long, value_name = "SIZING", conflicts_with = "import")]
     pub(crate) sizing: Option<SizingName>,
+    /// Size of the garment of the package, as XS or XL: bodies whom that fits wear it, for `train
+    /// --more`.
+    #[arg(
+        long,
+        value_name = "SIZE",
+        value_parser = named_size,
+        conflicts_with_all = ["import", "vary"]
+    )]
+    pub(crate) size: Option<Size>,
     /// Draw a parameter of the pattern for each body, in centimetres or per cent, of garments that
     /// are made to measure; may be given several times.
     #[arg(long, hide_short_help = true, value_name = "NAME=MIN:MAX", value_parser = variation, conflicts_with = "import")]
@@ -123,6 +133,11 @@ A manifest is JSON: {\"schema\": \"garnet.import/1\", \"units\": \"m\", \"scenes
 \"train\", \"body\": \"b1\", \"sequence\": \"walk\", \"body_mesh\": \"b1.obj\", \"garment_mesh\": \
 \"g1.obj\"}]}, with meshes as OBJ, or as npz with an array `vertices` of floats, or of integers if the unit is \
 mm. They are rest body and template of the package in other poses and shapes, with y up. A body, and a sequence, is in one split alone.";
+
+/// Reads a size.
+fn named_size(text: &str) -> Result<Size, String> {
+    text.parse().map_err(|error: PatternError| told(&error))
+}
 
 /// Quality of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -7,9 +7,11 @@ mod report;
 
 use std::{path::Path, sync::atomic::AtomicBool, time::Instant};
 
+use anyhow::Context;
 use garnet::{
     data::{
-        DataError, Dataset, DatasetEvent, DatasetOptions, ImportManifest, Limits, generate, import,
+        DataError, Dataset, DatasetEvent, DatasetOptions, ImportManifest, Limits, Sizing, Tailor,
+        generate, import,
     },
     mesh::Unit,
     package::GarmentPackage,
@@ -21,6 +23,7 @@ use report::DatasetReport;
 
 use crate::{
     console::{Console, print_document},
+    cut_args::{check_size, in_size},
     failure::{ExitStatus, refused, with_hint},
     hints::Hinting,
     output,
@@ -31,7 +34,7 @@ pub(crate) fn run(args: &DatasetArgs, console: &Console) -> anyhow::Result<ExitS
     let start = Instant::now();
     output::check_folder(&args.output)?;
     check_import(args)?;
-    let package = read_package(&args.garment)?;
+    let package = read_in_size(args)?;
     if GarmentPackage::is_at(&args.output) {
         return Err(refused(
             format!("cannot make a data set in `{}`", args.output.display()),
@@ -77,6 +80,34 @@ fn check_import(args: &DatasetArgs) -> anyhow::Result<()> {
         )),
         _ => Ok(()),
     }
+}
+
+/// Reads the package, and takes its garment in the size that is asked for.
+fn read_in_size(args: &DatasetArgs) -> anyhow::Result<GarmentPackage> {
+    let package = read_package(&args.garment)?;
+    let Some(size) = args.size else {
+        return Ok(package);
+    };
+    let cannot = || {
+        let shown = args.garment.display();
+        format!("cannot make scenes of `{shown}` in size {size}")
+    };
+    if args.sizing(&package) == Sizing::MadeToMeasure {
+        return Err(refused(
+            cannot(),
+            "each body wears a garment cut to its measures",
+            "leave out `--size`, or add `--sizing one-size`",
+        ));
+    }
+    let Some(tailor) = Tailor::of_package(&package).with_context(cannot)? else {
+        return Err(refused(
+            cannot(),
+            "it was not made from a sewing pattern",
+            "leave out `--size`",
+        ));
+    };
+    check_size(size, tailor.parameters().garment()).with_context(cannot)?;
+    in_size(&package, &args.garment, size).with_context(cannot)
 }
 
 /// Reads a garment package, or tells how to make one.

@@ -104,7 +104,9 @@ fn done(
         };
         let mut whole: Option<DrapeReport> = None;
         for (prepared, part) in by_wearer(prepared, part, &job)? {
-            let (bound, bind, found) = Found::beside(&job, || timed(|| Bound::new(prepared)))?;
+            let is_other_cut = prepared.cut.as_ref().is_some_and(|cut| cut.is_unknown);
+            let bind = || timed(|| Bound::new(prepared));
+            let (bound, bind, found) = Found::beside(&job, is_other_cut, bind)?;
             info!(seconds = bind, "bound");
             let mut ready = Ready::new(bound, found, &job, console)?;
             told::method(&ready, &job);

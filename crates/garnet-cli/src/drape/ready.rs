@@ -91,22 +91,28 @@ impl Found {
     /// a distance is chosen by the poses, which are known once the garment is bound.
     pub(super) fn beside<T: Send>(
         job: &Job,
+        is_other_cut: bool,
         bind: impl FnOnce() -> (anyhow::Result<Bound>, T) + Send,
     ) -> anyhow::Result<(Bound, T, (Self, Option<ChoiceReport>))> {
         if !matches!(job.limit, Some(Limit::Distance(_))) {
-            let ((bound, seconds), found) = rayon::join(bind, || Self::read(job, None));
+            let ((bound, seconds), found) =
+                rayon::join(bind, || Self::read(job, is_other_cut, None));
             return Ok((bound?, seconds, found?));
         }
         let (bound, seconds) = bind();
         let bound = bound?;
-        let found = Self::read(job, Some(&bound))?;
+        let found = Self::read(job, is_other_cut, Some(&bound))?;
         Ok((bound, seconds, found))
     }
 
     /// Reads the network that was chosen, or chooses one, by the poses of what is bound, if it is.
-    fn read(job: &Job, bound: Option<&Bound>) -> anyhow::Result<(Self, Option<ChoiceReport>)> {
+    fn read(
+        job: &Job,
+        is_other_cut: bool,
+        bound: Option<&Bound>,
+    ) -> anyhow::Result<(Self, Option<ChoiceReport>)> {
         let Some(limit) = job.limit else {
-            return Ok((Self::of(&job.network, &job.source)?, None));
+            return Ok((Self::of(&job.network, &job.source, is_other_cut)?, None));
         };
         let Some(folder) = package_of(&job.source) else {
             return Err(refused(
@@ -125,7 +131,8 @@ impl Found {
         let found = match choice.candidate() {
             Some(chosen) => {
                 let is_relaxed = Some(chosen.is_relaxed);
-                let unbound = Unbound::read(folder, manifest, &chosen.variant, is_relaxed)?;
+                let name = &chosen.variant;
+                let unbound = Unbound::read(folder, manifest, name, (is_relaxed, is_other_cut))?;
                 Self::Network(Box::new(unbound))
             }
             None => Self::NotAsked,
@@ -133,7 +140,7 @@ impl Found {
         Ok((found, Some(ChoiceReport::new(&choice))))
     }
 
-    fn of(choice: &NetworkChoice, source: &Source) -> anyhow::Result<Self> {
+    fn of(choice: &NetworkChoice, source: &Source, is_other_cut: bool) -> anyhow::Result<Self> {
         let (folder, name) = match (choice, package_of(source)) {
             (NetworkChoice::None, _) | (NetworkChoice::Default, None) => return Ok(Self::NotAsked),
             (NetworkChoice::Default, Some(folder)) => (folder, None),
@@ -154,7 +161,7 @@ impl Found {
         let Some(name) = name.map(str::to_owned).or(default) else {
             return Ok(Self::NoneInPackage);
         };
-        let unbound = Unbound::read(folder, manifest, &name, None)?;
+        let unbound = Unbound::read(folder, manifest, &name, (None, is_other_cut))?;
         Ok(Self::Network(Box::new(unbound)))
     }
 }
@@ -164,9 +171,13 @@ impl Unbound {
         folder: &Path,
         manifest: Manifest,
         name: &str,
-        is_relaxed: Option<bool>,
+        (is_relaxed, is_other_cut): (Option<bool>, bool),
     ) -> anyhow::Result<Self> {
-        let weights = manifest.weights_of(folder, name);
+        let weights = if is_other_cut {
+            manifest.weights_of_cuts(folder, name)
+        } else {
+            manifest.weights_of(folder, name)
+        };
         let cannot = || format!("cannot drape `{}` by `{name}`", folder.display());
         let weights = weights.with_context(cannot).hint(|| {
             let variants = manifest.variants.iter();
@@ -259,12 +270,17 @@ fn note_of_size(size: f32) -> Option<String> {
 
 /// How the garment is simulated, if it is: as the user says, or because no variant knows a cut like
 /// this, and none was asked for.
-fn simulation_of(bound: &Bound, job: &Job, console: &Console) -> Option<Simulation> {
+fn simulation_of(
+    bound: &Bound,
+    knows_cut: bool,
+    job: &Job,
+    console: &Console,
+) -> Option<Simulation> {
     if job.simulation.is_some() {
         return job.simulation.clone();
     }
     let is_default = matches!(job.network, NetworkChoice::Default) && job.limit.is_none();
-    let is_far = bound.cut.as_ref().is_some_and(|cut| cut.is_far);
+    let is_far = !knows_cut && bound.cut.as_ref().is_some_and(|cut| cut.is_far);
     let package = package_of(&job.source).map(GarmentPackage::read_manifest);
     let has_variants = matches!(package, Some(Ok(manifest)) if !manifest.variants.is_empty());
     if !is_default || !is_far || !has_variants || job.settle.is_some() {
@@ -304,20 +320,24 @@ impl Ready {
         }
         let mut method = Method::Warp;
         let mut expected = None;
-        let simulation = simulation_of(&bound, job, console);
+        let mut simulation = simulation_of(&bound, true, job, console);
         match found {
             Found::Network(_) if simulation.is_some() => {}
             Found::Network(network) => {
-                let (joined, report, known) = network.joined(draper, &bound, job.settle)?;
-                if bound.cut.as_ref().is_some_and(|cut| cut.is_unknown) {
-                    bound.warnings.push(Warning {
-                        path: bound.garment_file.path().to_path_buf(),
-                        problem: Problem::OtherCut(report.variant.clone()),
-                    });
+                let (joined, report, known) = network.joined(draper.clone(), &bound, job.settle)?;
+                let is_other = bound.cut.as_ref().is_some_and(|cut| cut.is_unknown);
+                let knows_cut = joined.network().is_some_and(|network| network.knows_cut());
+                simulation = simulation_of(&bound, knows_cut, job, console);
+                if simulation.is_none() {
+                    if is_other && !knows_cut {
+                        bound.warnings.push(Warning {
+                            path: bound.garment_file.path().to_path_buf(),
+                            problem: Problem::OtherCut(report.variant.clone()),
+                        });
+                    }
                     // What is expected is expected of the cut of the package.
+                    expected = known.filter(|_| !is_other);
                     (draper, method) = (joined, Method::Network(report));
-                } else {
-                    (draper, method, expected) = (joined, Method::Network(report), known);
                 }
             }
             Found::NotAsked => {}

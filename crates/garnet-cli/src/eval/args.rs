@@ -110,8 +110,18 @@ impl EvalArgs {
     }
 
     /// Skinning, warp, and the models.
-    pub(crate) fn candidates(&self, package: &GarmentPackage) -> anyhow::Result<Vec<Candidate>> {
-        candidates(&self.package, package, &self.model, self.settle)
+    pub(crate) fn candidates(
+        &self,
+        package: &GarmentPackage,
+        is_other_cut: bool,
+    ) -> anyhow::Result<Vec<Candidate>> {
+        candidates(
+            &self.package,
+            package,
+            &self.model,
+            self.settle,
+            is_other_cut,
+        )
     }
 }
 
@@ -131,12 +141,13 @@ pub(crate) fn check_apart(
 }
 
 /// Skinning, warp, and models of a package in a folder by name or file, each also settled; all of
-/// the package if none are named.
+/// the package if none are named. Scenes may be of a garment that is cut otherwise.
 pub(crate) fn candidates(
     folder: &Path,
     package: &GarmentPackage,
     models: &[String],
     settle: Option<u32>,
+    is_other_cut: bool,
 ) -> anyhow::Result<Vec<Candidate>> {
     let variants = &package.manifest.variants;
     let all = variants.iter().map(|variant| variant.name.clone());
@@ -155,7 +166,11 @@ pub(crate) fn candidates(
             path.to_path_buf()
         } else {
             let cannot = || format!("cannot measure `{name}` of `{}`", folder.display());
-            let weights = package.manifest.weights_of(folder, &name);
+            let weights = if is_other_cut {
+                package.manifest.weights_of_cuts(folder, &name)
+            } else {
+                package.manifest.weights_of(folder, &name)
+            };
             weights.with_context(cannot).hint(|| {
                 let known = variants.iter();
                 let known = known.flat_map(|variant| variant.aliases.iter().chain([&variant.name]));

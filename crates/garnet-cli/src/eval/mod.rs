@@ -6,10 +6,7 @@ mod report;
 
 use std::time::Instant;
 
-use garnet::{
-    data::Dataset,
-    train::{EvalEvent, Stage, evaluate},
-};
+use garnet::train::{EvalEvent, Stage, evaluate};
 
 pub(crate) use args::{EvalArgs, candidates, check_apart};
 use report::EvalReport;
@@ -28,8 +25,11 @@ pub(crate) fn run(args: &EvalArgs, console: &Console) -> anyhow::Result<ExitStat
     args.check()?;
     let package = read_package(&args.package)?;
     args.check_apart(&package.manifest)?;
-    let candidates = args.candidates(&package)?;
-    let stage = Stage::new(package, Dataset::open(&args.dataset)?).map_err(advised)?;
+    // What is misspelt is told before the data set is read.
+    args.candidates(&package, false)?;
+    let stage = Stage::open(&args.package, &args.dataset).map_err(advised)?;
+    let is_other_cut = stage.package.manifest.positions != package.manifest.positions;
+    let candidates = args.candidates(&package, is_other_cut)?;
     let mut bar = None;
     let mut observer = |event| {
         if let EvalEvent::Scene { done, total } = event {

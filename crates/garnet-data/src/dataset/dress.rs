@@ -208,7 +208,7 @@ impl Dressed {
                 _ => drape.positions,
             },
             arrived: options.until.is_rest().then_some(drape.arrived),
-            midway: options.until.is_rest().then_some(drape.midway),
+            midway: (options.until != Moment::Midway).then_some(drape.midway),
             report: Some(report),
         }))
     }

@@ -145,9 +145,16 @@ impl Manifest {
 
     /// A file that it names and that is not in its folder, if there is one.
     pub(super) fn outside(&self) -> Option<&str> {
-        let weights = self.variants.iter().map(|variant| variant.weights.as_str());
-        let mut names = weights.chain([self.rest_body.rig.as_str()]);
+        let mut names = self.weight_files().chain([self.rest_body.rig.as_str()]);
         names.find(|name| !stays_inside(name))
+    }
+
+    /// The files with the weights of all variants.
+    pub fn weight_files(&self) -> impl Iterator<Item = &str> {
+        self.variants.iter().flat_map(|variant| {
+            let of_cuts = variant.weights_of_cuts.iter();
+            of_cuts.chain([&variant.weights]).map(String::as_str)
+        })
     }
 
     /// The variant of a name, which may be an [alias](Variant::aliases).
@@ -185,6 +192,20 @@ impl Manifest {
                 names.join(", ")
             },
         })
+    }
+
+    /// The same for a garment that is [cut otherwise](Variant::weights_of_cuts) than the template,
+    /// if the variant has such weights.
+    ///
+    /// # Errors
+    ///
+    /// As [`Manifest::weights_of`].
+    pub fn weights_of_cuts(&self, folder: &Path, name: &str) -> Result<PathBuf, PackageError> {
+        let of_cuts = self.variant(name);
+        match of_cuts.and_then(|variant| variant.weights_of_cuts.as_ref()) {
+            Some(of_cuts) => Ok(folder.join(of_cuts)),
+            None => self.weights_of(folder, name),
+        }
     }
 
     /// The sewing parameters of the pattern, in the order of their names; none without a pattern.
@@ -318,6 +339,10 @@ pub struct Variant {
     pub aliases: Vec<String>,
     /// File with its weights, in the package.
     pub weights: String,
+    /// File with the weights for other cuts than that of the template, in the package: of a network
+    /// that is told how the garment is cut.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weights_of_cuts: Option<String>,
     /// Whether it is taken if none is asked for.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub default: bool,
@@ -403,6 +428,7 @@ mod tests {
                 seconds: None,
                 settled_seconds: None,
                 name: name.to_owned(),
+                weights_of_cuts: None,
                 weights: format!("{name}.safetensors"),
                 default: false,
                 distance_error: None,

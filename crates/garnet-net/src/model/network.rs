@@ -43,6 +43,7 @@ impl From<Predictor> for Model {
         Self {
             range: network.range().cloned(),
             pose_space: None,
+            cut: *network.garment().cut(),
             network: Some(network),
         }
     }

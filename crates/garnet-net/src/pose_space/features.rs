@@ -11,6 +11,14 @@ const NUMBERS_A_JOINT: usize = 10;
 /// Numbers of a rotation: its first two columns.
 const TURN: usize = 6;
 
+/// How a garment is cut, in metres: the mean girth, which is area over height, and height and width
+/// at rest.
+pub type Cut = [f32; 3];
+
+/// Cuts are known that are outside of those of the training by no more than this share of each
+/// number. More trusts networks farther out, less simulates what they could tell.
+const NEAR_CUTS: f32 = 0.03;
+
 /// What a feature tells of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -23,6 +31,8 @@ pub enum Aspect {
     Shape,
     /// Where up is, seen from it.
     Up,
+    /// How the garment is [cut](Cut), whatever the joint.
+    Cut,
 }
 
 impl Aspect {
@@ -32,6 +42,7 @@ impl Aspect {
             Self::Turn | Self::AgainstHub => TURN,
             Self::Shape => NUMBERS_A_JOINT - TURN,
             Self::Up => 3,
+            Self::Cut => size_of::<Cut>() / size_of::<f32>(),
         }
     }
 
@@ -54,7 +65,7 @@ pub struct Feature {
 ///
 /// An arm is told against its collarbone in those numbers, but a sleeve lies on the trunk as the
 /// arm lies on the trunk: rotations against one joint of the trunk tell drapes with fewer scenes.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Features {
     /// The parent of each joint `[joint]`.
     pub parents: Vec<Option<usize>>,
@@ -63,6 +74,9 @@ pub struct Features {
     pub hub: usize,
     /// What is told.
     pub all: Vec<Feature>,
+    /// The least and the greatest numbers of the cuts of the training, if they are told.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cuts: Option<[Cut; 2]>,
 }
 
 impl Features {
@@ -116,12 +130,22 @@ impl Features {
             .collect()
     }
 
-    /// The numbers of all features of a body of this pose and shape.
+    /// Whether the training had garments that are cut like this: never, if it was not told of cuts.
+    pub fn knows(&self, cut: &Cut) -> bool {
+        self.cuts.is_some_and(|[low, high]| {
+            let mut ends = low.iter().zip(&high).zip(cut);
+            ends.all(|((low, high), number)| {
+                (low * (1.0 - NEAR_CUTS)..=high * (1.0 + NEAR_CUTS)).contains(number)
+            })
+        })
+    }
+
+    /// The numbers of all features of a body of this pose and shape, and of a garment of this cut.
     ///
     /// # Errors
     ///
     /// [`NetError::Count`] for another count of numbers than ten a joint.
-    pub fn of(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
+    pub fn of(&self, parameters: &[f32], cut: &Cut) -> Result<Vec<f32>, NetError> {
         let expected = self.num_parameters();
         NetError::check_count("parameters", parameters.len(), expected)?;
         let turns = self.turns(parameters);
@@ -136,6 +160,7 @@ impl Features {
                 Aspect::AgainstHub => {
                     numbers.extend_from_slice(&(from_hub * turns[joint]).as_slice()[..TURN]);
                 }
+                Aspect::Cut => numbers.extend_from_slice(cut),
                 Aspect::Up => {
                     numbers.extend_from_slice((turns[joint].transpose() * Vector3::y()).as_slice());
                 }
@@ -180,6 +205,7 @@ mod tests {
             all: all
                 .map(|&(joint, aspect)| Feature { joint, aspect })
                 .collect(),
+            cuts: None,
         }
     }
 
@@ -210,8 +236,9 @@ mod tests {
             (0, Aspect::AgainstHub),
             (2, Aspect::Up),
             (1, Aspect::Shape),
+            (0, Aspect::Cut),
         ]);
-        let found = features.of(&numbers(turns)).unwrap();
+        let found = features.of(&numbers(turns), &[1.1, 0.7, 0.8]).unwrap();
         assert_eq!(found.len(), features.len());
         assert_eq!(features.owners()[6..13], [1, 1, 1, 1, 1, 1, 2]);
         let mut expected = Vec::new();
@@ -220,7 +247,7 @@ mod tests {
         }
         let up = (turns[0] * turns[1] * turns[2]).inverse() * Vector3::y();
         expected.extend_from_slice(up.as_slice());
-        expected.extend([0.1, 0.2, 0.3, 0.4]);
+        expected.extend([0.1, 0.2, 0.3, 0.4, 1.1, 0.7, 0.8]);
         for (found, expected) in found.iter().zip(&expected) {
             assert!((found - expected).abs() < 1e-5, "{found} {expected}");
         }
@@ -232,11 +259,21 @@ mod tests {
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 1.1);
         let still = UnitQuaternion::identity();
         let features = chain(&[(2, Aspect::Up), (0, Aspect::AgainstHub)]);
-        let [one, other] =
-            [lean, yaw * lean].map(|root| features.of(&numbers([root, still, still])).unwrap());
+        let of = |numbers: &[f32]| features.of(numbers, &[0.0; 3]).unwrap();
+        let [one, other] = [lean, yaw * lean].map(|root| of(&numbers([root, still, still])));
         for (one, other) in one.iter().zip(&other) {
             assert!((one - other).abs() < 1e-5);
         }
+    }
+
+    #[test]
+    fn cuts_are_known_between_those_of_the_training() {
+        let mut features = chain(&[(0, Aspect::Cut)]);
+        assert!(!features.knows(&[1.0, 0.7, 0.8]));
+        features.cuts = Some([[0.9, 0.6, 0.7], [1.2, 0.7, 0.9]]);
+        assert!(features.knows(&[1.0, 0.7, 0.8]));
+        assert!(features.knows(&[1.22, 0.6, 0.69]));
+        assert!(!features.knows(&[1.3, 0.7, 0.8]) && !features.knows(&[1.0, 0.7, 0.5]));
     }
 
     #[test]
@@ -246,7 +283,7 @@ mod tests {
         let mut circle = chain(&[(2, Aspect::Up)]);
         circle.parents[0] = Some(2);
         assert!(circle.check().is_err());
-        let short = chain(&[(2, Aspect::Up)]).of(&[0.0; 29]);
+        let short = chain(&[(2, Aspect::Up)]).of(&[0.0; 29], &[0.0; 3]);
         assert!(matches!(short, Err(NetError::Count { expected: 30, .. })));
     }
 }

@@ -21,7 +21,7 @@ mod features;
 mod file;
 mod regions;
 
-pub use features::{Aspect, Feature, Features};
+pub use features::{Aspect, Cut, Feature, Features};
 pub use file::PoseSpaceHeader;
 pub(crate) use file::is_pose_space;
 pub use regions::{Image, Layer, Region, RegionMirror, Regions, predicted, silu};
@@ -286,6 +286,12 @@ impl PoseSpace {
         }
     }
 
+    /// Whether it has learned garments that are cut like this, and is told so.
+    pub fn knows(&self, cut: &Cut) -> bool {
+        self.regions()
+            .is_some_and(|regions| regions.features.knows(cut))
+    }
+
     /// Checksum of its file; empty until it was written or read.
     pub fn checksum(&self) -> &str {
         &self.checksum
@@ -330,15 +336,16 @@ impl PoseSpace {
         }
     }
 
-    /// The share of each shape `[shape]`, in metres, by pose and shape of the body.
+    /// The share of each shape `[shape]`, in metres, by pose and shape of the body and by the cut of
+    /// the garment.
     ///
     /// # Errors
     ///
     /// [`NetError::Count`] for another count of numbers than those that it was fitted to.
-    pub fn coefficients(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
+    pub fn coefficients(&self, parameters: &[f32], cut: &Cut) -> Result<Vec<f32>, NetError> {
         match &self.told {
             Told::ByScenes(parts) => parts.shares(parameters),
-            Told::ByRegions(regions) => regions.shares(parameters),
+            Told::ByRegions(regions) => regions.shares(parameters, cut),
         }
     }
 
@@ -407,7 +414,7 @@ mod tests {
     #[test]
     fn a_scene_between_two_gets_of_both() {
         let space = small();
-        let found = space.coefficients(&[9.0, 0.25]).unwrap();
+        let found = space.coefficients(&[9.0, 0.25], &[0.0; 3]).unwrap();
         let half = covariance(0.25) as f32;
         assert!((found[0] - 0.25 * half).abs() < 1e-6);
         let quarter =
@@ -431,7 +438,9 @@ mod tests {
                 ..space.parts().unwrap().clone()
             };
             let mirrored = PoseSpace::new(parts, space.garment, space.range.clone(), 0.01).unwrap();
-            let at = |space: &PoseSpace, number| space.coefficients(&[0.0, number]).unwrap()[0];
+            let at = |space: &PoseSpace, number| {
+                space.coefficients(&[0.0, number], &[0.0; 3]).unwrap()[0]
+            };
             let expected = at(&space, 0.3) + parity * at(&space, -0.3);
             assert!((at(&mirrored, 0.3) - expected).abs() < 1e-6);
             assert!((at(&mirrored, -0.3) - parity * expected).abs() < 1e-6);
@@ -451,7 +460,7 @@ mod tests {
     fn what_does_not_fit_is_named() {
         let space = small();
         assert!(matches!(
-            space.coefficients(&[0.0]),
+            space.coefficients(&[0.0], &[0.0; 3]),
             Err(NetError::Count {
                 what: "parameters",
                 found: 1,

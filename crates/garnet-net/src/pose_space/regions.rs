@@ -4,7 +4,7 @@ use garnet_mesh::Vector3;
 use rayon::prelude::*;
 
 use super::Exchange;
-use super::features::Features;
+use super::features::{Cut, Features};
 use crate::{Cost, NetError};
 
 /// Where the mirror image of a vertex is: the corners of a triangle, and their weights.
@@ -194,11 +194,11 @@ impl Regions {
     /// # Errors
     ///
     /// [`NetError::Count`] for another count of numbers than ten a joint.
-    pub(super) fn shares(&self, parameters: &[f32]) -> Result<Vec<f32>, NetError> {
+    pub(super) fn shares(&self, parameters: &[f32], cut: &Cut) -> Result<Vec<f32>, NetError> {
         let owners = self.features.owners();
-        let mut sides = vec![self.features.of(parameters)?];
+        let mut sides = vec![self.features.of(parameters, cut)?];
         if let Some(mirror) = &self.mirror {
-            sides.push(self.features.of(&mirror.numbers.of(parameters))?);
+            sides.push(self.features.of(&mirror.numbers.of(parameters), cut)?);
         }
         let asked: Vec<_> = (sides.iter())
             .flat_map(|numbers| self.regions.iter().map(move |region| (region, numbers)))
@@ -256,6 +256,7 @@ pub(super) mod tests {
                     joint: 1,
                     aspect: Aspect::Shape,
                 }],
+                cuts: None,
             },
             center: vec![0.5, 0.0, 0.0, 0.0],
             mean: vec![0.0, 0.0, 0.25, 0.0, 0.0, 0.25],
@@ -293,7 +294,7 @@ pub(super) mod tests {
         parameters[16] = 1.5;
         parameters[26] = 0.5;
         parameters[27] = 0.25;
-        let shares = regions.shares(&parameters).unwrap();
+        let shares = regions.shares(&parameters, &[0.0; 3]).unwrap();
         assert_eq!(shares.len(), regions.num_shares());
         let offsets = regions.offsets(&shares);
         let left = Vector3::new(silu(2.0) + 0.125, 0.0, 0.25);
@@ -319,6 +320,6 @@ pub(super) mod tests {
         refused(&|regions| regions.regions[0].layers[1].weight.truncate(3));
         refused(&|regions| regions.mirror.as_mut().unwrap().images.truncate(1));
         refused(&|regions| regions.mirror.as_mut().unwrap().numbers.0[4].0 = 30);
-        assert!(small().shares(&[0.0; 20]).is_err());
+        assert!(small().shares(&[0.0; 20], &[0.0; 3]).is_err());
     }
 }

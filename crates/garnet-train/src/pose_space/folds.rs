@@ -101,6 +101,7 @@ mod tests {
             body: (set, body),
             sequence: sequence.to_owned(),
             parameters: Vec::new(),
+            cut: [0.0; 3],
             offsets: Vec::new(),
         }
     }

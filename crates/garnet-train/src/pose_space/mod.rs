@@ -26,7 +26,6 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_data::{Dataset, Split};
-use garnet_drape::GarmentPackage;
 use garnet_net::pose_space::{PoseSpaceParts, deformation_name};
 use garnet_net::{Moment, PoseSpace, Precision, Start, TrainedRange};
 use serde::{Deserialize, Serialize};
@@ -78,6 +77,8 @@ pub struct PoseSpaceConfig {
     pub region_shapes: u32,
     /// Scenes by which it is found out how much each feature counts in a region, at most.
     pub region_searched: u32,
+    /// Whether such networks are told how the garment is cut: for scenes in several sizes.
+    pub cuts: bool,
     /// Numbers of each layer in the middle of such a network.
     pub hidden: u32,
     /// Times that such a network sees each scene.
@@ -108,6 +109,7 @@ impl Default for PoseSpaceConfig {
             ensemble: 1,
             region_shapes: 80,
             region_searched: 1000,
+            cuts: false,
             hidden: 384,
             passes: 80,
         }
@@ -180,7 +182,7 @@ pub(crate) fn fit(
         Predictor::Networks => {
             let mut samples = regions::samples_of(0, &train);
             for (number, path) in (1..).zip(&job.more) {
-                let more = Stage::new(GarmentPackage::read(&job.package)?, Dataset::open(path)?)?;
+                let more = Stage::open(&job.package, path)?;
                 more.check_moment(moment)?;
                 let more = examples(&more, &context, Split::Train, None, observer)?;
                 samples.extend(regions::samples_of(number, &more));

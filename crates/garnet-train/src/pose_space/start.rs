@@ -76,8 +76,8 @@ pub(crate) fn start(
     let Beginning { space, starts } = beginning;
     let all = match (split, space.regions(), starts) {
         (Split::Valid | Split::Test, ..) => {
-            let numbers = examples.iter().map(|example| &example.parameters);
-            let shares = numbers.map(|numbers| space.coefficients(numbers));
+            let shares = (examples.iter())
+                .map(|example| space.coefficients(&example.parameters, example.graph.cut()));
             shares.collect::<Result<_, _>>()?
         }
         (Split::Train, None, _) => left_out(space, stage, examples)?,

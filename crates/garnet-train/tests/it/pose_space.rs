@@ -168,7 +168,7 @@ fn mean_square(invented: &Invented, space: &PoseSpace) -> f64 {
         let worn = &scene.worn;
         let warped = scene.warped(garnet_skin::Warp::Shape, &scene.posed)?;
         let numbers = worn.body.pose_and_shape(&scene.posed);
-        let shares = space.coefficients(&numbers).unwrap();
+        let shares = space.coefficients(&numbers, &[0.0; 3]).unwrap();
         let places = space.moved(&warped.positions, &warped.rotations, &shares);
         let mut sums = sums.lock().unwrap();
         for (place, draped) in places.unwrap().iter().zip(&scene.draped) {

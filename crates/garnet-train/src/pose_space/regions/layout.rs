@@ -1,7 +1,7 @@
 //! The regions of a garment, and what may tell how they lie.
 
 use garnet_mesh::Point3;
-use garnet_net::pose_space::{Aspect, Feature, Features};
+use garnet_net::pose_space::{Aspect, Cut, Feature, Features};
 use garnet_skin::{Skeleton, Symmetry};
 
 use crate::Stage;
@@ -32,7 +32,7 @@ struct Joints<'a> {
 }
 
 impl Layout {
-    pub(super) fn of(stage: &Stage, has_mirror: bool) -> Self {
+    pub(super) fn of(stage: &Stage, has_mirror: bool, cuts: Option<[Cut; 2]>) -> Self {
         let template = stage.template();
         let skeleton = template.body.skeleton();
         let garment = &template.garment;
@@ -68,7 +68,7 @@ impl Layout {
             .flat_map(|region| region_shares(&region, &joints, sides, &weights, positions));
         Self {
             shares: shares.collect(),
-            features: joints.features(),
+            features: joints.features(cuts),
         }
     }
 }
@@ -139,9 +139,13 @@ impl Joints<'_> {
         most.map_or(root, |(_, parent)| parent)
     }
 
-    fn features(&self) -> Features {
+    fn features(&self, cuts: Option<[Cut; 2]>) -> Features {
         let hub = self.hub();
-        let mut all = Vec::new();
+        let of_cut = cuts.map(|_| Feature {
+            joint: hub,
+            aspect: Aspect::Cut,
+        });
+        let mut all = Vec::from_iter(of_cut);
         let partners_move = |joint: usize| self.moves[joint].max(self.moves[self.partner(joint)]);
         for joint in 0..self.moves.len() {
             let mut push = |aspect| all.push(Feature { joint, aspect });
@@ -160,6 +164,7 @@ impl Joints<'_> {
                 .collect(),
             hub,
             all,
+            cuts,
         }
     }
 }
@@ -262,7 +267,7 @@ mod tests {
     fn the_hub_is_where_the_limbs_part_that_move_most() {
         let skeleton = skeleton();
         let mut joints = joints(&skeleton);
-        let features = joints.features();
+        let features = joints.features(None);
         assert_eq!(features.hub, CHEST);
         features.check().unwrap();
         let has = |joint, aspect| features.all.contains(&Feature { joint, aspect });

@@ -15,7 +15,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
 use faer::Mat;
-use garnet_net::pose_space::{Feature, Features, Region, RegionMirror, Regions, predicted};
+use garnet_net::pose_space::{
+    Aspect, Cut, Feature, Features, Region, RegionMirror, Regions, predicted,
+};
 use rayon::prelude::*;
 
 use super::folds::Fold;
@@ -75,7 +77,8 @@ pub(super) fn fitted(
     stop: &AtomicBool,
 ) -> Result<Fitted, TrainError> {
     let mirror = asked.mirror.then(|| GarmentMirror::of(stage)).flatten();
-    let layout = layout::Layout::of(stage, mirror.is_some());
+    let cuts = if asked.cuts { cuts_of(samples) } else { None };
+    let layout = layout::Layout::of(stage, mirror.is_some(), cuts);
     let mut ground = Ground::new(layout.features, samples, mirror.as_ref(), asked)?;
     let mean = ground.centered();
     let of = layout.shares.len() as u32;
@@ -169,15 +172,20 @@ impl<'a> Ground<'a> {
         mirror: Option<&GarmentMirror>,
         asked: &PoseSpaceConfig,
     ) -> Result<Self, TrainError> {
-        let mut parameters: Vec<Vec<f32>> = samples.iter().map(|s| s.parameters.clone()).collect();
+        let mut told: Vec<(Vec<f32>, Cut)> = samples
+            .iter()
+            .map(|s| (s.parameters.clone(), s.cut))
+            .collect();
         let mut offsets: Vec<Vec<f32>> = samples.iter().map(|s| s.offsets.clone()).collect();
         if let Some(mirror) = mirror {
             let images = samples.iter();
-            parameters.extend(images.map(|s| mirror.numbers().of(&s.parameters)));
+            told.extend(images.map(|s| (mirror.numbers().of(&s.parameters), s.cut)));
             let images = samples.par_iter().map(|s| mirror.offsets(&s.offsets));
             offsets.par_extend(images);
         }
-        let numbers = parameters.par_iter().map(|numbers| features.of(numbers));
+        let numbers = told
+            .par_iter()
+            .map(|(numbers, cut)| features.of(numbers, cut));
         let numbers: Vec<Vec<f32>> = numbers.collect::<Result<_, _>>()?;
         Ok(Self {
             samples,
@@ -291,6 +299,19 @@ impl<'a> Ground<'a> {
     }
 }
 
+/// The least and the greatest numbers of the cuts of samples.
+fn cuts_of(samples: &[Sample]) -> Option<[Cut; 2]> {
+    let mut cuts = samples.iter().map(|sample| sample.cut);
+    let first = cuts.next()?;
+    Some(cuts.fold([first, first], |[mut low, mut high], cut| {
+        for ((low, high), number) in low.iter_mut().zip(&mut high).zip(cut) {
+            *low = low.min(number);
+            *high = high.max(number);
+        }
+        [low, high]
+    }))
+}
+
 /// The mean of rows of the same length.
 fn mean_of(rows: &[Vec<f32>]) -> Vec<f32> {
     let mut sums = vec![0.0_f64; rows.first().map_or(0, Vec::len)];
@@ -305,5 +326,5 @@ fn mean_of(rows: &[Vec<f32>]) -> Vec<f32> {
 
 /// Whether a feature tells a rotation.
 fn is_turn(feature: Feature) -> bool {
-    feature.aspect != garnet_net::pose_space::Aspect::Shape
+    !matches!(feature.aspect, Aspect::Shape | Aspect::Cut)
 }

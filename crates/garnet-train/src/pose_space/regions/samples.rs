@@ -1,5 +1,7 @@
 //! What a fit keeps of a scene.
 
+use garnet_net::pose_space::Cut;
+
 use super::super::offsets::offsets_of;
 use crate::context::Example;
 
@@ -12,6 +14,8 @@ pub(in crate::pose_space) struct Sample {
     pub(in crate::pose_space) sequence: String,
     /// Pose and shape.
     pub(in crate::pose_space) parameters: Vec<f32>,
+    /// Of its garment.
+    pub(in crate::pose_space) cut: Cut,
     /// From the warp, in the skinning frames `[vertex][3]`, in metres.
     pub(in crate::pose_space) offsets: Vec<f32>,
 }
@@ -22,6 +26,7 @@ pub(in crate::pose_space) fn samples_of(set: usize, examples: &[Example]) -> Vec
         body: (set, example.scene.body),
         sequence: example.sequence.clone(),
         parameters: example.parameters.clone(),
+        cut: *example.graph.cut(),
         offsets: offsets_of(example),
     });
     samples.collect()

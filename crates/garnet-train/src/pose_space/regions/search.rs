@@ -207,6 +207,7 @@ mod tests {
             parents: vec![None],
             hub: 0,
             all: aspects.map(|aspect| Feature { joint: 0, aspect }).to_vec(),
+            cuts: None,
         };
         // Numbers of the first feature tell the share, those of the second are noise, those of the
         // third never change.
@@ -221,6 +222,7 @@ mod tests {
                 body: (0, scene),
                 sequence: scene.to_string(),
                 parameters: Vec::new(),
+                cut: [0.0; 3],
                 offsets: Vec::new(),
             })
             .collect();
