@@ -1,7 +1,9 @@
 //! Where a motion goes, and how fast: arguments of `drape`, `simulate` and `body`.
 
 use clap::Args;
-use garnet::io::MotionOptions;
+use garnet::io::{MotionOptions, PoseSource};
+
+use crate::failure::refused;
 
 /// Under what arguments about poses stand in the help.
 pub(crate) const POSES: &str = "Poses and motions";
@@ -35,6 +37,26 @@ pub(crate) struct MotionArgs {
 }
 
 impl MotionArgs {
+    /// Refuses options of motions where there is no pose; `--pose-up` is one, too.
+    pub(crate) fn check(self, pose: Option<&PoseSource>, has_pose_up: bool) -> anyhow::Result<()> {
+        let options = [
+            (self.ground, "--ground"),
+            (self.in_place, "--in-place"),
+            (self.fps.is_some(), "--fps"),
+            (self.keep_flips, "--keep-flips"),
+            (self.keep_arms, "--keep-arms"),
+            (has_pose_up, "--pose-up"),
+        ];
+        match options.into_iter().find(|(is_given, _)| *is_given) {
+            Some((_, option)) if pose.is_none() => Err(refused(
+                format!("`{option}` is given without a pose"),
+                "it is for the poses and motions of `--pose`",
+                format!("add `--pose`, or leave out `{option}`"),
+            )),
+            _ => Ok(()),
+        }
+    }
+
     pub(crate) fn options(self) -> MotionOptions {
         MotionOptions {
             on_ground: self.ground,

@@ -50,24 +50,49 @@ const REPORTS: [&str; 4] = [
     "garnet.eval",
 ];
 
+/// And lists of hidden faces.
+const HIDDEN: [&str; 1] = ["garnet.hide"];
+
 /// Refuses a report that cannot be written, whose name says that it is of another format, or that
 /// would take the place of a file that is no report.
 pub(crate) fn check_report(path: &Path) -> anyhow::Result<()> {
     check_named(path, "name a file")?;
     check_kind(path, "reports are written as JSON", "json")?;
     check_file(path)?;
-    if !path.is_file() || is_report(path) {
+    if !path.is_file() || is_one_of(&REPORTS, path) {
         return Ok(());
     }
-    Err(refused(
-        format!("cannot write `{}`", path.display()),
-        "a file is there that is no report, and it would be lost",
-        "write into another file, or remove this one first",
-    ))
+    Err(would_be_lost(path, "a file is there that is no report"))
 }
 
-/// Whether a file is a report of an earlier run, or empty.
-fn is_report(path: &Path) -> bool {
+/// Refuses a list of hidden faces that cannot be written, or that would take the place of a file
+/// that is none. In text it has a number a line, in JSON a schema.
+pub(crate) fn check_hidden(path: &Path) -> anyhow::Result<()> {
+    check_named(path, "name a file")?;
+    check_file(path)?;
+    let is_numbers = || {
+        let text = read_bounded(path, MOST_BYTES).ok().map(String::from_utf8);
+        text.is_some_and(|text| {
+            text.is_ok_and(|text| text.lines().all(|line| line.parse::<u64>().is_ok()))
+        })
+    };
+    if !path.is_file() || is_one_of(&HIDDEN, path) || is_numbers() {
+        return Ok(());
+    }
+    let what = "a file is there that lists no hidden faces";
+    Err(would_be_lost(path, what))
+}
+
+fn would_be_lost(path: &Path, what: &str) -> anyhow::Error {
+    refused(
+        format!("cannot write `{}`", path.display()),
+        format!("{what}, and it would be lost"),
+        "write into another file, or remove this one first",
+    )
+}
+
+/// Whether a file is a document of an earlier run of one of these schemas, or empty.
+fn is_one_of(schemas: &[&str], path: &Path) -> bool {
     #[derive(Deserialize)]
     struct Document {
         schema: String,
@@ -78,7 +103,7 @@ fn is_report(path: &Path) -> bool {
     let document: Option<Document> = serde_json::from_slice(&bytes).ok();
     let is_ours = |document: Document| {
         let (name, _) = document.schema.split_once('/').unwrap_or_default();
-        REPORTS.contains(&name)
+        schemas.contains(&name)
     };
     bytes.is_empty() || document.is_some_and(is_ours)
 }

@@ -25,6 +25,13 @@ const UNITS: [f32; 9] = [1.0, 0.01, 0.1, 0.001, 0.0254, 0.3048, 10.0, 100.0, 100
 /// Largest extents of garments that are looked at, over the height of the body.
 const SIZES: [f32; 2] = [0.1, 1.3];
 
+/// Extents that garments have in the unit that they are read in, over the height of the body: no
+/// other unit is looked for. A wider range misses garments in feet.
+const AS_IT_IS: [f32; 2] = [0.2, 1.05];
+
+/// Garments with fewer openings have no sleeves.
+const LEAST_SLEEVED: usize = 3;
+
 /// The extent of a garment of unknown unit, over the height of the body.
 const USUAL_SIZE: f32 = 0.45;
 
@@ -201,7 +208,9 @@ pub fn aligned(garment: &TriMesh, body: &Body) -> Result<Option<(TriMesh, Alignm
         return Ok(Some((garment.clone(), alignment)));
     }
     let mut wearers = vec![at_rest];
-    for arms in ARMS {
+    // A skirt has no sleeves whose pose could be another one.
+    let has_sleeves = cloth.rims.len() >= LEAST_SLEEVED;
+    for arms in ARMS.into_iter().filter(|_| has_sleeves) {
         wearers.extend(Wearer::posed(body, arms)?);
     }
     let guesses = cloth.guesses(&wearers[0]);
@@ -367,6 +376,11 @@ impl Cloth {
         let size = extent.max() / wearer.height;
         let is_usual = |factor: &f32| (SIZES[0]..SIZES[1]).contains(&(factor * size));
         let mut units: Vec<f32> = UNITS.into_iter().filter(is_usual).collect();
+        if (AS_IT_IS[0]..AS_IT_IS[1]).contains(&size) {
+            // In another unit it would be of a size that garments have, too: a skirt in metres is
+            // an anklet in feet.
+            units = vec![1.0];
+        }
         if units.is_empty() {
             units.push(USUAL_SIZE / size);
         }

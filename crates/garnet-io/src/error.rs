@@ -120,6 +120,18 @@ pub enum FileProblem {
     /// A pose file holds no pose.
     #[error("the file holds no pose: neither `joints` nor `local_rotation_xyzw` nor `frames`")]
     NoPose,
+    /// A pose is told in several ways.
+    #[error("the pose is told in several ways: {}", fields.join(", "))]
+    SeveralPoses {
+        /// The fields that tell it.
+        fields: Vec<&'static str>,
+    },
+    /// Transforms of joints are no pose: they pull joints apart.
+    #[error("the transforms pull joints apart, by up to {residual} m")]
+    NotRotated {
+        /// How far a joint is from where the rotations have it, in metres.
+        residual: f64,
+    },
     /// A file that this file names is not there.
     #[error("{role} `{}` is not there", path.display())]
     MissingFile {

@@ -19,6 +19,10 @@ const NORM_ROUNDING: f64 = 1e-3;
 /// How many near names an error lists.
 const NUM_NEAR_NAMES: usize = 3;
 
+/// Joints that transforms pull apart by less than this are rounded ones, or a recording's, in
+/// metres. More lets poses pass that are not the file's.
+const MOST_APART: f64 = 0.02;
+
 #[derive(Debug, Deserialize)]
 struct PoseFileJson {
     schema: Option<String>,
@@ -104,6 +108,22 @@ fn parse(bytes: &[u8], frame: Option<usize>, skeleton: &Skeleton) -> Result<Pose
 
 fn pose_of(json: PoseJson, skeleton: &Skeleton, metres: f64) -> Result<Pose, FileProblem> {
     let mut pose = Pose::rest(skeleton.num_joints());
+    let fields = [
+        ("joints", json.joints.is_some()),
+        ("local_rotation_xyzw", json.local_rotation_xyzw.is_some()),
+        (
+            "joint_transforms_row_major_4x4",
+            json.joint_transforms_row_major_4x4.is_some(),
+        ),
+    ];
+    let fields: Vec<&str> = (fields.into_iter())
+        .filter(|(_, is_there)| *is_there)
+        .map(|(field, _)| field)
+        .collect();
+    // Rotations and the transforms that come of them are one pose, written twice.
+    if fields.contains(&"joints") && fields.len() > 1 {
+        return Err(FileProblem::SeveralPoses { fields });
+    }
     if let Some(by_name) = json.joints {
         for (name, xyzw) in by_name {
             pose.rotations[joint_of(&name, skeleton)?] = unit_quaternion(&name, xyzw)?;
@@ -125,7 +145,12 @@ fn pose_of(json: PoseJson, skeleton: &Skeleton, metres: f64) -> Result<Pose, Fil
         }
     } else if let Some(matrices) = json.joint_transforms_row_major_4x4 {
         let posed_from_rest = rigid_transforms(&matrices, skeleton, metres)?;
-        return Ok(Pose::from_transforms(skeleton, &posed_from_rest)?.pose);
+        let found = Pose::from_transforms(skeleton, &posed_from_rest)?;
+        let residual = f64::from(found.max_residual_m);
+        if residual > MOST_APART {
+            return Err(FileProblem::NotRotated { residual });
+        }
+        return Ok(found.pose);
     } else {
         return Err(FileProblem::NoPose);
     }

@@ -1,6 +1,7 @@
 //! Rigs as npz: the container that `NeuralClothSim` users have.
 
 use std::{
+    collections::BTreeSet,
     io::{self, Cursor, Write},
     path::Path,
 };
@@ -126,6 +127,13 @@ pub(super) fn faces(array: &NpyArray) -> Result<Vec<[u32; 3]>, ArrayProblem> {
     Ok(rows.map(|row| [row[0], row[1], row[2]]).collect())
 }
 
+/// A name that two joints have: poses would turn one of them alone.
+fn twice(names: &[String]) -> Option<&str> {
+    let mut seen = BTreeSet::new();
+    let mut names = names.iter().map(String::as_str);
+    names.find(|name| !seen.insert(*name))
+}
+
 fn skeleton(npz: &mut NpzFile) -> Result<Skeleton, FileError> {
     let array = required(npz, "joints", &[None, Some(3)])?;
     let positions = points(&array).map_err(|problem| npz.wrong("joints", problem))?;
@@ -145,6 +153,10 @@ fn skeleton(npz: &mut NpzFile) -> Result<Skeleton, FileError> {
             .collect()),
     };
     let names = names.map_err(|problem| npz.wrong("joint_names", problem))?;
+    if let Some(name) = twice(&names) {
+        let name = name.to_owned();
+        return Err(npz.wrong("joint_names", ArrayProblem::Twice { name }));
+    }
     let joints = names.into_iter().zip(parents).zip(positions);
     let joints = joints.map(|((name, parent), rest_position)| Joint {
         name,

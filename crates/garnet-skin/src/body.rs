@@ -3,13 +3,14 @@
 use std::sync::{Arc, OnceLock};
 
 use garnet_knn::Surface;
-use garnet_mesh::{TriMesh, Vector3, is_inside_out, outward_faces, vertex_normals};
+use garnet_mesh::{Bounds, TriMesh, Vector3, is_inside_out, outward_faces, vertex_normals};
 use nalgebra::Isometry3;
 
 use crate::caps::Caps;
 use crate::shape::reshaped_joints;
 use crate::{
-    Method, Point3, Pose, Skeleton, SkinError, SkinWeights, Weld, skin_dual_quaternion, skin_linear,
+    Joint, Method, Point3, Pose, Skeleton, SkinError, SkinWeights, Weld, skin_dual_quaternion,
+    skin_linear,
 };
 
 /// What a rig file holds: a skeleton and weights, and the rest mesh if the file has it.
@@ -133,13 +134,54 @@ fn named_vertices(mesh: &TriMesh) -> Vec<bool> {
     is_named
 }
 
+/// Joints that move skin are no farther from the middle of the body than this, over the diagonal of
+/// its box: coordinates in another unit, or damaged ones, are.
+const FAR_JOINT: f32 = 20.0;
+
+/// Refuses joints that move the skin from far away.
+fn check_near(rest: &TriMesh, skeleton: &Skeleton, weights: &SkinWeights) -> Result<(), SkinError> {
+    let Some(Bounds { min, max }) = Bounds::of(rest.positions()) else {
+        return Ok(());
+    };
+    let (middle, size) = (nalgebra::center(&min, &max), (max - min).norm());
+    let joints = skeleton.joints().iter().enumerate();
+    let distance = |joint: &Joint| (joint.rest_position - middle).norm();
+    let far: Vec<usize> = joints
+        .filter(|(_, joint)| distance(joint) > FAR_JOINT * size)
+        .map(|(number, _)| number)
+        .collect();
+    if far.is_empty() {
+        return Ok(());
+    }
+    let moves = |joint: usize| {
+        let mut vertices = 0..weights.num_vertices();
+        vertices.any(|vertex| {
+            weights
+                .vertex(vertex)
+                .any(|(of, weight)| of == joint && weight > 0.0)
+        })
+    };
+    match far.into_iter().find(|&joint| moves(joint)) {
+        None => Ok(()),
+        Some(number) => {
+            let joint = &skeleton.joints()[number];
+            Err(SkinError::FarJoint {
+                joint: number,
+                name: joint.name.clone(),
+                distance: distance(joint),
+                size,
+            })
+        }
+    }
+}
+
 impl Body {
     /// Checks that mesh, skeleton and weights fit together. The faces of a mesh that is inside out
     /// are [turned](Body::was_inside_out).
     ///
     /// # Errors
     ///
-    /// [`SkinError::VertexCount`] or [`SkinError::JointCount`].
+    /// [`SkinError::VertexCount`], [`SkinError::JointCount`] or [`SkinError::FarJoint`].
     ///
     /// # Panics
     ///
@@ -152,6 +194,7 @@ impl Body {
             });
         }
         weights.check_joints(&skeleton)?;
+        check_near(&rest, &skeleton, &weights)?;
         let was_inside_out = is_inside_out(rest.positions(), rest.faces());
         let rest = if was_inside_out { turned(rest) } else { rest };
         let outward = outward_faces(rest.positions(), rest.faces());

@@ -51,6 +51,18 @@ pub enum SkinError {
         /// The coordinate as found.
         value: f32,
     },
+    /// A joint that moves the skin is nowhere near it.
+    #[error("joint {joint} (`{name}`) is {distance} m away from the body, which is {size} m large")]
+    FarJoint {
+        /// Number of the joint, from 0.
+        joint: usize,
+        /// Its name.
+        name: String,
+        /// How far it is from the middle of the body, in metres.
+        distance: f32,
+        /// The diagonal of the body's box, in metres.
+        size: f32,
+    },
     /// Dense weights do not divide into rows of one weight a joint.
     #[error("{found} weights do not divide into rows of {num_joints} joints")]
     WeightCount {

@@ -142,7 +142,7 @@ pub fn role_names(role: Role) -> &'static [&'static str] {
         // Mixamo, Rigify
         Role::Collar(_) => &["collar", "clavicle", "clav", "scapula", "shoulder"],
         // MakeHuman | Unreal, Rigify, VRM, 3ds Max | others | OptiTrack | DAZ, Poser | Acclaim |
-        // CMU BVH, Mixamo | SMPL, classic BVH
+        // Auto-Rig Pro | CMU BVH, Mixamo | SMPL, classic BVH
         Role::Shoulder(_) => &[
             "upperarm01",
             "upperarm",
@@ -153,6 +153,7 @@ pub fn role_names(role: Role) -> &'static [&'static str] {
             "shldr",
             "humerus",
             "bicep",
+            "armstretch",
             "arm",
             "shoulder",
         ],
@@ -162,6 +163,7 @@ pub fn role_names(role: Role) -> &'static [&'static str] {
             "elbow",
             "forearm",
             "forearmbend",
+            "forearmstretch",
             "lowerarm01",
             "lowerarm",
             "lowarm",
@@ -176,6 +178,7 @@ pub fn role_names(role: Role) -> &'static [&'static str] {
         Role::Hip(_) => &[
             "thigh",
             "thighbend",
+            "thighstretch",
             "upleg",
             "upperleg01",
             "upperleg",
@@ -192,6 +195,7 @@ pub fn role_names(role: Role) -> &'static [&'static str] {
             "shin",
             "calf",
             "shank",
+            "legstretch",
             "lowerleg01",
             "lowerleg",
             "lowleg",

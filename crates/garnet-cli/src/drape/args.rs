@@ -100,7 +100,7 @@ pub(crate) struct DrapeArgs {
     #[arg(long, value_name = "JOBS", conflicts_with_all = OF_A_JOB)]
     pub(super) batch: Option<PathBuf>,
     /// Another garment, OBJ or package, over GARMENT and the layers before: an outfit.
-    #[arg(long = "layer", value_name = "GARMENT")]
+    #[arg(long = "layer", value_name = "GARMENT", value_parser = models::package_or_file)]
     pub(super) layers: Vec<PathBuf>,
     /// With `--pose`: write the posed body, as the drape is written; a folder for several OBJ.
     #[arg(long, value_name = "OUT", requires = "pose")]
@@ -485,7 +485,7 @@ impl Job {
                 "covered faces are written as JSON or text",
                 &["json", "txt"],
             )?;
-            output::check_file(path)?;
+            output::check_hidden(path)?;
         }
         job.hide = args.hide;
         args.view.as_deref().map_or(Ok(()), output::check_page)?;
@@ -738,10 +738,11 @@ impl InputArgs {
             scene.garment = GarmentPackage::template_at(folder);
             scene.own_rig = Some(folder.join(&manifest.rest_body.rig));
         }
+        let pose_up = self.pose_up.direction();
+        (self.motion).check(self.pose.as_ref(), pose_up.is_some())?;
         scene.rig = self.rig;
         scene.bodies = self.bodies;
         scene.rest_body = self.rest_body;
-        let pose_up = self.pose_up.direction();
         scene.pose = self.pose.map(|pose| PoseSource {
             up: pose_up,
             ..pose

@@ -6,7 +6,7 @@ use std::{
 };
 
 use anyhow::Context;
-use garnet::io::Target;
+use garnet::io::{Target, rig_beside};
 
 use super::{
     args::{Job, Source},
@@ -60,6 +60,11 @@ pub(super) fn check_outputs(
         inputs.push(scene);
     }
     inputs.extend(prepared.targets.iter().map(|target| target.path.as_path()));
+    // They may be read by a later run, if not by this one.
+    let rigs: Vec<PathBuf> = (prepared.targets.iter())
+        .map(|target| rig_beside(&target.path))
+        .collect();
+    inputs.extend(rigs.iter().map(PathBuf::as_path));
     inputs.extend(prepared.pose.iter().map(|pose| pose.path.as_path()));
     if job.follows {
         output::check_folder(&folder_of(job))?;

@@ -121,6 +121,13 @@ impl Found {
                 "drape a package, or leave out `--budget` and `--tolerance`",
             ));
         };
+        if is_other_cut && matches!(limit, Limit::Distance(_)) {
+            return Err(refused(
+                "`--tolerance` is given for another cut than that of the package",
+                "how far drapes are from the simulation is known of the package's own cut alone",
+                "leave it out, or name a variant with `--method`, or `--method sim`",
+            ));
+        }
         let manifest = GarmentPackage::read_manifest(folder)?;
         let mut options = ChoiceOptions::new(limit);
         options.relax_frames = job.settle;

@@ -189,7 +189,7 @@ pub(super) fn for_package(error: &PackageError) -> Option<&'static str> {
         PackageError::Rig(error) => for_file(&error.problem),
         PackageError::Skin(error) => for_skin(error),
         PackageError::Sim(error) => for_sim(error),
-        PackageError::Fabric { .. } => {
+        PackageError::Fabric { .. } | PackageError::Number { .. } => {
             Some("correct the value in the file, or make the package anew")
         }
         PackageError::Text { .. } => {

@@ -124,7 +124,13 @@ pub(super) fn for_file(problem: &FileProblem) -> Option<&'static str> {
             Some("rotations are written as `[x, y, z, w]` with norm 1")
         }
         FileProblem::FrameOutOfRange { .. } => Some("name a frame as `--pose FILE:FRAME`"),
-        FileProblem::NoPose => Some("`garnet drape --help` shows the form of a pose file"),
+        FileProblem::NoPose | FileProblem::SeveralPoses { .. } => {
+            Some("`garnet drape --help` shows the form of a pose file")
+        }
+        FileProblem::NotRotated { .. } => Some(
+            "a pose turns joints and moves the root: take out what pulls joints apart, or give the \
+             posed body in its place",
+        ),
         FileProblem::MissingFile { .. } => Some("paths in a JSON file are relative to it"),
         FileProblem::MissingKeys { .. } => Some(
             "a rig has the arrays `vertices`, `faces`, `blend_weights`, `joints` and `parents`, a model of the \
@@ -187,7 +193,8 @@ pub(super) fn for_skin(error: &SkinError) -> Option<&'static str> {
         SkinError::NotRigid { .. } => Some("bake scales of joints into the mesh before export"),
         SkinError::NonFiniteWeight { .. }
         | SkinError::NegativeWeight { .. }
-        | SkinError::NonFiniteJoint { .. } => Some("export the rig again"),
+        | SkinError::NonFiniteJoint { .. }
+        | SkinError::FarJoint { .. } => Some("export the rig again"),
         SkinError::Singular(_) => Some("`garnet info` shows what is unusual about the garment"),
         _ => None,
     }

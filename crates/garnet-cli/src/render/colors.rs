@@ -15,6 +15,7 @@ use crate::{
     failure::refused,
     hints::did_you_mean_or,
     input,
+    models::package_or_file,
 };
 
 /// What the first mesh is colored by.
@@ -63,11 +64,14 @@ const NAMES: [&str; 7] = [
 
 /// A package, with a size after an `@` unless that is a part of its name.
 fn fit_of(text: &str) -> Result<ColorBy, String> {
+    let package = |path: &str| match package_or_file(path) {
+        Ok(folder) => folder,
+    };
     match text.rsplit_once('@') {
         Some((path, named)) if !Path::new(text).exists() => {
-            Ok(ColorBy::Fit(path.into(), Some(size(named)?)))
+            Ok(ColorBy::Fit(package(path), Some(size(named)?)))
         }
-        _ => Ok(ColorBy::Fit(text.into(), None)),
+        _ => Ok(ColorBy::Fit(package(text), None)),
     }
 }
 

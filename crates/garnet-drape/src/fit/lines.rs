@@ -18,6 +18,14 @@ const SHARE_STEP: f64 = 0.02;
 /// cut deep.
 const DEEPEST_ARMHOLE: f64 = 0.15;
 
+/// Lines that are looked at below the first one. More pass folds over, and take narrower places of
+/// garments that taper.
+const NEIGHBORS: usize = 6;
+
+/// Lines longer than so many times the girth of the body that the garment lies on go round more than
+/// one limb, or along a fold.
+const LONGEST: f64 = 1.75;
+
 /// Sleeves and legs are measured no farther along the bone than these shares.
 const LOWEST_ON_ARM: f64 = 0.9;
 const LOWEST_ON_LEG: f64 = 0.6;
@@ -205,11 +213,28 @@ pub(super) fn round_trunk(cut: &Cut<'_>, tape: &Tape, height: f64) -> Option<Lin
     cut.line_round(tape, &plane, Tube::Trunk, &arms)
 }
 
-/// The highest line round the trunk between two heights, and its height.
+/// The highest line round the trunk between two heights, or one of those below it, if that is
+/// shorter, and the height of the highest.
 fn highest(cut: &Cut<'_>, tape: &Tape, [low, top]: [f64; 2]) -> Option<(f64, Line)> {
     let steps = ((top - low) / STEP).floor().max(0.0) as usize;
     let mut heights = (0..=steps).map(|step| top - STEP * step as f64);
-    heights.find_map(|height| Some((height, round_trunk(cut, tape, height)?)))
+    let found = heights.find_map(|height| Some((height, round_trunk(cut, tape, height)?)));
+    let (height, first) = found?;
+    let below = heights.take(NEIGHBORS);
+    let below = below.filter_map(|height| round_trunk(cut, tape, height));
+    Some((height, shortest(first, below)))
+}
+
+/// The shortest of lines: where cloth lies in folds, a plane meets it more than once, and the line
+/// is longer than the garment is wide.
+fn shortest(first: Line, others: impl Iterator<Item = Line>) -> Line {
+    others.fold(first, |least, line| {
+        if line.girth < least.girth {
+            line
+        } else {
+            least
+        }
+    })
 }
 
 /// Lines on both sides at the highest share of the bone where both go round their limb alone.
@@ -225,10 +250,11 @@ fn on_limb(
     let mut shares = (0..=steps).map(|step| usual + SHARE_STEP * step as f64);
     shares.find_map(|share| {
         let left = tape.bone_plane(region.measure(), share);
+        let most = LONGEST * tape.girth(&left);
         let planes = [left, left.mirrored()];
         let lines = planes.iter().zip(sides);
         let lines = lines.map(|(plane, side)| cut.line_round(tape, plane, side, &[Tube::Trunk]));
-        let lines: Vec<Line> = lines.flatten().collect();
+        let lines: Vec<Line> = lines.flatten().filter(|line| line.girth < most).collect();
         (!lines.is_empty()).then_some(RegionLine {
             region,
             place: Place::OnBone(share),

@@ -47,6 +47,20 @@ pub enum PackageError {
         /// What was expected and found, with line and column.
         reason: String,
     },
+    /// A number of a manifest is none that it may be.
+    #[error("`{}`: `{field}` is {value}, expected a number from {min} to {max}", path.display())]
+    Number {
+        /// The manifest.
+        path: PathBuf,
+        /// The number.
+        field: String,
+        /// As it is.
+        value: f64,
+        /// The least that it may be.
+        min: f64,
+        /// The greatest that it may be.
+        max: f64,
+    },
     /// The fabric of a package is none.
     #[error("`{}` is not usable", path.display())]
     Fabric {

@@ -149,6 +149,63 @@ impl Manifest {
         names.find(|name| !stays_inside(name))
     }
 
+    /// Refuses what is known of variants, in the manifest `path`, where it cannot be: by these
+    /// numbers they are chosen.
+    pub(super) fn check_numbers(&self, path: &Path) -> Result<(), PackageError> {
+        let mut numbers: Vec<(String, Option<f64>, f64)> = Vec::new();
+        for variant in &self.variants {
+            let expected = variant.expected;
+            let of_variant = [
+                ("distance_error", variant.distance_error, MOST_METRES),
+                ("settled_error", variant.settled_error, MOST_METRES),
+                ("valid_error", variant.valid_error, MOST_METRES),
+                ("seconds", variant.seconds, MOST_SECONDS),
+                ("settled_seconds", variant.settled_seconds, MOST_SECONDS),
+                ("flop", variant.flop, MOST_FLOP),
+                (
+                    "expected.distance",
+                    expected.map(|e| e.distance),
+                    MOST_METRES,
+                ),
+                ("expected.growth", expected.map(|e| e.growth), MOST_GROWTH),
+                ("expected.within", expected.map(|e| e.within), MOST_RATIO),
+            ];
+            let name = &variant.name;
+            let of_variant = of_variant.into_iter();
+            numbers.extend(of_variant.map(|(field, value, max)| {
+                (format!("{field}` of the variant `{name}"), value, max)
+            }));
+        }
+        if let Some(cost) = self.cost {
+            let field = |name: &str| format!("cost.{name}");
+            numbers.push((field("calibration"), Some(cost.calibration), MOST_SECONDS));
+            numbers.push((field("warp"), Some(cost.warp), MOST_SECONDS));
+        }
+        let means = self.poses.iter().flat_map(|poses| &poses.mean);
+        let mean = means.copied().find(|mean| !(-1.0..=1.0).contains(mean));
+        if let Some(mean) = mean {
+            return Err(PackageError::Number {
+                path: path.to_path_buf(),
+                field: "poses.mean".to_owned(),
+                value: f64::from(mean),
+                min: -1.0,
+                max: 1.0,
+            });
+        }
+        for (field, value, max) in numbers {
+            if let Some(value) = value.filter(|value| !(0.0..=max).contains(value)) {
+                return Err(PackageError::Number {
+                    path: path.to_path_buf(),
+                    field,
+                    value,
+                    min: 0.0,
+                    max,
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// The files with the weights of all variants.
     pub fn weight_files(&self) -> impl Iterator<Item = &str> {
         self.variants.iter().flat_map(|variant| {
@@ -223,6 +280,17 @@ impl Manifest {
             .or(self.variants.first())
     }
 }
+
+/// More than a mean distance of vertices may be, in metres.
+const MOST_METRES: f64 = 100.0;
+/// And the time of a drape, in seconds.
+const MOST_SECONDS: f64 = 1e5;
+/// And its operations.
+const MOST_FLOP: f64 = 1e18;
+/// And by how much the logarithm of the error grows, per radian.
+const MOST_GROWTH: f64 = 10.0;
+/// And how far off of what is expected drapes are.
+const MOST_RATIO: f64 = 1e3;
 
 /// A fabric as files hold it, in SI units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

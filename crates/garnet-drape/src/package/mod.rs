@@ -218,6 +218,7 @@ impl GarmentPackage {
             let what = format!("it names `{name}`, which is outside of the package");
             return Err(PackageError::foreign(&path, what));
         }
+        manifest.check_numbers(&path)?;
         let checked = manifest.fabric.fabric().check();
         checked.map_err(|source| PackageError::Fabric { path, source })?;
         Ok(manifest)

@@ -58,6 +58,12 @@ pub enum ArrayProblem {
         /// What it may be.
         expected: &'static str,
     },
+    /// Two entries are alike that have to differ.
+    #[error("it has `{name}` twice")]
+    Twice {
+        /// The entry.
+        name: String,
+    },
     /// The archive entry cannot be unpacked.
     #[error("it cannot be unpacked: {reason}")]
     Unpack {
