@@ -571,3 +571,87 @@ fn what_is_asked_for_in_vain_is_told_or_refused() {
         );
     }
 }
+
+#[test]
+fn rigs_that_pose_other_bodies_than_they_say_are_refused() {
+    let fixture = Fixture::new();
+    // An elbow a kilometre away, and one that has the name of the shoulder.
+    let joints = r#"[{"name": "shoulder", "parent": -1, "rest_position": [0, -0.7, 0]},
+        {"name": "elbow", "parent": 0, "rest_position": [0, 1000, 0]}]"#;
+    fixture.rig_json("far.json", joints, [0.5, 0.5]);
+    for arguments in [
+        "drape sleeve.obj bent.obj --rest-body body.obj --rig far.json -o out.obj",
+        "drape sleeve.obj body.obj --rig far.json --pose bend.json -o out.obj",
+    ] {
+        let words = "joint 1 (`elbow`) is 1000 m away from the body";
+        refused(&fixture, arguments, &["`far.json`", words]);
+    }
+    let rig = garnet::io::read_rig(fixture.path("body.rig.npz")).unwrap();
+    let joints = rig.skeleton.joints().iter().cloned();
+    let joints = joints.map(|joint| garnet::Joint {
+        name: "elbow".to_owned(),
+        ..joint
+    });
+    let skeleton = garnet::Skeleton::new(joints.collect()).unwrap();
+    let twice = garnet::Rig { skeleton, ..rig };
+    garnet::io::write_rig_npz(fixture.path("twice.npz"), &twice).unwrap();
+    refused(
+        &fixture,
+        "drape sleeve.obj body.obj --rig twice.npz --pose bend.json -o out.obj",
+        &["`twice.npz`", "joint_names", "it has `elbow` twice"],
+    );
+}
+
+#[test]
+fn poses_that_contradict_themselves_are_refused() {
+    let fixture = Fixture::new();
+    fixture.text(
+        "both.json",
+        r#"{"joints": {"elbow": [0.5, 0, 0, 0.866025]},
+            "local_rotation_xyzw": [[0, 0, 0, 1], [0, 0, 0, 1]]}"#,
+    );
+    // The forearm is taken off the arm.
+    fixture.text(
+        "apart.json",
+        r#"{"joint_transforms_row_major_4x4":
+            [[1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1],
+             [1, 0, 0, 0.3,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1]]}"#,
+    );
+    for (name, words) in [
+        (
+            "both.json",
+            "the pose is told in several ways: joints, local_rotation_xyzw",
+        ),
+        (
+            "apart.json",
+            "the transforms pull joints apart, by up to 0.3",
+        ),
+    ] {
+        let arguments = format!("drape sleeve.obj body.obj --pose {name} -o out.obj");
+        refused(&fixture, &arguments, &[&format!("`{name}`"), words]);
+    }
+    for option in [
+        "--ground",
+        "--in-place",
+        "--fps 10",
+        "--keep-flips",
+        "--keep-arms",
+        "--pose-up z",
+    ] {
+        let arguments = format!("drape sleeve.obj bent.obj --rig body.rig.npz {option} -o out.obj");
+        refused(&fixture, &arguments, &["is given without a pose"]);
+    }
+}
+
+#[test]
+fn vertices_that_no_face_names_are_no_cloth() {
+    let fixture = Fixture::new();
+    let sleeve = String::from_utf8(fixture.read("sleeve.obj")).unwrap();
+    // In the middle of the arm.
+    let strays: String = (0..600)
+        .map(|n| format!("v 0 {} 0\n", 0.001 * f64::from(n)))
+        .collect();
+    fixture.text("strays.obj", &(sleeve + &strays));
+    let output = fixture.garnet("drape strays.obj body.obj --pose bend.json -o out.obj");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+}

@@ -209,3 +209,30 @@ fn folders_that_are_gone_on_with_are_written_by_one_run_at_a_time() {
     done(&fixture, "body --sample 1 -o out -q");
     assert!(!fixture.path("out/garnet.lock").exists());
 }
+
+#[test]
+fn a_rig_beside_a_body_and_foreign_files_are_kept() {
+    let fixture = Fixture::new();
+    refused(
+        &fixture,
+        &format!("{DRAPE} -o body.rig.npz"),
+        &["`body.rig.npz`", "one of the files that are read"],
+    );
+    fixture.text("mine.json", "{\"my\": \"work\"}");
+    fixture.text("mine.txt", "my work\n");
+    for name in ["mine.json", "mine.txt"] {
+        let before = fixture.read(name);
+        refused(
+            &fixture,
+            &format!("{DRAPE} -o out.obj --hide {name}"),
+            &[&format!("cannot write `{name}`"), "it would be lost"],
+        );
+        assert!(fixture.read(name) == before);
+    }
+    // What an earlier run has written is written anew.
+    for name in ["hidden.json", "hidden.txt"] {
+        for _ in 0..2 {
+            done(&fixture, &format!("{DRAPE} -o out.obj --hide {name}"));
+        }
+    }
+}
