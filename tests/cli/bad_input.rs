@@ -648,9 +648,8 @@ fn vertices_that_no_face_names_are_no_cloth() {
     let fixture = Fixture::new();
     let sleeve = String::from_utf8(fixture.read("sleeve.obj")).unwrap();
     // In the middle of the arm.
-    let strays: String = (0..600)
-        .map(|n| format!("v 0 {} 0\n", 0.001 * f64::from(n)))
-        .collect();
+    let strays = (0..600).map(|n| format!("v 0 {} 0\n", 0.001 * f64::from(n)));
+    let strays = strays.collect::<Vec<String>>().concat();
     fixture.text("strays.obj", &(sleeve + &strays));
     let output = fixture.garnet("drape strays.obj body.obj --pose bend.json -o out.obj");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

@@ -1,5 +1,6 @@
 //! Many drapes that a file lists.
 
+use garnet::mesh::primitives::tube;
 use serde_json::Value;
 
 use crate::fixtures::{Fixture, refused_with_hint, stderr, stdout};
@@ -223,4 +224,21 @@ fn no_job_replaces_the_list_or_what_any_job_reads_or_writes() {
         assert_eq!(fixture.names(), names, "{text}");
         assert_eq!(fixture.read("jobs.json"), text.as_bytes());
     }
+}
+
+#[test]
+fn an_outfit_is_a_job_with_a_report_of_its_own() {
+    let fixture = Fixture::new();
+    fixture.mesh("coat.obj", &tube(0.16, 0.8, 40, 30));
+    fixture.text(
+        "jobs.json",
+        r#"[{"garment": "sleeve.obj", "layer": "coat.obj", "bodies": "bent.obj",
+             "rest-body": "body.obj", "output": "worn"}]"#,
+    );
+    let output = fixture.garnet("drape --batch jobs.json");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let line: Value = serde_json::from_str(stdout(&output).trim()).unwrap();
+    assert_eq!(line["report"]["schema"], "garnet.outfit/1", "{line}");
+    assert_eq!(line["report"]["layers"].as_array().unwrap().len(), 1);
+    assert!(fixture.path("worn/coat.obj").exists());
 }

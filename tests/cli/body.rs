@@ -318,3 +318,21 @@ fn a_glb_without_a_skin_is_refused_by_name() {
         assert!(!fixture.path("none.obj").exists());
     }
 }
+
+#[test]
+fn numbers_that_are_no_angles_are_refused_with_frame_and_joint() {
+    let fixture = Fixture::new();
+    let text = bvh();
+    let row = text.lines().last().unwrap();
+    let mut numbers: Vec<&str> = row.split_whitespace().collect();
+    let last = numbers.len() - 1;
+    numbers[last] = "1e38";
+    let damaged = text.replace(row, &numbers.join(" "));
+    fixture.text("damaged.bvh", &damaged);
+    let output = fixture.garnet("body --sex 1 --motion damaged.bvh -o frames");
+    let told = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("more than a hundred turns"), "{told}");
+    assert!(told.contains("frame 1, joint"), "{told}");
+    assert!(!fixture.path("frames").exists());
+}

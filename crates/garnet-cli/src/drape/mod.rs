@@ -61,7 +61,7 @@ pub(crate) fn run(args: DrapeArgs, console: &Console) -> anyhow::Result<ExitStat
         return batch::run(jobs, console);
     }
     match args.outfit()? {
-        Some(outfit) => outfit::run(outfit, console),
+        Some(outfit) => outfit::run(outfit, console).map(|(status, _)| status),
         None => do_job(|| Job::new(args), console),
     }
 }

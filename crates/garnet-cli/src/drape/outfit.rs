@@ -38,7 +38,7 @@ const MOST_CROSSING: f64 = 0.02;
 
 /// What was draped over each other, and what runs through each other. SI units.
 #[derive(Debug, Serialize)]
-struct OutfitReport {
+pub(super) struct OutfitReport {
     schema: &'static str,
     version: &'static str,
     /// The reports of the garments, the inner first.
@@ -77,7 +77,10 @@ struct Garment {
 }
 
 /// Drapes one garment after the other, parts them, writes and reports.
-pub(super) fn run(args: OutfitArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+pub(super) fn run(
+    args: OutfitArgs,
+    console: &Console,
+) -> anyhow::Result<(ExitStatus, OutfitReport)> {
     let (folder, report_path) = (args.folder.clone(), args.report.clone());
     let (done, seconds) = timed(|| drape_all(args, console));
     let (garments, layers) = done?;
@@ -131,7 +134,7 @@ pub(super) fn run(args: OutfitArgs, console: &Console) -> anyhow::Result<ExitSta
     let worst = statuses
         .into_iter()
         .find(|status| *status != ExitStatus::Done);
-    Ok(worst.unwrap_or(ExitStatus::Done))
+    Ok((worst.unwrap_or(ExitStatus::Done), report))
 }
 
 type Reports = Vec<(DrapeReport, Job)>;

@@ -43,6 +43,9 @@ pub(super) fn for_motion(problem: &MotionProblem) -> Option<&'static str> {
         MotionProblem::TurnsOverAndOver { .. } => {
             Some("rotations are in radians; multiply degrees by pi / 180")
         }
+        MotionProblem::NotAnAngle { .. } => {
+            Some("export the motion again, or correct the number: rotations are in degrees")
+        }
         MotionProblem::File(problem)
             if matches!(
                 **problem,

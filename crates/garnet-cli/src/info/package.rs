@@ -4,6 +4,7 @@ use std::path::Path;
 
 use garnet::Package;
 use garnet::package::{GarmentPackage, Variant};
+use garnet::pattern::Size;
 use serde::Serialize;
 
 use super::table::Table;
@@ -22,6 +23,8 @@ pub(crate) struct PackageInfo {
     /// The body that it lies on.
     rig: String,
     body_vertices: usize,
+    /// Sizes that are stored beside the template.
+    sizes: Vec<String>,
     /// The trained networks.
     variants: Vec<VariantInfo>,
 }
@@ -44,12 +47,18 @@ struct VariantInfo {
 
 impl PackageInfo {
     pub(crate) fn read(folder: &Path) -> anyhow::Result<Self> {
+        let content = GarmentPackage::read(folder)?;
+        let mut sizes = content.sizes(folder)?;
+        sizes.sort_by_key(|name| {
+            let mut known = Size::ALL.iter();
+            known.position(|size| size.to_string().eq_ignore_ascii_case(name))
+        });
         let GarmentPackage {
             manifest,
             mesh,
             body,
             ..
-        } = GarmentPackage::read(folder)?;
+        } = content;
         let bound = if manifest.variants.is_empty() {
             None
         } else {
@@ -79,6 +88,7 @@ impl PackageInfo {
             pattern: manifest.pattern.as_ref().map(|found| found.kind.clone()),
             rig: shown(&folder.join(&manifest.rest_body.rig)),
             body_vertices: body.rest().num_vertices(),
+            sizes,
             variants: manifest.variants.iter().map(of).collect(),
             fabric: manifest.fabric.name.clone(),
             name: manifest.name.clone(),
@@ -95,6 +105,9 @@ impl PackageInfo {
         table.row("pattern", self.pattern.as_deref().unwrap_or("none"));
         table.row("body", &self.rig);
         table.row("body vertices", self.body_vertices);
+        if !self.sizes.is_empty() {
+            table.row("sizes", self.sizes.join(", "));
+        }
         table.row("networks", self.variants.len());
         for variant in &self.variants {
             table.row(&format!("  {}", variant.name), variant.told());

@@ -55,6 +55,7 @@ pub(super) fn parse(text: &str, options: &ReadOptions) -> Result<Motion, MotionP
         return Err(MotionProblem::NoFrames);
     }
 
+    check_angles(&joints, &rows)?;
     let skeleton = rest_skeleton(&joints)?;
     let (adds, stretch) = positions_below_roots(&joints, &rows);
     let root = skeleton.parents_first().first().copied().unwrap_or(0);
@@ -295,6 +296,30 @@ fn positions_below_roots(joints: &[BvhJoint], rows: &[Vec<f64>]) -> (bool, f64) 
     }
     let adds = sums[1] < sums[0];
     (adds, largest[usize::from(adds)])
+}
+
+/// No joint turns by more, in degrees: a hundred turns, as of a root that is never wound back.
+const MOST_DEGREES: f64 = 36_000.0;
+
+/// Refuses numbers that are no angles.
+fn check_angles(joints: &[BvhJoint], rows: &[Vec<f64>]) -> Result<(), MotionProblem> {
+    let channels = joints.iter().enumerate().flat_map(|(number, joint)| {
+        let channels = joint.channels.iter();
+        channels.map(move |channel| (number, joint, channel))
+    });
+    let channels: Vec<_> = channels.collect();
+    for (frame, row) in rows.iter().enumerate() {
+        for (&(number, joint, channel), &degrees) in channels.iter().zip(row) {
+            if matches!(channel, Channel::Rotation(_)) && degrees.abs() > MOST_DEGREES {
+                return Err(MotionProblem::NotAnAngle {
+                    frame,
+                    joint: format!("{number} (`{}`)", joint.name),
+                    degrees,
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 fn frame(joints: &[BvhJoint], root: usize, row: &[f64]) -> Pose {

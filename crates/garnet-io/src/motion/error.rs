@@ -107,6 +107,16 @@ pub enum MotionProblem {
         /// The angle.
         radians: f64,
     },
+    /// An angle is none: joints turn by a hundred turns at most.
+    #[error("frame {frame}, joint {joint} turns by {degrees} degrees, more than a hundred turns")]
+    NotAnAngle {
+        /// The frame, from 0.
+        frame: usize,
+        /// The joint: its number, from 0, and its name.
+        joint: String,
+        /// The angle.
+        degrees: f64,
+    },
     /// Six numbers a joint may mean either of two rotations.
     #[error("`{key}` has six numbers a joint: two rows, or two columns, of a matrix")]
     RowsOrColumns {

@@ -13,7 +13,9 @@ use list::Options;
 
 use super::{
     args::{DrapeArgs, Job},
-    done, judge, outfit, publish,
+    done, judge,
+    outfit::{self, OutfitReport},
+    publish,
     report::DrapeReport,
 };
 use crate::{
@@ -43,6 +45,14 @@ impl Problem {
     }
 }
 
+/// The report of a job, as a run of its own writes it.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Done {
+    Drape(Box<DrapeReport>),
+    Outfit(Box<OutfitReport>),
+}
+
 /// A line for each job.
 #[derive(Debug, Serialize)]
 struct LineReport {
@@ -52,8 +62,8 @@ struct LineReport {
     output: String,
     /// As the command would have ended with it.
     exit_code: u8,
-    /// What was done; none of outfits.
-    report: Option<DrapeReport>,
+    /// What was done.
+    report: Option<Done>,
     /// Why it was not.
     error: Option<Failure>,
 }
@@ -103,13 +113,15 @@ pub(super) fn run(path: &Path, console: &Console) -> anyhow::Result<ExitStatus> 
     })
 }
 
-fn once(args: DrapeArgs, console: &Console) -> anyhow::Result<(ExitStatus, Option<DrapeReport>)> {
+fn once(args: DrapeArgs, console: &Console) -> anyhow::Result<(ExitStatus, Option<Done>)> {
     if let Some(outfit) = args.outfit()? {
-        return Ok((outfit::run(outfit, console)?, None));
+        let (status, report) = outfit::run(outfit, console)?;
+        return Ok((status, Some(Done::Outfit(Box::new(report)))));
     }
     let (report, job) = done(|| Job::new(args), console)?;
     publish(&report, &job, console)?;
-    Ok((judge(&report, &job, console), Some(report)))
+    let status = judge(&report, &job, console);
+    Ok((status, Some(Done::Drape(Box::new(report)))))
 }
 
 /// The jobs of a file, all of them checked before the first is done: their arguments, and that none
