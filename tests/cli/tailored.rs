@@ -270,10 +270,58 @@ fn what_networks_have_not_learned_is_told_and_far_from_it_simulated() {
         (report["method"].as_str().unwrap().to_owned(), is_told)
     };
     assert_eq!(draped(""), ("accurate".to_owned(), false));
-    assert_eq!(draped("--size l"), ("accurate".to_owned(), true));
+    // Two variants have learned sizes, too; `fast` has not.
+    assert_eq!(draped("--size l"), ("accurate".to_owned(), false));
+    assert_eq!(
+        draped("--size xs --method balanced"),
+        ("balanced".to_owned(), false)
+    );
+    assert_eq!(draped("--size l --method fast"), ("fast".to_owned(), true));
     assert_eq!(
         draped("--size 3xl --method fast"),
         ("fast".to_owned(), true)
     );
     assert_eq!(draped("--size 3xl"), ("sim".to_owned(), false));
+}
+
+#[test]
+fn scenes_of_a_size_are_of_the_package_in_that_size() {
+    let fixture = shirt_and_bodies();
+    let shirt = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/tshirt");
+    let options = "--bodies 1/0/0 --poses 1 --keep-all -q";
+    done(
+        &fixture,
+        &format!("dataset {shirt} --size l -o scenes {options}"),
+    );
+    let manifest: Value = serde_json::from_slice(&fixture.read("scenes/dataset.json")).unwrap();
+    let own = fs::read_to_string(format!("{shirt}/garment.toml")).unwrap();
+    let places = manifest["garment"]["positions"].as_str().unwrap();
+    assert!(
+        !own.contains(places),
+        "size L lies elsewhere than the template"
+    );
+    // The package measures them in that size.
+    let eval = "--split train --model balanced";
+    done(
+        &fixture,
+        &format!("eval {shirt} scenes {eval} --report report.json -q"),
+    );
+    let methods = report(&fixture)["methods"].as_array().unwrap().clone();
+    assert!(!methods.is_empty());
+
+    done(&fixture, "garment jeans --vertices 600 -o jeans -q");
+    for (arguments, words) in [
+        (
+            "jeans --size 32x34",
+            "each body wears a garment cut to its measures",
+        ),
+        ("tee --size 32x34", "there is no size `32x34`"),
+        ("tee --size huge", "there is no size `huge`"),
+    ] {
+        let output = fixture.garnet(&format!("dataset {arguments} -o none"));
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        let told = stderr(&output);
+        assert!(told.contains(words), "{arguments}: {told}");
+        assert!(!fixture.path("none").exists(), "{arguments}");
+    }
 }

@@ -316,3 +316,14 @@ fn what_is_left_out_of_a_glb_is_told_by_pictures_and_pages() {
         assert!(told.contains(&format!("note: {note}")), "{told}");
     }
 }
+
+#[test]
+fn frames_of_a_glb_that_are_not_shown_are_told() {
+    let fixture = Fixture::new();
+    let drape = "drape sleeve.obj bent.obj more.obj --rest-body body.obj -o moving.glb";
+    done(&fixture, drape);
+    let output = fixture.garnet("render moving.glb -o moving.png");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let told = stderr(&output);
+    assert!(told.contains("(its shapes in later frames)"), "{told}");
+}

@@ -37,8 +37,8 @@ pub struct Package {
     content: GarmentPackage,
     garment: Arc<BoundGarment>,
     simulator: OnceLock<Arc<Simulator>>,
-    /// Whether the garment is as its variants have learned it: the template, or made to measure.
-    is_own_cut: bool,
+    /// Whether the garment is in another size than the template.
+    is_other_size: bool,
 }
 
 impl Package {
@@ -56,7 +56,7 @@ impl Package {
             content,
             garment: Arc::new(garment),
             simulator: OnceLock::new(),
-            is_own_cut: true,
+            is_other_size: false,
         })
     }
 
@@ -74,9 +74,8 @@ impl Package {
             return Err(PackageError::foreign(&self.folder, what).into());
         }
         let garment = Garment::new(content.mesh.clone()).bind(&content.body)?;
-        let is_own = self.is_own_cut && content.manifest.positions == self.manifest().positions;
         Ok(Self {
-            is_own_cut: is_own || content.manifest.is_made_to_measure(),
+            is_other_size: self.is_other_size,
             folder: self.folder.clone(),
             content,
             garment: Arc::new(garment),
@@ -102,7 +101,10 @@ impl Package {
     /// [`Garment::bind`] refuses.
     pub fn in_size(&self, size: &str) -> Result<Self, Error> {
         match self.content.in_size(&self.folder, size)? {
-            Some(content) => self.with_content(content),
+            Some(content) => Ok(Self {
+                is_other_size: true,
+                ..self.with_content(content)?
+            }),
             None => Err(PackageError::NoSize {
                 name: size.to_owned(),
                 known: self.sizes()?.join(", "),
@@ -208,10 +210,10 @@ impl Package {
     }
 
     fn draper_relaxed(&self, name: &str, is_relaxed: Option<bool>) -> Result<Draper, Error> {
-        let weights = if self.is_own_cut {
-            self.manifest().weights_of(&self.folder, name)?
+        let weights = if self.is_other_size {
+            self.manifest().weights_of_sizes(&self.folder, name)?
         } else {
-            self.manifest().weights_of_cuts(&self.folder, name)?
+            self.manifest().weights_of(&self.folder, name)?
         };
         let parameters = self.manifest().sewing_parameters();
         let network = Network::load(weights, &self.garment, &parameters)?;

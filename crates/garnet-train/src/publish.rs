@@ -234,7 +234,7 @@ pub(crate) fn scored_variant(
         settled_seconds: None,
         name: name.to_owned(),
         weights: weights_file(name),
-        weights_of_cuts: None,
+        weights_of_sizes: None,
         default: false,
         // Where cloth is on its way is no drape.
         distance_error: test_error.filter(|_| moment.is_rest()),

@@ -104,9 +104,9 @@ fn done(
         };
         let mut whole: Option<DrapeReport> = None;
         for (prepared, part) in by_wearer(prepared, part, &job)? {
-            let is_other_cut = prepared.cut.as_ref().is_some_and(|cut| cut.is_unknown);
+            let cut = prepared.cut.clone();
             let bind = || timed(|| Bound::new(prepared));
-            let (bound, bind, found) = Found::beside(&job, is_other_cut, bind)?;
+            let (bound, bind, found) = Found::beside(&job, cut.as_deref(), bind)?;
             info!(seconds = bind, "bound");
             let mut ready = Ready::new(bound, found, &job, console)?;
             told::method(&ready, &job);

@@ -208,9 +208,9 @@ fn ready_garment(args: super::DrapeArgs, console: &Console) -> anyhow::Result<Ga
     // There is one target, and so one wearer.
     let of_wearer = by_wearer(prepared, part, &job)?.into_iter().next();
     let (prepared, part) = of_wearer.context("there is nothing to drape on")?;
-    let is_other_cut = prepared.cut.as_ref().is_some_and(|cut| cut.is_unknown);
+    let cut = prepared.cut.clone();
     let bind = || timed(|| Bound::new(prepared));
-    let (bound, bind, found) = Found::beside(&job, is_other_cut, bind)?;
+    let (bound, bind, found) = Found::beside(&job, cut.as_deref(), bind)?;
     let ready = Ready::new(bound, found, &job, console)?;
     Ok(Garment {
         name,

@@ -20,6 +20,7 @@ use super::{
     method_name,
     report::{NetworkReport, SimulationReport},
     simulated::{Simulated, simulator_of},
+    tailored::Cut,
     warning::{Problem, Warning},
 };
 use crate::{
@@ -78,6 +79,11 @@ pub(super) struct Unbound {
     is_relaxed: Option<bool>,
 }
 
+/// Whether a garment is cut in a size, and is the package's own but for that.
+fn is_of_size(cut: Option<&Cut>) -> bool {
+    cut.is_some_and(|cut| cut.is_size)
+}
+
 /// The folder of the package that is draped, if it is one.
 pub(super) fn package_of(source: &Source) -> Option<&Path> {
     match source {
@@ -91,28 +97,27 @@ impl Found {
     /// a distance is chosen by the poses, which are known once the garment is bound.
     pub(super) fn beside<T: Send>(
         job: &Job,
-        is_other_cut: bool,
+        cut: Option<&Cut>,
         bind: impl FnOnce() -> (anyhow::Result<Bound>, T) + Send,
     ) -> anyhow::Result<(Bound, T, (Self, Option<ChoiceReport>))> {
         if !matches!(job.limit, Some(Limit::Distance(_))) {
-            let ((bound, seconds), found) =
-                rayon::join(bind, || Self::read(job, is_other_cut, None));
+            let ((bound, seconds), found) = rayon::join(bind, || Self::read(job, cut, None));
             return Ok((bound?, seconds, found?));
         }
         let (bound, seconds) = bind();
         let bound = bound?;
-        let found = Self::read(job, is_other_cut, Some(&bound))?;
+        let found = Self::read(job, cut, Some(&bound))?;
         Ok((bound, seconds, found))
     }
 
     /// Reads the network that was chosen, or chooses one, by the poses of what is bound, if it is.
     fn read(
         job: &Job,
-        is_other_cut: bool,
+        cut: Option<&Cut>,
         bound: Option<&Bound>,
     ) -> anyhow::Result<(Self, Option<ChoiceReport>)> {
         let Some(limit) = job.limit else {
-            return Ok((Self::of(&job.network, &job.source, is_other_cut)?, None));
+            return Ok((Self::of(&job.network, &job.source, is_of_size(cut))?, None));
         };
         let Some(folder) = package_of(&job.source) else {
             return Err(refused(
@@ -121,7 +126,8 @@ impl Found {
                 "drape a package, or leave out `--budget` and `--tolerance`",
             ));
         };
-        if is_other_cut && matches!(limit, Limit::Distance(_)) {
+        let is_unknown = cut.is_some_and(|cut| cut.is_unknown);
+        if is_unknown && matches!(limit, Limit::Distance(_)) {
             return Err(refused(
                 "`--tolerance` is given for another cut than that of the package",
                 "how far drapes are from the simulation is known of the package's own cut alone",
@@ -139,7 +145,7 @@ impl Found {
             Some(chosen) => {
                 let is_relaxed = Some(chosen.is_relaxed);
                 let name = &chosen.variant;
-                let unbound = Unbound::read(folder, manifest, name, (is_relaxed, is_other_cut))?;
+                let unbound = Unbound::read(folder, manifest, name, (is_relaxed, is_of_size(cut)))?;
                 Self::Network(Box::new(unbound))
             }
             None => Self::NotAsked,
@@ -147,7 +153,7 @@ impl Found {
         Ok((found, Some(ChoiceReport::new(&choice))))
     }
 
-    fn of(choice: &NetworkChoice, source: &Source, is_other_cut: bool) -> anyhow::Result<Self> {
+    fn of(choice: &NetworkChoice, source: &Source, is_size: bool) -> anyhow::Result<Self> {
         let (folder, name) = match (choice, package_of(source)) {
             (NetworkChoice::None, _) | (NetworkChoice::Default, None) => return Ok(Self::NotAsked),
             (NetworkChoice::Default, Some(folder)) => (folder, None),
@@ -168,7 +174,7 @@ impl Found {
         let Some(name) = name.map(str::to_owned).or(default) else {
             return Ok(Self::NoneInPackage);
         };
-        let unbound = Unbound::read(folder, manifest, &name, (None, is_other_cut))?;
+        let unbound = Unbound::read(folder, manifest, &name, (None, is_size))?;
         Ok(Self::Network(Box::new(unbound)))
     }
 }
@@ -178,10 +184,10 @@ impl Unbound {
         folder: &Path,
         manifest: Manifest,
         name: &str,
-        (is_relaxed, is_other_cut): (Option<bool>, bool),
+        (is_relaxed, is_size): (Option<bool>, bool),
     ) -> anyhow::Result<Self> {
-        let weights = if is_other_cut {
-            manifest.weights_of_cuts(folder, name)
+        let weights = if is_size {
+            manifest.weights_of_sizes(folder, name)
         } else {
             manifest.weights_of(folder, name)
         };
@@ -333,7 +339,8 @@ impl Ready {
             Found::Network(network) => {
                 let (joined, report, known) = network.joined(draper.clone(), &bound, job.settle)?;
                 let is_other = bound.cut.as_ref().is_some_and(|cut| cut.is_unknown);
-                let knows_cut = joined.network().is_some_and(|network| network.knows_cut());
+                let knows_cut = is_of_size(bound.cut.as_deref())
+                    && joined.network().is_some_and(|network| network.knows_cut());
                 simulation = simulation_of(&bound, knows_cut, job, console);
                 if simulation.is_none() {
                     if is_other && !knows_cut {

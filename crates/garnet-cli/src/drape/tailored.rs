@@ -50,6 +50,8 @@ pub(crate) struct Cut {
     pub(super) report: CutReport,
     /// Whether variants have learned another cut.
     pub(super) is_unknown: bool,
+    /// Whether that is because of its size alone.
+    pub(super) is_size: bool,
     /// Whether that is so far from this one that drapes are simulated.
     pub(super) is_far: bool,
 }
@@ -194,6 +196,7 @@ impl Tailoring {
             package,
             report,
             is_unknown: is_other,
+            is_size: size.is_some() && self.changed().is_empty() && !self.is_to_measure(),
             is_far: is_other && self.is_far(size),
         }
     }

@@ -113,15 +113,9 @@ impl EvalArgs {
     pub(crate) fn candidates(
         &self,
         package: &GarmentPackage,
-        is_other_cut: bool,
+        is_size: bool,
     ) -> anyhow::Result<Vec<Candidate>> {
-        candidates(
-            &self.package,
-            package,
-            &self.model,
-            self.settle,
-            is_other_cut,
-        )
+        candidates(&self.package, package, &self.model, self.settle, is_size)
     }
 }
 
@@ -141,13 +135,13 @@ pub(crate) fn check_apart(
 }
 
 /// Skinning, warp, and models of a package in a folder by name or file, each also settled; all of
-/// the package if none are named. Scenes may be of a garment that is cut otherwise.
+/// the package if none are named. Scenes may be of another size.
 pub(crate) fn candidates(
     folder: &Path,
     package: &GarmentPackage,
     models: &[String],
     settle: Option<u32>,
-    is_other_cut: bool,
+    is_size: bool,
 ) -> anyhow::Result<Vec<Candidate>> {
     let variants = &package.manifest.variants;
     let all = variants.iter().map(|variant| variant.name.clone());
@@ -166,8 +160,8 @@ pub(crate) fn candidates(
             path.to_path_buf()
         } else {
             let cannot = || format!("cannot measure `{name}` of `{}`", folder.display());
-            let weights = if is_other_cut {
-                package.manifest.weights_of_cuts(folder, &name)
+            let weights = if is_size {
+                package.manifest.weights_of_sizes(folder, &name)
             } else {
                 package.manifest.weights_of(folder, &name)
             };

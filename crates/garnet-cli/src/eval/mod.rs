@@ -28,8 +28,8 @@ pub(crate) fn run(args: &EvalArgs, console: &Console) -> anyhow::Result<ExitStat
     // What is misspelt is told before the data set is read.
     args.candidates(&package, false)?;
     let stage = Stage::open(&args.package, &args.dataset).map_err(advised)?;
-    let is_other_cut = stage.package.manifest.positions != package.manifest.positions;
-    let candidates = args.candidates(&package, is_other_cut)?;
+    let is_size = stage.package.manifest.positions != package.manifest.positions;
+    let candidates = args.candidates(&package, is_size)?;
     let mut bar = None;
     let mut observer = |event| {
         if let EvalEvent::Scene { done, total } = event {

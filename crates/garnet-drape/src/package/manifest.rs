@@ -209,8 +209,8 @@ impl Manifest {
     /// The files with the weights of all variants.
     pub fn weight_files(&self) -> impl Iterator<Item = &str> {
         self.variants.iter().flat_map(|variant| {
-            let of_cuts = variant.weights_of_cuts.iter();
-            of_cuts.chain([&variant.weights]).map(String::as_str)
+            let of_sizes = variant.weights_of_sizes.iter();
+            of_sizes.chain([&variant.weights]).map(String::as_str)
         })
     }
 
@@ -251,16 +251,16 @@ impl Manifest {
         })
     }
 
-    /// The same for a garment that is [cut otherwise](Variant::weights_of_cuts) than the template,
-    /// if the variant has such weights.
+    /// The same for a size beside the template, if the variant [has such
+    /// weights](Variant::weights_of_sizes).
     ///
     /// # Errors
     ///
     /// As [`Manifest::weights_of`].
-    pub fn weights_of_cuts(&self, folder: &Path, name: &str) -> Result<PathBuf, PackageError> {
-        let of_cuts = self.variant(name);
-        match of_cuts.and_then(|variant| variant.weights_of_cuts.as_ref()) {
-            Some(of_cuts) => Ok(folder.join(of_cuts)),
+    pub fn weights_of_sizes(&self, folder: &Path, name: &str) -> Result<PathBuf, PackageError> {
+        let variant = self.variant(name);
+        match variant.and_then(|variant| variant.weights_of_sizes.as_ref()) {
+            Some(of_sizes) => Ok(folder.join(of_sizes)),
             None => self.weights_of(folder, name),
         }
     }
@@ -407,10 +407,10 @@ pub struct Variant {
     pub aliases: Vec<String>,
     /// File with its weights, in the package.
     pub weights: String,
-    /// File with the weights for other cuts than that of the template, in the package: of a network
-    /// that is told how the garment is cut.
+    /// File with the weights for the sizes beside the template, in the package: of a network that is
+    /// told how the garment is cut.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub weights_of_cuts: Option<String>,
+    pub weights_of_sizes: Option<String>,
     /// Whether it is taken if none is asked for.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub default: bool,
@@ -496,7 +496,7 @@ mod tests {
                 seconds: None,
                 settled_seconds: None,
                 name: name.to_owned(),
-                weights_of_cuts: None,
+                weights_of_sizes: None,
                 weights: format!("{name}.safetensors"),
                 default: false,
                 distance_error: None,

@@ -3,10 +3,12 @@
 use std::path::Path;
 
 use garnet_mesh::{Point3, TriMesh};
+use gltf::json::animation::Property;
+use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
 
 use super::{
-    GltfProblem, RigPart, container, modes,
+    GltfProblem, LeftOut, RigPart, container, modes,
     nodes::{self, Nodes},
     rig::{MOST_ELEMENTS, Reader, opened},
 };
@@ -22,6 +24,16 @@ pub(crate) fn read_bare(path: &Path) -> Result<(TriMesh, Vec<RigPart>), FileErro
     let folder = path.parent().unwrap_or(Path::new(""));
     json::read_with(path, |bytes| {
         opened(bytes, |root, _, binary| joined(root, binary, folder))
+    })
+}
+
+/// Whether an animation changes the shape of the mesh of a node.
+fn changes_shape(root: &Root, node: usize) -> bool {
+    let channels = root.animations.iter().flat_map(|clip| &clip.channels);
+    let mut targets = channels.map(|channel| &channel.target);
+    targets.any(|target| {
+        let is_shape = matches!(target.path, Checked::Valid(Property::MorphTargetWeights));
+        is_shape && target.node.value() == node
     })
 }
 
@@ -56,6 +68,9 @@ fn joined(
         let morph = morph.map_or(&[][..], Vec::as_slice);
         let name = nodes::name(root, node);
         let num_before = faces.len();
+        if changes_shape(root, node) {
+            RigPart::add_left_out(&mut faceless, Some(&name), LeftOut::LaterShapes);
+        }
         for (place, primitive) in mesh.primitives.iter().enumerate() {
             if positions.len().max(faces.len()) > MOST_ELEMENTS {
                 return Err(GltfProblem::TooLarge {

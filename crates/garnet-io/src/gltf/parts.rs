@@ -25,6 +25,8 @@ pub enum LeftOut {
     OtherSkeleton,
     /// It is made of points or lines, without faces.
     NoFaces,
+    /// It is read as it is at first: an animation changes its shape, frame by frame.
+    LaterShapes,
 }
 
 impl LeftOut {
@@ -40,6 +42,7 @@ impl LeftOut {
             Self::NotChosen => "not chosen",
             Self::OtherSkeleton => "not on this skeleton",
             Self::NoFaces => "points or lines",
+            Self::LaterShapes => "its shapes in later frames",
         }
     }
 }
@@ -59,10 +62,14 @@ pub struct RigPart {
 impl RigPart {
     /// Adds points or lines of a mesh, once a name.
     pub(super) fn add_faceless(parts: &mut Vec<Self>, name: Option<&String>) {
+        Self::add_left_out(parts, name, LeftOut::NoFaces);
+    }
+
+    pub(super) fn add_left_out(parts: &mut Vec<Self>, name: Option<&String>, why: LeftOut) {
         let part = Self {
             name: name.cloned().unwrap_or_else(|| "unnamed".to_owned()),
             num_faces: 0,
-            left_out: Some(LeftOut::NoFaces),
+            left_out: Some(why),
         };
         if !parts.contains(&part) {
             parts.push(part);

@@ -169,7 +169,7 @@ fn weights_do_not_take_the_place_of_other_files() {
         settled_seconds: None,
         name: "old".to_owned(),
         weights: "local.safetensors".to_owned(),
-        weights_of_cuts: None,
+        weights_of_sizes: None,
         default: false,
         distance_error: None,
         settled_error: None,

@@ -161,6 +161,27 @@ fn a_network_starts_where_networks_would_have_told_scenes_that_they_had_not_seen
     );
 }
 
+#[test]
+fn networks_may_be_told_how_the_garment_is_cut() {
+    let invented = Invented::new();
+    with_arrivals(&invented);
+    let told = |cuts: bool| {
+        let mut config = by_networks(5);
+        config.pose_space.cuts = cuts;
+        run(&invented.job(ARRIVAL, config)).unwrap();
+        let file = format!("{}.safetensors", ARRIVAL);
+        PoseSpace::load(&invented.package().join(file)).unwrap()
+    };
+    let stage = stage(&invented);
+    let cut = *stage.template().graph.cut();
+    let [girth, height, width] = cut;
+    assert!(girth > 0.0 && height > 0.0 && width > 0.0, "{cut:?}");
+    assert!(!told(false).knows(&cut));
+    let space = told(true);
+    assert!(space.knows(&cut));
+    assert!(!space.knows(&[1.2 * girth, height, width]));
+}
+
 /// Of the distance of the scenes of the training from what a deformation tells, in units of 0.1 m.
 fn mean_square(invented: &Invented, space: &PoseSpace) -> f64 {
     let sums = std::sync::Mutex::new((0.0, 0.0));
