@@ -255,6 +255,10 @@ pub fn aligned(garment: &TriMesh, body: &Body) -> Result<Option<(TriMesh, Alignm
     let Some(mesh) = mesh else {
         return Ok(None);
     };
+    // What is best may be no place to be bound at.
+    if Cloth::new(&mesh).is_none_or(|placed| placed.lies_on(body).is_none()) {
+        return Ok(None);
+    }
     let alignment = Alignment {
         scale: guess.scale,
         was_z_up: guess.is_z_up,
@@ -339,8 +343,9 @@ impl Cloth {
         })
     }
 
-    /// A garment that lies on the body with limbs through its openings; none if it does not.
-    fn as_it_is(&self, garment: &TriMesh, body: &Body, wearer: &Wearer) -> Option<Alignment> {
+    /// Offsets from the skin and normals there `[vertex]`, of any length, of cloth that lies on the
+    /// body; none if it does not.
+    fn lies_on(&self, body: &Body) -> Option<(Vec<Vector3>, Vec<Vector3>)> {
         let bounds = Bounds::of_faces(body.rest().positions(), body.rest().faces())?;
         check_sizes(&self.bounds, &bounds, Frame::OURS).ok()?;
         let skin = body.skin();
@@ -352,6 +357,12 @@ impl Cloth {
         };
         let (offsets, normals): (Vec<_>, Vec<_>) = self.positions.iter().map(offset).unzip();
         check_offsets(&self.positions, &offsets, &normals, &bounds).ok()?;
+        Some((offsets, normals))
+    }
+
+    /// A garment that lies on the body with limbs through its openings; none if it does not.
+    fn as_it_is(&self, garment: &TriMesh, body: &Body, wearer: &Wearer) -> Option<Alignment> {
+        let (offsets, normals) = self.lies_on(body)?;
         let inside = offsets.iter().zip(&normals).filter(|(offset, normal)| {
             offset.dot(normal) < 0.0 && offset.norm() > DEEP * wearer.height
         });

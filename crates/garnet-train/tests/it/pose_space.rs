@@ -169,7 +169,7 @@ fn networks_may_be_told_how_the_garment_is_cut() {
         let mut config = by_networks(5);
         config.pose_space.cuts = cuts;
         run(&invented.job(ARRIVAL, config)).unwrap();
-        let file = format!("{}.safetensors", ARRIVAL);
+        let file = format!("{ARRIVAL}.safetensors");
         PoseSpace::load(&invented.package().join(file)).unwrap()
     };
     let stage = stage(&invented);
