@@ -39,12 +39,13 @@ fn draped(garment: TriMesh, body: &Body, pose: &Pose) {
     }
 }
 
-/// A body of any mesh, with two joints.
+/// A body of any mesh, with two joints in it.
 fn body_of(mesh: TriMesh) -> Body {
-    let joint = |name: &str, parent, y| Joint {
+    let bounds = garnet::mesh::Bounds::of(mesh.positions()).unwrap();
+    let joint = |name: &str, parent, share: f32| Joint {
         name: name.to_owned(),
         parent,
-        rest_position: Point3::new(0.0, y, 0.0),
+        rest_position: bounds.center() + Vector3::y() * (share * bounds.diagonal()),
     };
     let joints = vec![joint("root", None, 0.0), joint("tip", Some(0), 0.3)];
     let rows = (0..mesh.num_vertices()).map(|v| [(v % 2, 0.7), (1 - v % 2, 0.3)]);

@@ -25,6 +25,7 @@ fn examples_write_what_they_say() {
         ("drape", place("draped.obj"), vec!["draped.obj"]),
         ("motion", place(""), frames.to_vec()),
         ("own_body", place("sleeve.obj"), vec!["sleeve.obj"]),
+        ("outfit", place(""), vec!["tshirt.obj", "sweater.obj"]),
         ("package", place("shirt.obj"), vec!["shirt.obj"]),
         ("threads", place(""), vec!["shirt_0.obj", "shirt_1.obj"]),
     ] {

@@ -22,8 +22,12 @@ const DEEPEST_ARMHOLE: f64 = 0.15;
 /// garments that taper.
 const NEIGHBORS: usize = 6;
 
-/// Lines longer than so many times the girth of the body that the garment lies on go round more than
-/// one limb, or along a fold.
+/// A line goes along a fold if one near it has less than this share of its length. More takes the
+/// waist of a dress for its chest.
+const CLEARLY_SHORTER: f64 = 0.92;
+
+/// Lines longer than so many times the girth of the body that the garment lies on go round more
+/// than one limb, or along a fold.
 const LONGEST: f64 = 1.75;
 
 /// Sleeves and legs are measured no farther along the bone than these shares.
@@ -225,16 +229,13 @@ fn highest(cut: &Cut<'_>, tape: &Tape, [low, top]: [f64; 2]) -> Option<(f64, Lin
     Some((height, shortest(first, below)))
 }
 
-/// The shortest of lines: where cloth lies in folds, a plane meets it more than once, and the line
-/// is longer than the garment is wide.
+/// The first line, or the shortest of the others if that is clearly shorter: where cloth lies in
+/// folds, a plane meets it more than once, and the line is longer than the garment is wide.
 fn shortest(first: Line, others: impl Iterator<Item = Line>) -> Line {
-    others.fold(first, |least, line| {
-        if line.girth < least.girth {
-            line
-        } else {
-            least
-        }
-    })
+    let most = CLEARLY_SHORTER * first.girth;
+    let shorter = others.filter(|line| line.girth < most);
+    let least = shorter.min_by(|a, b| a.girth.total_cmp(&b.girth));
+    least.unwrap_or(first)
 }
 
 /// Lines on both sides at the highest share of the bone where both go round their limb alone.

@@ -12,9 +12,9 @@ const SAME_BODY: f32 = 1e-4;
 /// An outfit on one posed body: each garment is draped over those that are worn already.
 ///
 /// [`Outfit::drape`] puts garments on, the innermost first. [`Outfit::free`] frees them of the skin
-/// that they were pushed into by others, and [`Outfit::into_drapes`] gives the drapes. Who drapes by
-/// other means takes the body that the next garment meets from [`Outfit::body_for`], and hands the
-/// drape to [`Outfit::put_on`].
+/// that they were pushed into by others, and [`Outfit::into_drapes`] gives the drapes. Who drapes
+/// by other means takes the body that the next garment meets from [`Outfit::body_for`], and hands
+/// the drape to [`Outfit::put_on`].
 #[derive(Debug, Clone, Default)]
 pub struct Outfit {
     garments: Vec<Put>,

@@ -407,8 +407,8 @@ pub struct Variant {
     pub aliases: Vec<String>,
     /// File with its weights, in the package.
     pub weights: String,
-    /// File with the weights for the sizes beside the template, in the package: of a network that is
-    /// told how the garment is cut.
+    /// File with the weights for the sizes beside the template, in the package: of a network that
+    /// is told how the garment is cut.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weights_of_sizes: Option<String>,
     /// Whether it is taken if none is asked for.

@@ -336,8 +336,8 @@ impl PoseSpace {
         }
     }
 
-    /// The share of each shape `[shape]`, in metres, by pose and shape of the body and by the cut of
-    /// the garment.
+    /// The share of each shape `[shape]`, in metres, by pose and shape of the body and by the cut
+    /// of the garment.
     ///
     /// # Errors
     ///
