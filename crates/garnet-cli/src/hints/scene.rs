@@ -50,8 +50,8 @@ fn for_scene(error: &SceneError) -> Option<String> {
         }
         SceneError::OtherSize { .. } => "export both in the same unit, or name it with `--units`",
         SceneError::NotAtRest { .. } => {
-            "`--pose` poses the rest body: give the rest body itself, or a posed body without \
-             `--pose`"
+            "`--pose` poses the rest body: give the rest body itself, a body at rest of another \
+             shape by `--rest-body`, or a posed body without `--pose`"
         }
         SceneError::Unplaced { .. } => {
             "turn it upright as it is worn, its front to that of the body, in a modelling program: \

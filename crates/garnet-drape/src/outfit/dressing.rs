@@ -94,7 +94,8 @@ impl Outfit {
     ///
     /// # Errors
     ///
-    /// As [`dressed`].
+    /// [`Error::Skin`] if `wearer` is not of the body of the garment; [`Error::Knn`] or
+    /// [`Error::Mesh`] for garments that are out of any range.
     pub fn body_for(&self, draper: &Draper, wearer: &PosedBody) -> Result<PosedBody, Error> {
         if self.garments.is_empty() {
             return Ok(wearer.clone());
@@ -108,7 +109,7 @@ impl Outfit {
     ///
     /// # Errors
     ///
-    /// As [`part_layers`].
+    /// [`Error::Mesh`] or [`Error::Knn`] for positions out of any range.
     pub fn put_on(&mut self, draper: Draper, wearer: PosedBody, drape: Drape) -> Result<(), Error> {
         self.garments.push(Put {
             draper,
@@ -158,7 +159,7 @@ impl Outfit {
     }
 
     /// Frees what was moved of the skin: the last step, before [`Outfit::layers`] and
-    /// [`Outfit::finished`].
+    /// [`Outfit::into_drapes`].
     ///
     /// # Errors
     ///
