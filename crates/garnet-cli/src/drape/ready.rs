@@ -281,17 +281,14 @@ fn note_of_size(size: f32) -> Option<String> {
     })
 }
 
-/// How the garment is simulated, if it is: as the user says, or because no variant knows a cut like
-/// this, and none was asked for.
+/// How the garment is simulated because no variant knows a cut like this, and none was asked for;
+/// none if it is not.
 fn simulation_of(
     bound: &Bound,
     knows_cut: bool,
     job: &Job,
     console: &Console,
 ) -> Option<Simulation> {
-    if job.simulation.is_some() {
-        return job.simulation.clone();
-    }
     let is_default = matches!(job.network, NetworkChoice::Default) && job.limit.is_none();
     let is_far = !knows_cut && bound.cut.as_ref().is_some_and(|cut| cut.is_far);
     let package = package_of(&job.source).map(GarmentPackage::read_manifest);
@@ -333,7 +330,7 @@ impl Ready {
         }
         let mut method = Method::Warp;
         let mut expected = None;
-        let mut simulation = simulation_of(&bound, true, job, console);
+        let mut simulation = job.simulation.clone();
         match found {
             Found::Network(_) if simulation.is_some() => {}
             Found::Network(network) => {

@@ -1,5 +1,6 @@
 //! An outfit, put on one garment after the other.
 
+use garnet_io::largest_distance;
 use garnet_mesh::Point3;
 use garnet_skin::PosedBody;
 
@@ -194,6 +195,5 @@ impl Outfit {
 }
 
 fn is_same(places: &[Point3], others: &[Point3]) -> bool {
-    let mut pairs = places.iter().zip(others);
-    places.len() == others.len() && pairs.all(|(a, b)| (a - b).norm() < SAME_BODY)
+    places.len() == others.len() && largest_distance(places, others) < SAME_BODY
 }
