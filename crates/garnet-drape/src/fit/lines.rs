@@ -18,13 +18,14 @@ const SHARE_STEP: f64 = 0.02;
 /// cut deep.
 const DEEPEST_ARMHOLE: f64 = 0.15;
 
-/// Lines that are looked at below the first one. More pass folds over, and take narrower places of
-/// garments that taper.
-const NEIGHBORS: usize = 6;
+/// Lines that are looked at below the first one. More find the end of deeper armholes and larger
+/// folds, and take longer.
+const NEIGHBORS: usize = 12;
 
-/// A line goes along a fold if one near it has less than this share of its length. More takes the
-/// waist of a dress for its chest.
-const CLEARLY_SHORTER: f64 = 0.92;
+/// A line goes along a fold, or into a sleeve of a garment whose pieces are not known, if the next
+/// one, [`STEP`] below, has less than this share of its length. More takes the taper of a dress from
+/// chest to waist for a fold.
+const SUDDENLY_SHORTER: f64 = 0.98;
 
 /// Lines longer than so many times the girth of the body that the garment lies on go round more
 /// than one limb, or along a fold.
@@ -173,7 +174,7 @@ fn line_of(cut: &Cut<'_>, tape: &Tape, region: Region) -> Option<RegionLine> {
             let [hip, waist] = hip_and_waist(tape);
             let steps = (ON_HIP / STEP).round() as usize;
             let mut heights = (0..=steps).map(|step| hip + STEP * step as f64);
-            let found = heights.find_map(|at| Some((at, round_trunk(cut, tape, at)?)));
+            let found = heights.find_map(|at| Some((at, cut.round_trunk(tape, at)?)));
             let (at, line) = found?;
             let place = if at > hip {
                 Place::AboveHip((at - hip) / (waist - hip))
@@ -211,31 +212,33 @@ const ON_HIP: f64 = 0.05;
 /// none.
 const LOWEST_BAND: f64 = 0.2;
 
-pub(super) fn round_trunk(cut: &Cut<'_>, tape: &Tape, height: f64) -> Option<Line> {
-    let plane = tape.trunk_plane(Region::Waist.measure(), height);
-    let arms = [Tube::LeftArm, Tube::RightArm];
-    cut.line_round(tape, &plane, Tube::Trunk, &arms)
-}
-
-/// The highest line round the trunk between two heights, or one of those below it, if that is
-/// shorter, and the height of the highest.
+/// The highest line round the trunk and through no sleeve between two heights, or the one below it
+/// at which lines become shorter all at once, and the height of the highest.
 fn highest(cut: &Cut<'_>, tape: &Tape, [low, top]: [f64; 2]) -> Option<(f64, Line)> {
     let steps = ((top - low) / STEP).floor().max(0.0) as usize;
-    let mut heights = (0..=steps).map(|step| top - STEP * step as f64);
-    let found = heights.find_map(|height| Some((height, round_trunk(cut, tape, height)?)));
-    let (height, first) = found?;
-    let below = heights.take(NEIGHBORS);
-    let below = below.filter_map(|height| round_trunk(cut, tape, height));
-    Some((height, shortest(first, below)))
+    let heights = (0..=steps).map(|step| top - STEP * step as f64);
+    let lines = heights.filter_map(|height| Some((height, cut.round_trunk(tape, height)?)));
+    let mut lines: Vec<(f64, Line)> = lines.collect();
+    // Else a garment is sewn together at the waist, or of one piece with its sleeves.
+    let first = lines.iter().position(|(_, line)| cut.is_of_trunk(line));
+    let mut lines = lines.drain(first.unwrap_or(0)..);
+    let (height, first) = lines.next()?;
+    let below = lines.take(NEIGHBORS).map(|(_, line)| line);
+    Some((height, below_folds(first, below)))
 }
 
-/// The first line, or the shortest of the others if that is clearly shorter: where cloth lies in
-/// folds, a plane meets it more than once, and the line is longer than the garment is wide.
-fn shortest(first: Line, others: impl Iterator<Item = Line>) -> Line {
-    let most = CLEARLY_SHORTER * first.girth;
-    let shorter = others.filter(|line| line.girth < most);
-    let least = shorter.min_by(|a, b| a.girth.total_cmp(&b.girth));
-    least.unwrap_or(first)
+/// The first line, or one of those below it: where cloth lies in folds, and where a sleeve begins,
+/// a plane meets it more than once, and the line is longer than the garment is wide.
+fn below_folds(first: Line, others: impl Iterator<Item = Line>) -> Line {
+    let (mut best, mut above) = (first.clone(), first.girth);
+    for line in others {
+        let is_shorter = line.girth < best.girth.min(SUDDENLY_SHORTER * above);
+        above = line.girth;
+        if is_shorter {
+            best = line;
+        }
+    }
+    best
 }
 
 /// Lines on both sides at the highest share of the bone where both go round their limb alone.

@@ -4,7 +4,6 @@ use garnet_body::shape::{JOINT_NAMES, Measure, Tape, Tube};
 use garnet_mesh::Point3;
 use garnet_sim::RestShape;
 
-use super::lines::round_trunk;
 use super::section::Cut;
 use super::{NoFit, Region};
 use crate::BoundGarment;
@@ -139,7 +138,7 @@ fn of_trunk(cut: &Cut<'_>, own: &Tape, wearer: &Tape) -> Vec<(f64, f64)> {
     let steps = ((of_own[0] - lowest) / HEIGHT_STEP).floor().max(0.0) as usize;
     let levels = (0..=steps).filter_map(|step| {
         let height = of_own[0] - HEIGHT_STEP * step as f64;
-        let line = round_trunk(cut, own, height)?;
+        let line = cut.round_trunk(own, height)?;
         let plane = wearer.trunk_plane(Measure::Waist, corresponding(height, of_own, of_wearer));
         let body = wearer.girth(&plane);
         let ease = || line.girth / body - 1.0;

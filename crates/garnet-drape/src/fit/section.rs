@@ -1,9 +1,10 @@
 //! The line round a garment in a plane: closed, round one part of the body and no other.
 
 use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 
-use garnet_body::shape::{Tape, TapePlane, Tube};
-use garnet_mesh::{MeshLoop, Point3, plane_loops};
+use garnet_body::shape::{Measure, Tape, TapePlane, Tube};
+use garnet_mesh::{MeshLoop, Point3, Topology, plane_loops};
 use garnet_sim::RestShape;
 use nalgebra::{Point3 as Point, Vector3 as Vector};
 
@@ -21,6 +22,10 @@ pub(super) struct Cut<'a> {
     flat: Option<&'a [[[f32; 2]; 3]]>,
     /// Positions `[vertex]` at which it has its lengths, if they are not those on its body.
     worn: Option<Vec<Point3>>,
+    /// The pieces that it was cut in `[face]`; empty if that is not known.
+    pieces: Vec<u32>,
+    /// The pieces round the waist; those of a sleeve are others.
+    of_trunk: BTreeSet<u32>,
 }
 
 /// A line round a garment and its length in the pattern, in metres.
@@ -51,13 +56,52 @@ impl<'a> Cut<'a> {
             }
             _ => None,
         };
-        Self {
+        let mut cut = Self {
             garment,
             nodes: tape.own_places(garment.cloth().rest_nodes()),
+            pieces: flat.map_or_else(Vec::new, |flat| pieces(&faces, flat)),
             faces,
             flat,
             worn,
-        }
+            of_trunk: BTreeSet::new(),
+        };
+        cut.of_trunk = cut.pieces_round_waist(tape);
+        cut
+    }
+
+    fn pieces_round_waist(&self, tape: &Tape) -> BTreeSet<u32> {
+        let heights = [Measure::Waist, Measure::Chest].map(|measure| tape.height(measure));
+        let ([Some(waist), Some(chest)], false) = (heights, self.pieces.is_empty()) else {
+            return BTreeSet::new();
+        };
+        // Some garments end above the waist.
+        let shares = [0.0, 0.25, 0.5, 0.75].into_iter();
+        let mut lines =
+            shares.filter_map(|share| self.round_trunk(tape, waist + share * (chest - waist)));
+        let line = lines.next();
+        line.iter().flat_map(|line| self.pieces_of(line)).collect()
+    }
+
+    fn pieces_of<'b>(&'b self, line: &'b Line) -> impl Iterator<Item = u32> + 'b {
+        let segments = line.curve.segments().iter();
+        segments.map(|segment| self.pieces[segment.face as usize])
+    }
+
+    /// Whether a line goes through the pieces round the waist alone, or through none of them, as
+    /// above a seam round the waist: not through a sleeve, too, which hangs beside the chest where
+    /// armholes are deep.
+    pub(super) fn is_of_trunk(&self, line: &Line) -> bool {
+        let mut of_trunk = self
+            .pieces_of(line)
+            .map(|piece| self.of_trunk.contains(&piece));
+        let first = of_trunk.next();
+        !self.of_trunk.is_empty() && of_trunk.all(|is_of_trunk| Some(is_of_trunk) == first)
+    }
+
+    /// The shortest line round the trunk, and round no arm, at a height.
+    pub(super) fn round_trunk(&self, tape: &Tape, height: f64) -> Option<Line> {
+        let plane = tape.trunk_plane(Measure::Waist, height);
+        self.line_round(tape, &plane, Tube::Trunk, &[Tube::LeftArm, Tube::RightArm])
     }
 
     pub(super) fn nodes(&self) -> &[Point3] {
@@ -105,6 +149,23 @@ impl<'a> Cut<'a> {
         });
         lines.min_by(|a, b| a.girth.total_cmp(&b.girth))
     }
+}
+
+/// Numbers the pieces of cloth that faces were cut in `[face]`: in the flat they have no corner in
+/// common.
+fn pieces(faces: &[[u32; 3]], flat: &[[[f32; 2]; 3]]) -> Vec<u32> {
+    let mut corners = BTreeMap::new();
+    let mut number = |node: u32, [x, y]: [f32; 2]| {
+        let next = corners.len() as u32;
+        *corners
+            .entry((node, x.to_bits(), y.to_bits()))
+            .or_insert(next)
+    };
+    let apart = faces.iter().zip(flat);
+    let apart: Vec<[u32; 3]> = apart
+        .map(|(face, flat)| [0, 1, 2].map(|corner| number(face[corner], flat[corner])))
+        .collect();
+    Topology::new(corners.len(), &apart).face_components().0
 }
 
 /// How often a closed line in a plane goes round a point of that plane.
