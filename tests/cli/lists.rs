@@ -9,7 +9,8 @@ use crate::train::{done, prepared};
 fn poses_are_listed_by_group_with_what_is_bent() {
     let fixture = Fixture::new();
     let listed: Value = serde_json::from_str(&done(&fixture, "poses --json")).unwrap();
-    let listed = listed.as_array().unwrap();
+    assert_eq!(listed["schema"], "garnet.poses/1");
+    let listed = listed["poses"].as_array().unwrap();
     assert_eq!(listed.len(), garnet::body::poses::key_poses().count());
     let warrior = listed
         .iter()
@@ -42,6 +43,8 @@ fn variants_are_listed_with_their_errors() {
     let text = done(&fixture, "variants net");
     assert!(text.starts_with("local ") && text.contains(" mm") && text.contains("the default"));
     let listed: Value = serde_json::from_str(&done(&fixture, "variants net --json")).unwrap();
+    assert_eq!(listed["schema"], "garnet.variants/1");
+    let listed = &listed["variants"];
     assert_eq!(listed[0]["name"], "local");
     assert!(listed[0]["error_m"].as_f64().unwrap() > 0.0);
     refused_with_hint(&fixture, "variants sleeve.obj", &["is no garment package"]);

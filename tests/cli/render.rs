@@ -115,3 +115,36 @@ fn frames_are_a_sheet_or_an_animation() {
     );
     assert!(!fixture.path("still.gif").exists());
 }
+
+#[test]
+fn an_obj_is_drawn_with_the_pictures_of_its_materials() {
+    let fixture = Fixture::new();
+    let draw = |file: &str| {
+        let output = fixture.garnet(&format!("render {file} -o {file}.png --size 300x100"));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (fixture.read(&format!("{file}.png")), stderr(&output))
+    };
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+    let faces = "usemtl silk\nf 1/1 2/2 3/3 4/4\n";
+    fixture.text("plain.obj", &format!("{square}{faces}"));
+    let (plain, told) = draw("plain.obj");
+    assert!(!told.contains("note"), "{told}");
+    fixture.text("silk.obj", &format!("mtllib silk.mtl\n{square}{faces}"));
+    // A material without a picture, one that is not there, and the picture that was just drawn.
+    for (library, is_plain, note) in [
+        ("newmtl silk\nKd 0.1 0.9 0.1\n", true, None),
+        ("newmtl silk\nmap_Kd no.png\n", true, Some("names `no.png`")),
+        (
+            "newmtl silk\nmap_Kd plain.obj\n",
+            true,
+            Some("names `plain.obj`"),
+        ),
+        ("newmtl silk\nKd 0 0 0\nmap_Kd plain.obj.png\n", false, None),
+    ] {
+        fixture.text("silk.mtl", library);
+        let (drawn, told) = draw("silk.obj");
+        assert_eq!(drawn == plain, is_plain, "{library}");
+        assert_eq!(told.contains("note"), note.is_some(), "{library}: {told}");
+        assert!(told.contains(note.unwrap_or_default()), "{library}: {told}");
+    }
+}

@@ -1,12 +1,15 @@
 //! The tape finds on a sewn and worn garment what its pattern was cut with.
 
+use std::sync::atomic::AtomicBool;
+
 use garnet::{
     Garment,
-    body::shape::Tape,
+    body::shape::{BodyParameters, ParametricBody, Tape},
     data::{usual_package, wearer_of},
     drape::{FitLines, Region},
     pattern::GarmentKind,
 };
+use garnet_data::{Tailor, usual_fabric};
 
 /// Girths on the worn cloth may differ by this from those of the pattern, relative: the line goes
 /// straight round the body, and the cloth does not hang quite level.
@@ -51,5 +54,66 @@ fn the_finished_girths_of_all_patterns_are_found_on_the_worn_garment() {
             let difference = fit.garment / cut - 1.0;
             assert!(difference.abs() < MAX_DIFFERENCE, "{kind} {fit:?} {cut}");
         }
+    }
+}
+
+/// What a chest may measure more, relative: near deep armholes cloth is wider than where patterns
+/// are measured.
+const MAX_AT_ARMHOLE: f64 = 0.08;
+
+/// A waistband may lie this far from where it was cut for, in metres.
+const MAX_SLIP: f64 = 0.03;
+
+fn tailor_of(kind: GarmentKind) -> Tailor {
+    Tailor::new(kind.parameters(), 1000, usual_fabric(kind)).unwrap()
+}
+
+#[test]
+fn sleeves_beside_a_broad_chest_are_not_measured_with_it() {
+    let tailor = tailor_of(GarmentKind::Tshirt);
+    let ease = tailor.parameters().get("chest-ease").unwrap();
+    for (sex, bmi) in [(0.0, 34.0), (1.0, 34.0), (0.5, 23.0)] {
+        let built = ParametricBody::build(&BodyParameters::new(sex).with_bmi(bmi)).unwrap();
+        let tape = Tape::around(built.body()).unwrap();
+        let wearer = wearer_of(built.body()).unwrap().unwrap();
+        let worn = tailor.dress(built.body(), &wearer, &AtomicBool::new(false));
+        let package = tailor.package("tee".to_owned(), &worn.unwrap(), built.into_body(), None);
+        let package = package.unwrap();
+        let garment = Garment::new(package.mesh.clone())
+            .bind(&package.body)
+            .unwrap();
+        let lines = FitLines::new(&garment, Some(&package.rest)).unwrap();
+        let found = lines.fit(&tape, garment.cloth().rest_nodes());
+        let chest = found
+            .iter()
+            .find(|fit| fit.region == Region::Chest)
+            .unwrap();
+        let more = chest.garment / ((1.0 + ease) * wearer.measures.chest) - 1.0;
+        assert!(
+            (-MAX_DIFFERENCE..MAX_AT_ARMHOLE).contains(&more),
+            "{sex} {bmi}: {more:.3}"
+        );
+    }
+}
+
+#[test]
+fn jeans_are_worn_where_they_were_cut_to_be() {
+    let tailor = tailor_of(GarmentKind::Jeans);
+    for (sex, bmi) in [(0.0, 21.0), (1.0, 21.0), (0.0, 30.0), (1.0, 30.0)] {
+        let built = ParametricBody::build(&BodyParameters::new(sex).with_bmi(bmi)).unwrap();
+        let wearer = wearer_of(built.body()).unwrap().unwrap();
+        let worn = tailor
+            .dress(built.body(), &wearer, &AtomicBool::new(false))
+            .unwrap();
+        let heights = worn.positions.iter().map(|position| f64::from(position.y));
+        let top = heights.clone().fold(f64::NEG_INFINITY, f64::max);
+        let hem = heights.fold(f64::INFINITY, f64::min);
+        let scale = wearer.measures.stature / 1.72;
+        let wanted = wearer.measures.inseam + scale * tailor.parameters().get("rise").unwrap();
+        assert!(
+            (top - wanted).abs() < MAX_SLIP,
+            "{sex} {bmi}: {top:.3} for {wanted:.3}"
+        );
+        assert!(hem > 0.05, "{sex} {bmi}: {hem:.3} above the floor");
     }
 }

@@ -8,6 +8,7 @@ use garnet::{
     package::Variant,
 };
 use serde::Serialize;
+use serde_json::json;
 
 use crate::{
     console::{Console, print_data, print_document},
@@ -56,7 +57,7 @@ pub(crate) fn poses(console: &Console) -> anyhow::Result<ExitStatus> {
     });
     let reports: Vec<PoseReport> = reports.collect();
     if console.is_json() {
-        print_document(&reports)?;
+        print_document(&json!({"schema": "garnet.poses/1", "poses": reports}))?;
         return Ok(ExitStatus::Done);
     }
     let width = reports
@@ -161,7 +162,7 @@ pub(crate) fn variants(args: &VariantsArgs, console: &Console) -> anyhow::Result
         .map(|variant| VariantReport::new(variant, default))
         .collect();
     if console.is_json() {
-        print_document(&reports)?;
+        print_document(&json!({"schema": "garnet.variants/1", "variants": reports}))?;
         return Ok(ExitStatus::Done);
     }
     if reports.is_empty() {

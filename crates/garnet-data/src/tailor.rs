@@ -145,13 +145,24 @@ impl Tailor {
                 likely_faces: None,
             }),
         };
-        let schedule = wearing(cloth.mean_edge_length());
-        let worn = drape(&scene, &schedule, &mut stopping(stop, &mut |_| {}));
-        check_stop(stop)?;
-        Ok(Worn {
-            positions: worn?.positions,
-            sewn,
-        })
+        let mut schedule = wearing(cloth.mean_edge_length());
+        let run = |scene: &Scene<'_>, schedule: &Schedule| {
+            let worn = drape(scene, schedule, &mut stopping(stop, &mut |_| {}));
+            check_stop(stop)?;
+            Ok::<_, DataError>(worn?.positions)
+        };
+        let mut closed = Vec::new();
+        if !hangs_from_shoulders(self.parameters.garment()) {
+            closed = run(&scene, &without_weight(&schedule))?;
+            schedule.contraction_frames = 0;
+        }
+        let start = if closed.is_empty() {
+            scene.start
+        } else {
+            &closed
+        };
+        let positions = run(&Scene { start, ..scene }, &schedule)?;
+        Ok(Worn { sewn, positions })
     }
 
     /// The simulator of a garment on the body that it was cut for.
@@ -248,6 +259,23 @@ fn wearing(edge_length: f32) -> Schedule {
     if let Some(first) = schedule.stages.first_mut() {
         first.frames += CONTRACTION_FRAMES;
     }
+    schedule
+}
+
+/// Whether shoulders hold a garment while it is put on. Else it would fall before its waistband has
+/// closed, and hang where the hips are wide enough.
+const fn hangs_from_shoulders(garment: GarmentKind) -> bool {
+    match garment {
+        GarmentKind::Tshirt | GarmentKind::Sweater | GarmentKind::Dress => true,
+        GarmentKind::Jeans => false,
+    }
+}
+
+/// The part of a schedule in which cloth contracts, without its weight.
+fn without_weight(schedule: &Schedule) -> Schedule {
+    let mut schedule = schedule.clone();
+    schedule.gravity = 0.0;
+    schedule.stages.truncate(1);
     schedule
 }
 

@@ -41,7 +41,10 @@ pub use error::{FileError, FileProblem};
 pub use motion::{MotionError, MotionProblem, Take, TakeError};
 pub use npy::{ArrayProblem, NpyArray, NpyValues};
 pub use npz::NpzFile;
-pub use obj::{ObjElement, ObjError, ObjFile, ObjLineProblem, ObjLook, ObjParseError, write_obj};
+pub use obj::{
+    ObjElement, ObjError, ObjFile, ObjLineProblem, ObjLook, ObjMaterial, ObjMaterials,
+    ObjParseError, ObjPicture, write_obj,
+};
 pub use placement::{Misplaced, check_offsets, check_sizes};
 pub use pose_json::read_pose;
 pub use read_rig::{PartsNote, ReadRig, RigOptions, read_rig, read_rig_with};

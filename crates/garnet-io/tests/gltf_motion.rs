@@ -252,3 +252,16 @@ fn the_first_clip_is_taken_and_others_are_named() {
         assert!(take(folder.path(), &bytes[..length], None).is_err());
     }
 }
+
+#[test]
+fn keys_that_are_no_rotation_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let none = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(0.0, 0.0, 0.0, 0.0));
+    let keys = [(0.0, UnitQuaternion::identity()), (0.1, none)];
+    for interpolation in ["LINEAR", "STEP", "CUBICSPLINE"] {
+        let bytes = file(interpolation, &keys, Vector3::zeros());
+        let error = take(folder.path(), &bytes, Some("Wave")).unwrap_err();
+        let text = error.problem.to_string();
+        assert!(text.contains("quaternion of length zero"), "{text}");
+    }
+}

@@ -260,22 +260,22 @@ const JEANS: &[Spec] = &[
     ),
     Spec::share(
         "hip-ease",
-        0.13,
+        0.08,
         [0.02, 0.25],
         "how much wider than the hip",
     ),
     Spec::share(
         "thigh-ease",
-        0.36,
+        0.20,
         [0.04, 0.40],
         "how much wider than the thigh",
     ),
     Spec::share(
         "knee-ease",
-        0.55,
+        0.38,
         [0.06, 0.70],
         "how much wider than the knee",
     ),
-    Spec::metres("leg-opening", 0.45, [0.34, 0.70], "girth of the hem"),
+    Spec::metres("leg-opening", 0.42, [0.34, 0.70], "girth of the hem"),
     Spec::metres("waistband", 0.04, [0.025, 0.06], "height of the waistband"),
 ];

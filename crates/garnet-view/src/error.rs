@@ -123,6 +123,24 @@ pub enum ViewError {
         /// The sum over the layers.
         count: usize,
     },
+    /// A texture could not be read.
+    #[error("the texture could not be read")]
+    Decode {
+        /// What the decoder said.
+        source: ::image::ImageError,
+    },
+    /// Materials that do not fit the faces of their mesh.
+    #[error(
+        "layer {layer} has materials of {found} faces, or of a number that there is not, expected {expected}"
+    )]
+    FaceMaterials {
+        /// Which layer.
+        layer: usize,
+        /// Of how many faces the material is told.
+        found: usize,
+        /// How many faces there are.
+        expected: usize,
+    },
     /// The pixels could not be packed as PNG or GIF.
     #[error("the picture could not be packed")]
     Encode {

@@ -2,7 +2,7 @@
 
 use garnet_mesh::TriMesh;
 
-use crate::{ColorMap, Rgb, palette};
+use crate::{ColorMap, Rgb, Texture, palette};
 
 /// A mesh and the way it looks.
 #[derive(Debug, Clone)]
@@ -44,6 +44,28 @@ pub enum Paint<'a> {
     Plain(Rgb),
     /// A color by value.
     Heat(Heat<'a>),
+    /// The materials of the faces.
+    Materials(&'a FaceMaterials),
+}
+
+/// Materials of the faces of a mesh.
+#[derive(Debug, Clone, Default)]
+pub struct FaceMaterials {
+    /// The materials.
+    pub materials: Vec<Material>,
+    /// The material of each face `[face]`, of those.
+    pub of_face: Vec<u32>,
+    /// Texture coordinates of its corners `[face]`, of which v counts from below.
+    pub corners: Vec<[[f32; 2]; 3]>,
+}
+
+/// How a surface looks.
+#[derive(Debug, Clone)]
+pub struct Material {
+    /// Its color; with a texture, what that is multiplied by.
+    pub color: Rgb,
+    /// The picture that is laid over it, if any.
+    pub texture: Option<Texture>,
 }
 
 /// A heat map: a value for every vertex, shown as a color, with a bar beside the picture.

@@ -51,6 +51,7 @@ mod resolve;
 mod rgb;
 mod scene;
 mod text;
+mod texture;
 
 #[cfg(test)]
 mod shapes;
@@ -62,8 +63,9 @@ pub use chart::{
 pub use color_map::{ColorMap, Problem};
 pub use error::ViewError;
 pub use image::{GifWriter, Image};
-pub use layer::{BackSide, Heat, Layer, Paint, Shading};
+pub use layer::{BackSide, FaceMaterials, Heat, Layer, Material, Paint, Shading};
 pub use page::{Coloring, Page, PageMesh, PagePane, PagePart};
 pub use picture::{MAX_SIZE, MAX_SUPERSAMPLING, Picture, View};
 pub use render::render;
 pub use rgb::Rgb;
+pub use texture::Texture;

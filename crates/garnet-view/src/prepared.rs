@@ -3,7 +3,9 @@
 use garnet_mesh::Vector3;
 use rayon::prelude::*;
 
-use crate::{ColorMap, Heat, Layer, Paint, Picture, ViewError, normals, palette, rgb::Light};
+use crate::{
+    ColorMap, FaceMaterials, Heat, Layer, Paint, Picture, ViewError, normals, palette, rgb::Light,
+};
 
 /// Steps of a color table: finer than 8 bits a channel can tell.
 const TABLE_STEPS: usize = 1024;
@@ -24,6 +26,7 @@ pub(crate) struct Prepared<'a> {
 pub(crate) enum Coat<'a> {
     Plain(Light),
     Heat(Scale<'a>),
+    Materials(&'a FaceMaterials),
 }
 
 /// Values and the colors that stand for them.
@@ -76,6 +79,9 @@ pub(crate) fn prepared<'a>(picture: &'a Picture<'a>) -> Result<Vec<Prepared<'a>>
             let coat = match &layer.paint {
                 Paint::Plain(color) => Coat::Plain(color.to_light()),
                 Paint::Heat(heat) => Coat::Heat(scale(heat, index, layer.mesh.num_vertices())?),
+                Paint::Materials(materials) => {
+                    Coat::Materials(fitting(materials, index, layer.mesh.num_faces())?)
+                }
             };
             Ok(Prepared {
                 layer,
@@ -116,6 +122,28 @@ fn scale<'a>(heat: &'a Heat<'a>, layer: usize, expected: usize) -> Result<Scale<
             label: &heat.label,
         },
         table: heat.map.table(TABLE_STEPS),
+    })
+}
+
+fn fitting(
+    materials: &FaceMaterials,
+    layer: usize,
+    expected: usize,
+) -> Result<&FaceMaterials, ViewError> {
+    let count = materials.materials.len();
+    let found = [materials.of_face.len(), materials.corners.len()];
+    let is_known = materials
+        .of_face
+        .iter()
+        .all(|&material| (material as usize) < count);
+    if found == [expected; 2] && is_known {
+        return Ok(materials);
+    }
+    let found = found.into_iter().find(|&found| found != expected);
+    Err(ViewError::FaceMaterials {
+        layer,
+        found: found.unwrap_or(expected),
+        expected,
     })
 }
 

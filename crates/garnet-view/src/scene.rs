@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::{
-    BackSide, Rgb, Shading,
+    BackSide, FaceMaterials, Rgb, Shading,
     clip::{Piece, project},
     lens::Lens,
     prepared::{Coat, Prepared},
@@ -139,6 +139,7 @@ impl<'a> Scene<'a> {
                     meeting.mix(values)
                 })
             }
+            Coat::Materials(materials) => meeting.painted(&self.lens, materials, face),
         };
         let mut color = match layer.back {
             BackSide::Darker if !meeting.is_front => front * BACK_SHARE,
@@ -210,6 +211,25 @@ impl Meeting {
         f64::from(values[self.weights.imax()])
     }
 
+    /// The color of the material of a face.
+    fn painted(&self, lens: &Lens, materials: &FaceMaterials, face: usize) -> Light {
+        let material = &materials.materials[materials.of_face[face] as usize];
+        let color = material.color.to_light();
+        let Some(texture) = &material.texture else {
+            return color;
+        };
+        let corners = materials.corners[face].map(|corner| corner.map(f64::from));
+        let place = [0, 1].map(|axis| {
+            let weighted = corners.iter().zip(self.weights.iter());
+            weighted.map(|(corner, weight)| corner[axis] * weight).sum()
+        });
+        let seen = self.corners.map(|corner| lens.screen(&corner));
+        let [width, height] = texture.size().map(f64::from);
+        let texels = width * height * doubled_area(corners);
+        let pixels = doubled_area(seen.map(|[x, y, _]| [x, y]));
+        color.component_mul(&texture.light(place, texels / pixels))
+    }
+
     fn normal(&self, lens: &Lens, prepared: &Prepared<'_>, face: usize) -> Vector3<f32> {
         let [a, b, c] = self.corners;
         let flat = (b - a)
@@ -253,4 +273,9 @@ impl Meeting {
         }
         (WIRE_HALF_WIDTH + 0.5 - nearest).clamp(0.0, 1.0) as f32
     }
+}
+
+/// Twice the area of a triangle.
+fn doubled_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
 }

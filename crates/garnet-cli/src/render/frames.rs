@@ -7,7 +7,7 @@ use garnet::{
 };
 use garnet_view::{GifWriter, Layer, Picture, View, render};
 
-use super::{RenderArgs, layers, view, words::ViewName};
+use super::{Look, RenderArgs, layers, view, words::ViewName};
 use crate::{console::Console, failure::refused, moving::Moving};
 
 /// Frames a second of an animation whose files tell none.
@@ -33,6 +33,7 @@ pub(super) struct Drawn {
 /// All frames one after the other, as GIF. The camera keeps still.
 pub(super) fn animation(
     moving: &[Moving],
+    looks: &[Look],
     names: &[String],
     args: &RenderArgs,
     console: &Console,
@@ -49,7 +50,7 @@ pub(super) fn animation(
     let progress = console.progress(names.len());
     for number in 0..names.len() {
         let meshes = meshes_in(moving, number)?;
-        let mut layers = layers(&meshes, None, args);
+        let mut layers = layers(&meshes, looks, None, args);
         let shown: Vec<usize> = (0..layers.len()).collect();
         let framed = vec![layers.len()];
         layers.push(Layer::new(&frame));
@@ -79,6 +80,7 @@ pub(super) fn animation(
 /// Some frames, evenly chosen, the first and the last among them, each in a column.
 pub(super) fn sheet(
     moving: &[Moving],
+    looks: &[Look],
     names: &[String],
     args: &RenderArgs,
 ) -> anyhow::Result<Drawn> {
@@ -105,7 +107,7 @@ pub(super) fn sheet(
     let image = render(&Picture {
         layers: frames
             .iter()
-            .flat_map(|meshes| layers(meshes, None, args))
+            .flat_map(|meshes| layers(meshes, looks, None, args))
             .collect(),
         views: cells.collect(),
         columns: Some(count as u32),

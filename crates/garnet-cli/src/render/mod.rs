@@ -3,6 +3,7 @@
 pub(crate) mod colors;
 mod fit;
 mod frames;
+mod materials;
 pub(crate) mod problems;
 mod words;
 
@@ -15,7 +16,7 @@ use garnet::{
     io::ObjFile,
     mesh::{Bounds, Unit},
 };
-use garnet_view::{Camera, Layer, Paint, Picture, View, palette, render};
+use garnet_view::{Camera, Layer, Paint, Picture, Rgb, View, palette, render};
 use rayon::prelude::*;
 
 use crate::{
@@ -27,6 +28,7 @@ use crate::{
 };
 use colors::{ColorBy, Heatmap};
 use frames::Drawn;
+use materials::{Look, look_of};
 pub(crate) use words::UpName;
 use words::ViewName;
 
@@ -34,7 +36,8 @@ use words::ViewName;
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
     /// Meshes, as OBJ, GLB, glTF or npz: garments, and the body last. Motions are folders of OBJ,
-    /// or npz with the vertices of all frames.
+    /// or npz with the vertices of all frames. An OBJ whose materials have pictures (`map_Kd`) is
+    /// drawn with them.
     #[arg(value_name = "MESH", required = true)]
     meshes: Vec<PathBuf>,
     /// Where the picture goes, as PNG; of a motion some frames side by side, or all as an animated
@@ -107,12 +110,15 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
         .collect();
     let moving = moving.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
     let names = frames_of(&moving)?;
+    let looks: Vec<Look> = (moving.par_iter().enumerate())
+        .map(|(index, mesh)| look_of(mesh.file(), color_of(index, moving.len())))
+        .collect();
     let is_animated = args
         .output
         .extension()
         .is_some_and(|kind| kind.eq_ignore_ascii_case("gif"));
     let drawn = match (names.is_empty(), is_animated) {
-        (true, false) => still(&moving, args)?,
+        (true, false) => still(&moving, &looks, args)?,
         (true, true) => {
             return Err(refused(
                 format!("`{}` would not move", args.output.display()),
@@ -122,15 +128,19 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
         }
         (false, true) => {
             frames::check(args)?;
-            frames::animation(&moving, &names, args, console)?
+            frames::animation(&moving, &looks, &names, args, console)?
         }
         (false, false) => {
             frames::check(args)?;
-            frames::sheet(&moving, &names, args)?
+            frames::sheet(&moving, &looks, &names, args)?
         }
     };
     output::write(&args.output, &drawn.bytes)?;
-    let notes = told_notes(&moving, console);
+    let mut notes = told_notes(&moving, console);
+    for note in looks.into_iter().filter_map(|look| look.note) {
+        console.summary(&format_args!("note: {note}"));
+        notes.push(note);
+    }
     let [width, height] = drawn.size;
     let frames = match drawn.frames {
         [1, 1] => String::new(),
@@ -156,7 +166,7 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
 }
 
 /// One frame, its first mesh colored.
-fn still(moving: &[Moving], args: &RenderArgs) -> anyhow::Result<Drawn> {
+fn still(moving: &[Moving], looks: &[Look], args: &RenderArgs) -> anyhow::Result<Drawn> {
     // The last of several meshes is the body.
     let body = moving[1..].last().map(Moving::file);
     let heat = Heatmap::new(&args.color_by, moving[0].file(), body)?;
@@ -168,7 +178,7 @@ fn still(moving: &[Moving], args: &RenderArgs) -> anyhow::Result<Drawn> {
         [width.saturating_mul(views.len() as u32), height]
     });
     let image = render(&Picture {
-        layers: layers(&meshes, heat.as_ref(), args),
+        layers: layers(&meshes, looks, heat.as_ref(), args),
         views: views.iter().map(|name| view(*name, args.zoom)).collect(),
         ..Picture::new(size[0], size[1])
     })
@@ -182,19 +192,26 @@ fn still(moving: &[Moving], args: &RenderArgs) -> anyhow::Result<Drawn> {
 
 /// Strong colors for garments in their order, and that of skin for the body, which is the last of
 /// several meshes.
+fn color_of(index: usize, num_meshes: usize) -> Rgb {
+    let strong = [palette::GARMENT, palette::REFERENCE, palette::THIRD];
+    if index + 1 == num_meshes && index > 0 {
+        palette::SKIN
+    } else {
+        strong[index % strong.len()]
+    }
+}
+
 fn layers<'a>(
     meshes: &'a [TriMesh],
+    looks: &'a [Look],
     heat: Option<&'a Heatmap>,
     args: &RenderArgs,
 ) -> Vec<Layer<'a>> {
-    let strong = [palette::GARMENT, palette::REFERENCE, palette::THIRD];
-    let last = meshes.len() - 1;
-    let layer = |(index, mesh): (usize, &'a TriMesh)| {
-        let is_body = index == last && last > 0;
-        let paint = match heat {
-            Some(heat) if index == 0 => Paint::Heat(heat.heat(args.range)),
-            _ if is_body => Paint::Plain(palette::SKIN),
-            _ => Paint::Plain(strong[index % strong.len()]),
+    let layer = |(index, (mesh, look)): (usize, (&'a TriMesh, &'a Look))| {
+        let paint = match (heat, &look.faces) {
+            (Some(heat), _) if index == 0 => Paint::Heat(heat.heat(args.range)),
+            (None, Some(materials)) => Paint::Materials(materials),
+            _ => Paint::Plain(color_of(index, meshes.len())),
         };
         Layer {
             paint,
@@ -202,7 +219,7 @@ fn layers<'a>(
             ..Layer::new(mesh)
         }
     };
-    meshes.iter().enumerate().map(layer).collect()
+    meshes.iter().zip(looks).enumerate().map(layer).collect()
 }
 
 fn view(name: ViewName, zoom: f32) -> View {

@@ -19,7 +19,7 @@ pub const DATASET_SCHEMA: &str = "garnet.dataset/1";
 /// Whoever changes what a seed gives raises it: the simulator, bodies, poses, patterns, or which
 /// scenes are kept. Data sets of different versions are not one data set. Golden drapes are stored
 /// with it (`tests/it/golden`), and their tests fail when the simulator moves.
-pub const GENERATOR: &str = "0.1.0";
+pub const GENERATOR: &str = "0.1.1";
 
 /// The field that tells where scenes are from, in messages.
 const SCENES_OF_KIND: &str = "scenes of the kind";

@@ -230,7 +230,8 @@ fn highest(cut: &Cut<'_>, tape: &Tape, [low, top]: [f64; 2]) -> Option<(f64, Lin
 /// The first line, or one of those below it: where cloth lies in folds, and where a sleeve begins,
 /// a plane meets it more than once, and the line is longer than the garment is wide.
 fn below_folds(first: Line, others: impl Iterator<Item = Line>) -> Line {
-    let (mut best, mut above) = (first.clone(), first.girth);
+    let mut above = first.girth;
+    let mut best = first;
     for line in others {
         let is_shorter = line.girth < best.girth.min(SUDDENLY_SHORTER * above);
         above = line.girth;

@@ -15,9 +15,9 @@ use super::{
     CacheError, CachePart, TooLarge,
     glb_json::{Bounds, document},
     glb_parts::GlbPart,
-    material::{Material, Picture, materials},
     push_floats,
 };
+use crate::obj::{ObjMaterial, ObjMaterials, ObjPicture};
 
 const MAGIC: &[u8; 4] = b"glTF";
 const VERSION: u32 = 2;
@@ -32,8 +32,8 @@ const HEADERS: u64 = 12 + 8 + 8;
 pub(super) struct Layout {
     pub(super) parts: Vec<GlbPart>,
     /// Of each part.
-    pub(super) materials: Vec<Vec<Material>>,
-    pub(super) pictures: Vec<Picture>,
+    pub(super) materials: Vec<Vec<ObjMaterial>>,
+    pub(super) pictures: Vec<ObjPicture>,
     pub(super) num_frames: usize,
     pub(super) fps: f64,
     /// Bytes where texture coordinates, pictures, times, weights, the first frame and the others
@@ -55,10 +55,10 @@ pub(super) struct Starts {
 
 impl Layout {
     fn new(parts: &[CachePart], num_frames: usize, fps: f64) -> Self {
-        let mut pictures = Vec::new();
+        let mut read = ObjMaterials::default();
         let materials = parts
             .iter()
-            .map(|part| materials(part, &mut pictures))
+            .map(|part| read.read_more(&part.look, &part.folder))
             .collect();
         let parts: Vec<GlbPart> = parts.iter().map(GlbPart::new).collect();
         let sum = |of: fn(&GlbPart) -> usize| parts.iter().map(of).sum::<usize>() as u64;
@@ -67,7 +67,7 @@ impl Layout {
             ..Starts::default()
         };
         let mut at = starts.textures + 8 * sum(|part| part.texture.len());
-        for picture in &pictures {
+        for picture in &read.pictures {
             starts.pictures.push(at);
             at += padded(picture.bytes.len());
         }
@@ -81,7 +81,7 @@ impl Layout {
         Self {
             parts,
             materials,
-            pictures,
+            pictures: read.pictures,
             num_frames,
             fps,
             starts,

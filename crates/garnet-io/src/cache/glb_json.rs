@@ -4,7 +4,8 @@ use garnet_mesh::Point3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{glb::Layout, glb_parts::GlbPart, material::Material};
+use super::{glb::Layout, glb_parts::GlbPart};
+use crate::obj::ObjMaterial;
 
 /// Numbers of glTF.
 const FLOAT: u32 = 5126;
@@ -242,7 +243,7 @@ fn animation(layout: &Layout, views: &mut Views, accessors: &mut Accessors) -> V
     })
 }
 
-fn material(material: &Material) -> Value {
+fn material(material: &ObjMaterial) -> Value {
     let mut look = json!({"baseColorFactor": material.color, "metallicFactor": 0});
     if let Some(picture) = material.picture {
         look["baseColorTexture"] = json!({"index": picture});

@@ -6,7 +6,6 @@
 mod glb;
 mod glb_json;
 mod glb_parts;
-mod material;
 mod points;
 
 use std::path::{Path, PathBuf};
@@ -79,16 +78,8 @@ impl CachePart {
         let look = file.look();
         let stem = file.path().file_stem().unwrap_or_default();
         let name = look.object.clone();
-        let mut corners = Vec::new();
-        let mut first = 0;
-        for (polygon, vertices) in file.polygons().enumerate() {
-            let count = vertices.len() as u32;
-            corners.extend((1..count - 1).map(|corner| {
-                let of = [first, first + corner, first + corner + 1];
-                (polygon as u32, of)
-            }));
-            first += count;
-        }
+        let corners = file.triangle_polygon().into_iter();
+        let corners = corners.zip(file.triangle_corners()).collect();
         Self {
             name: name.unwrap_or_else(|| stem.to_string_lossy().into_owned()),
             frame,

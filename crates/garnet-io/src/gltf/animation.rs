@@ -143,12 +143,8 @@ impl Tracks {
                 |index, kind| accessor::read(root, buffers, index, kind, Fractions::AsDeclared);
             let times = read(sampler.input.value(), Type::Scalar)?.values;
             let values = read(sampler.output.value(), kind)?.values;
-            let each = if interpolation == Interpolation::CubicSpline {
-                3
-            } else {
-                1
-            };
-            if times.is_empty() || values.len() != times.len() * each * width {
+            let rows = times.len() * rows_of_key(interpolation);
+            if times.is_empty() || values.len() != rows * width {
                 return Err(wrong("a sampler has another number of values than of times").into());
             }
             let is_ascending = times.windows(2).all(|pair| pair[0] < pair[1]);
@@ -156,6 +152,11 @@ impl Tracks {
             if !is_ascending || !is_finite {
                 return Err(
                     wrong("the times of a sampler do not ascend, or a value is no number").into(),
+                );
+            }
+            if property == Property::Rotation && !are_rotations(&values, interpolation) {
+                return Err(
+                    wrong("a key is a quaternion of length zero, which is no rotation").into(),
                 );
             }
             tracks.push(Track {
@@ -207,7 +208,7 @@ impl Track {
     fn at(&self, time: f64) -> [f64; 4] {
         let after = self.times.partition_point(|&key| key <= time + ROUNDING);
         let is_cubic = self.interpolation == Interpolation::CubicSpline;
-        let each = if is_cubic { 3 } else { 1 };
+        let each = rows_of_key(self.interpolation);
         let row = |key: usize, part: usize| {
             let start = (key * each + part) * self.width;
             let mut row = [0.0; 4];
@@ -247,9 +248,27 @@ fn mixed(a: [f64; 4], of_a: f64, b: [f64; 4], of_b: f64) -> [f64; 4] {
     [0, 1, 2, 3].map(|place| a[place] * of_a + b[place] * of_b)
 }
 
+/// A key of a cubic spline is a value between two tangents.
+const fn rows_of_key(interpolation: Interpolation) -> usize {
+    match interpolation {
+        Interpolation::CubicSpline => 3,
+        Interpolation::Linear | Interpolation::Step => 1,
+    }
+}
+
+/// Whether all keys of a track of quaternions have a length; tangents need none.
+fn are_rotations(values: &[f64], interpolation: Interpolation) -> bool {
+    let every = rows_of_key(interpolation);
+    let mut keys = values.chunks_exact(4).skip(every / 2).step_by(every);
+    keys.all(|key| key.iter().any(|value| value.abs() > LEAST_ROTATION))
+}
+
+/// Shorter quaternions are no rotations.
+const LEAST_ROTATION: f64 = 1e-9;
+
 fn rotation([x, y, z, w]: [f64; 4]) -> UnitQuaternion<f64> {
     let quaternion = Quaternion::new(w, x, y, z);
-    if quaternion.norm() > 1e-9 {
+    if quaternion.norm() > LEAST_ROTATION {
         UnitQuaternion::new_normalize(quaternion)
     } else {
         UnitQuaternion::identity()

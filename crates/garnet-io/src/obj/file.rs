@@ -141,6 +141,19 @@ impl ObjFile {
         owners
     }
 
+    /// The corners of each triangle of [`ObjFile::triangles`], numbered as in
+    /// [`ObjLook::corners`](super::ObjLook::corners).
+    pub fn triangle_corners(&self) -> Vec<[u32; 3]> {
+        let mut corners = Vec::with_capacity(self.num_triangles());
+        let mut first = 0;
+        for polygon in self.polygons() {
+            let count = polygon.len() as u32;
+            corners.extend((1..count - 1).map(|side| [first, first + side, first + side + 1]));
+            first += count;
+        }
+        corners
+    }
+
     /// The triangle mesh: [`ObjFile::positions`] and [`ObjFile::triangles`].
     ///
     /// # Errors

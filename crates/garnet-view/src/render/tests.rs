@@ -7,8 +7,8 @@ use proptest::prelude::*;
 
 use super::render;
 use crate::{
-    BackSide, Camera, ColorMap, Heat, Image, Layer, Paint, Picture, Projection, Rgb, Shading, View,
-    ViewError, palette, shapes,
+    BackSide, Camera, ColorMap, FaceMaterials, Heat, Image, Layer, Material, Paint, Picture,
+    Projection, Rgb, Shading, Texture, View, ViewError, palette, shapes,
 };
 
 const RED: Rgb = Rgb::new(200, 30, 30);
@@ -295,4 +295,50 @@ proptest! {
             prop_assert_eq!(image.pixels().len(), 3 * (size.0 * size.1) as usize);
         }
     }
+}
+
+#[test]
+fn a_texture_lies_as_its_coordinates_say() {
+    let halves = Picture::new(2, 1);
+    let mut picture_of = vec![0; 6];
+    picture_of[..3].copy_from_slice(&RED.channels());
+    picture_of[3..].copy_from_slice(&BLUE.channels());
+    let mut png = Vec::new();
+    image::ImageEncoder::write_image(
+        image::codecs::png::PngEncoder::new(&mut png),
+        &picture_of,
+        halves.width,
+        halves.height,
+        image::ExtendedColorType::Rgb8,
+    )
+    .unwrap();
+    let square = shapes::square(0.0);
+    let of_vertex = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let corners = square.faces().iter();
+    let corners = corners.map(|face| face.map(|vertex| of_vertex[vertex as usize]));
+    let mut materials = FaceMaterials {
+        materials: vec![Material {
+            color: Rgb::new(255, 255, 255),
+            texture: Some(Texture::decode(&png).unwrap()),
+        }],
+        of_face: vec![0; 2],
+        corners: corners.collect(),
+    };
+    let drawn = |materials: &FaceMaterials| {
+        let layer = Layer {
+            paint: Paint::Materials(materials),
+            ..Layer::new(&square)
+        };
+        render(&picture(vec![layer], Camera::front()))
+    };
+    let image = drawn(&materials).unwrap();
+    let [left, right] = [20, 44].map(|x| image.pixel(x, 32).unwrap());
+    assert!(left.red > 2 * left.blue, "{left:?}");
+    assert!(right.blue > 2 * right.red, "{right:?}");
+    materials.of_face[1] = 1;
+    let refused = drawn(&materials).unwrap_err();
+    assert!(
+        matches!(refused, ViewError::FaceMaterials { layer: 0, .. }),
+        "{refused}"
+    );
 }
