@@ -91,11 +91,12 @@ impl<'a> Cut<'a> {
     /// above a seam round the waist: not through a sleeve, too, which hangs beside the chest where
     /// armholes are deep.
     pub(super) fn is_of_trunk(&self, line: &Line) -> bool {
-        let mut of_trunk = self
-            .pieces_of(line)
-            .map(|piece| self.of_trunk.contains(&piece));
+        if self.of_trunk.is_empty() {
+            return false;
+        }
+        let mut of_trunk = (self.pieces_of(line)).map(|piece| self.of_trunk.contains(&piece));
         let first = of_trunk.next();
-        !self.of_trunk.is_empty() && of_trunk.all(|is_of_trunk| Some(is_of_trunk) == first)
+        of_trunk.all(|is_of_trunk| Some(is_of_trunk) == first)
     }
 
     /// The shortest line round the trunk, and round no arm, at a height.
