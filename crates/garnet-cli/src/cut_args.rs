@@ -100,8 +100,9 @@ impl CutArgs {
 pub(crate) fn check_size(size: Size, garment: GarmentKind) -> Result<(), PatternError> {
     match (size, garment) {
         (Size::Trousers { .. }, GarmentKind::Jeans) => Ok(()),
-        (Size::Trousers { .. }, _) => Err(PatternError::UnknownSize {
-            name: size.to_string(),
+        (Size::Trousers { .. }, _) => Err(PatternError::NoTrousers {
+            garment,
+            size: size.to_string(),
         }),
         _ => Ok(()),
     }

@@ -1,6 +1,7 @@
 //! A mesh in one frame or several.
 
 use std::{
+    collections::{BTreeMap, BTreeSet},
     fs, io,
     path::{Path, PathBuf},
 };
@@ -27,6 +28,8 @@ pub(crate) struct Moving {
     fps: Option<f64>,
     frame: Frame,
     note: Option<PartsNote>,
+    /// Faces of the meshes that a file without a skin was joined from.
+    parts: Vec<usize>,
 }
 
 impl Moving {
@@ -41,8 +44,13 @@ impl Moving {
         // Rigs have y up, whatever the OBJ files have.
         let up = if is_rig(path) { UpAxis::Y } else { up };
         let shown = read_shown_mesh(path, options)?;
+        let joined = shown.note.as_ref().filter(|_| shown.rig_note.is_none());
+        let parts = joined.map_or(&[][..], |note| &note.parts).iter();
+        let parts = parts.filter(|part| part.left_out.is_none());
+        let parts = parts.map(|part| part.num_faces).collect();
         let note = shown.note.or(shown.rig_note);
         Ok(Self {
+            parts,
             note: note.filter(PartsNote::leaves_out),
             ..Self::still(path, shown.file, up)
         })
@@ -60,7 +68,35 @@ impl Moving {
                 up,
             },
             note: None,
+            parts: Vec::new(),
         }
+    }
+
+    /// A garment and its body, as drapes are written into a GLB, apart from each other; any other
+    /// file as it is.
+    pub(crate) fn apart(self) -> anyhow::Result<Vec<Self>> {
+        let faces = self.file.triangles();
+        let &[garment, body] = &self.parts[..] else {
+            return Ok(vec![self]);
+        };
+        if garment + body != faces.len() || !self.later.is_empty() {
+            return Ok(vec![self]);
+        }
+        let cannot = || format!("cannot read `{}`", self.path.display());
+        let (garment, body) = faces.split_at(garment);
+        let part = |faces: &[[u32; 3]]| -> anyhow::Result<Self> {
+            let named: BTreeSet<u32> = faces.iter().flatten().copied().collect();
+            let number: BTreeMap<u32, u32> = named.iter().copied().zip(0..).collect();
+            let positions = self.file.positions();
+            let positions = named.iter().map(|&vertex| positions[vertex as usize]);
+            let faces = faces.iter().map(|face| face.map(|vertex| number[&vertex]));
+            let mesh = TriMesh::new(positions.collect(), faces.collect());
+            let file = ObjFile::of_mesh(&mesh.with_context(cannot)?, &self.path)?;
+            Ok(Self::still(&self.path, file, self.frame.up))
+        };
+        let (mut garment, body) = (part(garment)?, part(body)?);
+        garment.note = self.note;
+        Ok(vec![garment, body])
     }
 
     /// The OBJ files of a folder, in the order of their names.

@@ -20,6 +20,14 @@ pub enum PatternError {
         /// The name that was given.
         name: String,
     },
+    /// A size of trousers for another garment.
+    #[error("`{size}` is a size of trousers, which a {garment} is not")]
+    NoTrousers {
+        /// The garment.
+        garment: GarmentKind,
+        /// The size.
+        size: String,
+    },
     /// The garment has no such parameter.
     #[error("a {garment} has no parameter `{name}`")]
     UnknownParameter {

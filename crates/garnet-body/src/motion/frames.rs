@@ -97,10 +97,11 @@ impl FrameRange {
             Some(end) => (frames_in(end)? - 1e-3).ceil().max(0.0) as usize,
             None => num_frames,
         };
-        if end > num_frames {
-            return Err(out_of_range(end - 1));
-        }
         let step = (frames_in(self.step)?.round() as usize).max(1);
+        if end > num_frames {
+            let last = first + (end - 1).saturating_sub(first) / step * step;
+            return Err(out_of_range(if last < num_frames { end - 1 } else { last }));
+        }
         let frames: Vec<usize> = (first..end).step_by(step).collect();
         if frames.is_empty() {
             return Err(RetargetError::NoFrames {

@@ -28,6 +28,9 @@ const REST_THIGH: f32 = 8.3;
 const REST_KNEE: f32 = 5.0;
 const REST_TOLERANCE: f32 = 7.0;
 
+/// Meshes whose vertices are all as near as this are one body, in metres.
+const SAME_BODY: f32 = 1e-4;
+
 /// What a mesh is to the built-in body.
 #[derive(Debug, Clone)]
 pub enum Recognized {
@@ -165,16 +168,45 @@ pub fn unposed(body: &Body, target: &[Point3]) -> Result<Option<Body>, SkinError
     if !is_ours(body.rest()) {
         return Ok(None);
     }
-    let Some((places, _)) = at_rest(body, &body.fitted(target)?) else {
-        return Ok(None);
-    };
     let rest = body.rest();
-    let places = on_floor(symmetric(places), floor(rest.positions()));
+    let places = if stands_at_rest(body, target) {
+        target.to_vec()
+    } else {
+        let Some((places, _)) = at_rest(body, &body.fitted(target)?) else {
+            return Ok(None);
+        };
+        symmetric(places)
+    };
+    let places = on_floor(places, floor(rest.positions()));
     let Ok(mesh) = rest.with_positions(places) else {
         return Ok(None);
     };
     let joints = joints_of(mesh.positions());
     Ok(Some(with_joints(&mesh, joints)))
+}
+
+/// Whether a target is another body than `body`, at rest, upright and facing +Z: its shape needs not
+/// be told apart from a pose.
+fn stands_at_rest(body: &Body, target: &[Point3]) -> bool {
+    let rest = body.rest();
+    let largest = rest.positions().iter().zip(target);
+    let largest = largest.map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
+    if target.len() != rest.num_vertices() || largest < SAME_BODY {
+        return false;
+    }
+    let joints = joints_of(target);
+    let at = |name: &str| {
+        let place = JOINT_NAMES.iter().position(|other| *other == name);
+        joints[place.expect("the joint is one of ours")]
+    };
+    let trunk = at("neck") - at("pelvis");
+    let across = at("left_hip") - at("right_hip");
+    let middle = &target[..Template::stored().num_middle];
+    let aside = middle.iter().map(|place| place.x.abs());
+    trunk.y > 0.0
+        && across.x > 0.0
+        && aside.fold(0.0, f32::max) < MAX_ASYMMETRY * trunk.norm()
+        && is_at_rest(target, &joints)
 }
 
 /// Vertices and joints at rest of who stands in `posed`, which is `body` in a pose and another
@@ -386,6 +418,27 @@ mod tests {
             let off = (found[measure] - other[measure]).abs();
             println!("{measure:?} {off}");
             assert!(off < MAX_MEASURE, "{measure:?}: {off} m");
+        }
+    }
+
+    #[test]
+    fn who_stands_at_rest_is_measured_as_it_is() {
+        let own = ParametricBody::build(&Population::new(78).sample(0)).unwrap();
+        for (sex, stature, bmi) in [(0.0, 2.05, 24.0), (0.0, 1.98, 20.0), (1.0, 1.50, 30.0)] {
+            let parameters = crate::shape::BodyParameters::new(sex).with_bmi(bmi);
+            let parameters = parameters.with(Measure::Stature, stature);
+            let other = ParametricBody::build(&parameters).unwrap();
+            let found = unposed(own.body(), other.body().rest().positions()).unwrap();
+            let found = tape_measures(&found.expect("it has another shape")).unwrap();
+            for measure in [
+                Measure::Chest,
+                Measure::Waist,
+                Measure::Hip,
+                Measure::Inseam,
+            ] {
+                let off = (found[measure] - other.measures()[measure]).abs();
+                assert!(off < 0.01, "{stature} {measure:?}: {off} m");
+            }
         }
     }
 

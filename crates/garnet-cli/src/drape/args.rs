@@ -297,7 +297,7 @@ impl DrapeArgs {
         let one = "an outfit is draped on one body in one pose";
         let what = "leave it out, or drape the garments one by one";
         let refused_options = [
-            (bodies.len() > 1, "several bodies"),
+            (bodies.len() > 1, "a second body"),
             (self.input.is_motion(), "`--pose` with several frames"),
             (self.shard.is_some(), "`--shard`"),
             (self.repeat > 1, "`--repeat`"),

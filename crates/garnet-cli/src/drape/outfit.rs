@@ -36,6 +36,9 @@ use crate::{
 /// have no room. Those that fit stay below it where people stand; see docs/experiments/058.
 const MOST_CROSSING: f64 = 0.02;
 
+/// A garment that is wider than the one under it by this all round has room for it, in metres.
+const LEAST_ROOM: f64 = 0.02;
+
 /// What was draped over each other, and what runs through each other. SI units.
 #[derive(Debug, Serialize)]
 pub(super) struct OutfitReport {
@@ -50,6 +53,9 @@ pub(super) struct OutfitReport {
 /// How two garments run through each other.
 #[derive(Debug, Serialize)]
 struct LayerReport {
+    /// Of the inner and the outer garment, among those of the outfit.
+    #[serde(skip)]
+    places: [usize; 2],
     inner: String,
     outer: String,
     /// Faces of the outer garment that cross the inner one.
@@ -106,11 +112,7 @@ pub(super) fn run(
             layer.inner_outside
         ));
         if layer.crossing_share > MOST_CROSSING {
-            console.warning(&format!(
-                "`{}` has hardly room under `{}`: it may belong over it (name them in the other order), \
-                 or under a larger size",
-                layer.inner, layer.outer
-            ));
+            console.warning(&advice(layer, &report.garments));
         }
     }
     console.summary(&format_args!(
@@ -135,6 +137,31 @@ pub(super) fn run(
         .into_iter()
         .find(|status| *status != ExitStatus::Done);
     Ok((worst.unwrap_or(ExitStatus::Done), report))
+}
+
+/// What to do about layers that cross, by how wide they are where both go round the body.
+fn advice(layer: &LayerReport, garments: &[DrapeReport]) -> String {
+    let (inner, outer) = (&layer.inner, &layer.outer);
+    let [inner_fit, outer_fit] = layer.places.map(|place| {
+        let drape = garments[place].drapes.first();
+        let fit = drape.and_then(|drape| drape.fit.as_deref());
+        fit.unwrap_or_default()
+    });
+    let room = inner_fit.iter().filter_map(|fit| {
+        let over = outer_fit.iter().find(|over| over.region == fit.region)?;
+        Some(over.garment_m - fit.garment_m)
+    });
+    let least = room.fold(f64::INFINITY, f64::min);
+    if least.is_finite() && least > LEAST_ROOM {
+        return format!(
+            "`{inner}` has room under `{outer}`, but the pose or the body presses them together: \
+             `garnet render --color-by problems` shows where; a smaller size of `{inner}` folds less"
+        );
+    }
+    format!(
+        "`{inner}` has hardly room under `{outer}`: it may belong over it (name them in the other \
+         order), or under a larger size"
+    )
 }
 
 type Reports = Vec<(DrapeReport, Job)>;
@@ -301,6 +328,7 @@ impl LayerReport {
     fn new(garments: &[Garment], pair: LayerPair) -> Self {
         let found = pair.count;
         Self {
+            places: [pair.inner, pair.outer],
             inner: garments[pair.inner].name.clone(),
             outer: garments[pair.outer].name.clone(),
             outer_crossing: found.outer_crossing,

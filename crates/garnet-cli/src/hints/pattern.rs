@@ -12,8 +12,13 @@ pub(crate) fn for_pattern(error: &PatternError) -> Option<String> {
         }
         PatternError::UnknownSize { name } => {
             let names = Size::ALL.map(|size| size.to_string());
-            let names = one_of(name, names.iter().map(String::as_str));
+            let names = names.iter().map(String::as_str).chain(["auto"]);
+            let names = one_of(name, names);
             format!("{names}, or of trousers waist and inner leg in inches, as 32x34")
+        }
+        PatternError::NoTrousers { .. } => {
+            let names = Size::ALL.map(|size| size.to_string());
+            format!("its sizes are {} and auto", names.join(", "))
         }
         PatternError::UnknownParameter { garment, name } => {
             one_of(name, garment.specs().iter().map(|spec| spec.name))

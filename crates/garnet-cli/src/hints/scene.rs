@@ -49,9 +49,12 @@ fn for_scene(error: &SceneError) -> Option<String> {
             "the garment comes first, then the body: `garnet drape GARMENT BODY -o OUT`"
         }
         SceneError::OtherSize { .. } => "export both in the same unit, or name it with `--units`",
-        SceneError::NotAtRest { .. } => {
-            "`--pose` poses the rest body: give the rest body itself, a body at rest of another \
-             shape by `--rest-body`, or a posed body without `--pose`"
+        SceneError::NotAtRest { path, .. } => {
+            return Some(format!(
+                "`--pose` poses the rest body: a body at rest of another shape is given as \
+                 `--rest-body {}`, a body that is posed already without `--pose`",
+                path.display()
+            ));
         }
         SceneError::Unplaced { .. } => {
             "turn it upright as it is worn, its front to that of the body, in a modelling program: \
@@ -113,7 +116,9 @@ fn for_pose(error: &PoseError) -> Option<String> {
         }
         PoseError::Skin(error) => for_skin(error)?,
         PoseError::BadFrames { problem, .. } => match problem {
-            PoseProblem::OfLibrary => "leave out what follows the colon",
+            PoseProblem::OfLibrary => {
+                "it is a pose of the library, which has one frame: leave out `:FRAME` and `--motion`"
+            }
             _ => {
                 "frames are one, as 12, or FIRST:END:STEP, as 0:100:5 or 1s:2.5s, with END after \
                  FIRST and a step of 1 at least"

@@ -108,11 +108,15 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
         .par_iter()
         .map(|path| Moving::read(path, &options, up))
         .collect();
-    let moving = moving.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    let mut moving = moving.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    if moving.len() == 1 {
+        moving = moving.remove(0).apart()?;
+    }
     let names = frames_of(&moving)?;
     let looks: Vec<Look> = (moving.par_iter().enumerate())
         .map(|(index, mesh)| look_of(mesh.file(), color_of(index, moving.len())))
         .collect();
+    check_options(args, !names.is_empty())?;
     let is_animated = args
         .output
         .extension()
@@ -163,6 +167,28 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
         }))?;
     }
     Ok(ExitStatus::Done)
+}
+
+/// Refuses options that would do nothing.
+fn check_options(args: &RenderArgs, moves: bool) -> anyhow::Result<()> {
+    let given = |option: &str, reason: &str, hint: &str| {
+        Err(refused(
+            format!("`{option}` is given, and does nothing"),
+            reason,
+            hint,
+        ))
+    };
+    if args.range.is_some() && args.color_by == ColorBy::Nothing {
+        return given(
+            "--range",
+            "there is no color bar",
+            "say what the first mesh is colored by with `--color-by`, or leave it out",
+        );
+    }
+    if args.fps.is_some() && !moves {
+        return given("--fps", "the meshes do not move", "leave it out");
+    }
+    Ok(())
 }
 
 /// One frame, its first mesh colored.

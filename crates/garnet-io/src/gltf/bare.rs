@@ -14,8 +14,8 @@ use super::{
 };
 use crate::{FileError, FileProblem, json};
 
-/// Reads all meshes of a file without skins as one, where its nodes have them, and tells of what:
-/// where something is left out, the parts that are read and those that are not.
+/// Reads all meshes of a file without skins as one, where its nodes have them, and tells which were
+/// read, in the order of their faces, and which were not.
 ///
 /// # Errors
 ///
@@ -105,9 +105,6 @@ fn joined(
     }
     if faces.is_empty() {
         return Err(GltfProblem::NoSkin.into());
-    }
-    if faceless.is_empty() {
-        parts.clear();
     }
     parts.append(&mut faceless);
     Ok((TriMesh::new(positions, faces)?, parts))
