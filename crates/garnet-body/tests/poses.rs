@@ -655,3 +655,27 @@ fn bent_elbows_and_knees_neither_bulge_nor_collapse() {
         }
     }
 }
+
+#[test]
+fn faces_that_are_there_twice_change_no_contact() {
+    let built = ParametricBody::build(&BodyParameters::new(0.5)).unwrap();
+    let body = built.body();
+    let once = body.rest();
+    let twice = once
+        .faces()
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b, c], [a, c, b]]);
+    let twice = TriMesh::new(once.positions().to_vec(), twice.collect()).unwrap();
+    let (skeleton, weights) = (body.skeleton().clone(), body.weights().clone());
+    let doubled = Body::new(twice, skeleton, weights).unwrap();
+    let poser = Poser::new(body.skeleton()).unwrap();
+    for name in ["hands_on_hips", "arms_crossed", "squat"] {
+        let pose = poser.pose(&key_pose(name).unwrap().angles);
+        let found = [body, &doubled].map(|body| {
+            let report = SelfContact::new(body).unwrap().report(&pose).unwrap();
+            let depths = report.contacts.iter().map(|contact| contact.depth);
+            depths.collect::<Vec<f32>>()
+        });
+        assert_eq!(found[0], found[1], "{name}");
+    }
+}

@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, path::Path};
 use garnet_body::motion::joint_named;
 use garnet_skin::{Pose, Skeleton, SkinError, Vector3};
 use nalgebra::{Quaternion, UnitQuaternion};
-use serde::Deserialize;
+use serde::{Deserialize, de::IgnoredAny};
 
 use super::{
     FileError, FileProblem,
@@ -80,6 +80,8 @@ fn parse(bytes: &[u8], frame: Option<usize>, skeleton: &Skeleton) -> Result<Pose
             expected: "`garnet.pose/1`, or none",
         });
     }
+    let is_empty = file.joints.as_ref().is_some_and(BTreeMap::is_empty);
+    check_keys(&json::parse(bytes)?, is_empty, skeleton)?;
     let units = Frame {
         units: file.units,
         up: file.up,
@@ -104,6 +106,37 @@ fn parse(bytes: &[u8], frame: Option<usize>, skeleton: &Skeleton) -> Result<Pose
     let mut pose = frames.swap_remove(frame);
     pose.joint_order = pose.joint_order.or(file.joint_order);
     pose_of(pose, skeleton, metres)
+}
+
+/// What a file of a pose may be, beside what is read of it.
+const READ_KEYS: [&str; 9] = [
+    "schema",
+    "units",
+    "up",
+    "frames",
+    "joint_order",
+    "joints",
+    "local_rotation_xyzw",
+    "joint_transforms_row_major_4x4",
+    "root_translation",
+];
+
+/// Refuses joints beside `joints`, and files that have something else in place of joints: nothing
+/// of that would be turned.
+fn check_keys(
+    keys: &BTreeMap<String, IgnoredAny>,
+    is_empty: bool,
+    skeleton: &Skeleton,
+) -> Result<(), FileProblem> {
+    let mut others = keys.keys().filter(|key| !READ_KEYS.contains(&key.as_str()));
+    let wrong = others.find(|key| is_empty || joint_of(key, skeleton).is_ok());
+    wrong.map_or(Ok(()), |key| {
+        Err(FileProblem::Field {
+            field: key.clone(),
+            found: "something that is not read".to_owned(),
+            expected: "rotations of joints in `joints`",
+        })
+    })
 }
 
 fn pose_of(json: PoseJson, skeleton: &Skeleton, metres: f64) -> Result<Pose, FileProblem> {

@@ -251,8 +251,18 @@ fn sparse_accessors_replace_single_vertices() {
     let rig = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap();
     let moved = rig.rest.unwrap().positions()[3];
     approx::assert_relative_eq!(moved, Point3::new(0.07, 0.08, 0.09), epsilon = 1e-6);
-    json["accessors"][0]["count"] = json!(3);
-    json["accessors"][2]["count"] = json!(3);
+    let mut short = json.clone();
+    short["accessors"][0]["count"] = json!(3);
+    short["accessors"][2]["count"] = json!(3);
+    assert!(read_rig(written(folder.path(), &glb(&short, &binary))).is_err());
+    // Without a view all others are zero.
+    let whole = json["accessors"][0].as_object_mut().unwrap();
+    whole.remove("bufferView");
+    let rig = read_rig(written(folder.path(), &glb(&json, &binary))).unwrap();
+    let positions = rig.rest.unwrap().into_parts().0;
+    approx::assert_relative_eq!(positions[3], moved, epsilon = 1e-6);
+    assert_eq!(positions[2], positions[0]);
+    json["accessors"][0]["count"] = json!(4_000_000_000_u64);
     assert!(read_rig(written(folder.path(), &glb(&json, &binary))).is_err());
 }
 

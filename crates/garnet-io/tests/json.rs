@@ -267,6 +267,14 @@ fn what_is_wrong_with_a_pose_is_named() {
             "not finite",
         ),
         (json!([1, 2]), "line "),
+        (
+            json!({"joints": {}, "rotations": {"knee": [0, 0, 0, 1]}}),
+            "`rotations` is `something that is not read`",
+        ),
+        (
+            json!({"joints": {"knee": [0, 0, 0, 1]}, "knee": [0, 0, 0, 1]}),
+            "`knee` is `something that is not read`",
+        ),
     ];
     for (json, expected) in cases {
         let text = read(&json, None).unwrap_err();

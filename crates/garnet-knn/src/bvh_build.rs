@@ -37,12 +37,16 @@ struct Primitive {
     face: u32,
 }
 
-/// Sorts the faces into a tree; there is at least one node.
+/// Sorts the faces into a tree; there is at least one node. Faces that are a point are left out where
+/// there are others: they have no side, and hide the faces around the point.
 pub(crate) fn tree_layout(positions: &[Point3], faces: &[[u32; 3]]) -> TreeLayout {
+    let is_point = |[a, b, c]: &[u32; 3]| a == b && b == c;
+    let keeps_points = faces.iter().all(is_point);
     let mut primitives: Vec<Primitive> = faces
         .par_iter()
         .with_min_len(2048)
         .enumerate()
+        .filter(|(_, corners)| keeps_points || !is_point(corners))
         .map(|(face, corners)| {
             let bounds =
                 Aabb::of_points(corners.iter().map(|&v| positions[v as usize].coords.into()));

@@ -119,6 +119,10 @@ impl ClosedPart {
         // Seams of textures are closed in the skin.
         let skin_faces = body.skin().faces();
         let is_of_part = |face: &[u32; 3]| {
+            // Of faces that lie on others the skin keeps a point.
+            if face[0] == face[1] && face[1] == face[2] {
+                return false;
+            }
             let count = face
                 .iter()
                 .filter(|&&vertex| parts[vertex as usize] == part)

@@ -103,6 +103,10 @@ pub(super) fn read_or_zeros(
         None if num_rows > 0 && accessor.count.0 == num_rows as u64 => {
             vec![0.0; num_rows * components]
         }
+        // Zeros, but for the values that follow.
+        None if accessor.sparse.is_some() && accessor.count.0 <= MOST_SPARSE => {
+            vec![0.0; accessor.count.0 as usize * components]
+        }
         None => return Err(wrong("it has no data (no `bufferView`)")),
     };
     overlay_sparse(
@@ -218,6 +222,10 @@ pub(super) fn whole(value: f64) -> Option<usize> {
     let is_count = (0.0..=f64::from(u32::MAX)).contains(&value) && value.fract() == 0.0;
     is_count.then_some(value as usize)
 }
+
+/// Accessors whose values are all told one by one have so many elements at most: nothing of the
+/// file's size bounds them. More reads larger meshes, and takes more memory for damaged files.
+const MOST_SPARSE: u64 = 4_000_000;
 
 const OUTSIDE: &str = "it ends outside its buffer view";
 
