@@ -75,6 +75,47 @@ fn info_tells_each_kind_of_file() {
 }
 
 #[test]
+fn info_tells_of_the_files_that_can_be_read() {
+    let fixture = Fixture::new();
+    let output = fixture.garnet("info sleeve.obj no.obj body.obj neither.obj");
+    assert_eq!(output.status.code(), Some(2));
+    let (told, failed) = (stdout(&output), stderr(&output));
+    assert!(
+        told.contains("sleeve.obj") && told.contains("body.obj"),
+        "{told}"
+    );
+    assert!(
+        failed.contains("`no.obj`") && failed.contains("`neither.obj`"),
+        "{failed}"
+    );
+}
+
+#[test]
+fn options_of_pictures_that_do_nothing_are_refused() {
+    let fixture = Fixture::new();
+    for options in ["--range 0:1", "--fps 3"] {
+        let output = fixture.garnet(&format!("render sleeve.obj -o no.png {options}"));
+        assert_eq!(output.status.code(), Some(2), "{options}");
+        assert!(
+            stderr(&output).contains("does nothing"),
+            "{}",
+            stderr(&output)
+        );
+    }
+}
+
+#[test]
+fn a_drape_in_a_glb_is_a_garment_on_its_body() {
+    let fixture = Fixture::new();
+    let drape = "drape sleeve.obj bent.obj --rig body.rig.npz -o worn.glb -q";
+    let output = fixture.garnet(drape);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    // Problems are looked for on a body.
+    let output = fixture.garnet("render worn.glb -o worn.png --color-by problems --size 300x100");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+}
+
+#[test]
 fn frames_are_a_sheet_or_an_animation() {
     let fixture = Fixture::new();
     for (frame, height) in [(0, 0.0), (1, 0.1), (2, 0.2)] {

@@ -232,7 +232,7 @@ fn cuts_that_there_are_not_are_refused() {
     done(&fixture, "garment jeans --vertices 600 -o jeans -q");
     for (options, words) in [
         ("tee big.obj --size huge", "there is no size `huge`"),
-        ("tee big.obj --size 32x34", "there is no size `32x34`"),
+        ("tee big.obj --size 32x34", "`32x34` is a size of trousers"),
         (
             "tee big.obj --sleeve 90",
             "it lies between 16.0 cm and 36.0 cm",
@@ -315,7 +315,7 @@ fn scenes_of_a_size_are_of_the_package_in_that_size() {
             "jeans --size 32x34",
             "each body wears a garment cut to its measures",
         ),
-        ("tee --size 32x34", "there is no size `32x34`"),
+        ("tee --size 32x34", "`32x34` is a size of trousers"),
         ("tee --size huge", "there is no size `huge`"),
     ] {
         let output = fixture.garnet(&format!("dataset {arguments} -o none"));

@@ -1,9 +1,11 @@
 //! What goes to the terminal: data to stdout, everything else to stderr.
 
 use std::{
+    collections::BTreeSet,
     env,
     fmt::Display,
     io::{self, IsTerminal, Write},
+    sync::Mutex,
 };
 
 use clap::ValueEnum;
@@ -49,6 +51,8 @@ pub(crate) struct Console {
     loudness: Loudness,
     draws_progress: bool,
     is_colored: bool,
+    /// Warnings that were told: of many drapes each is told once.
+    told: Mutex<BTreeSet<String>>,
 }
 
 /// How much is told beside errors.
@@ -93,6 +97,7 @@ impl Console {
                 && !options.is_quiet
                 && !options.is_verbose,
             is_colored,
+            told: Mutex::default(),
         }
     }
 
@@ -103,6 +108,7 @@ impl Console {
             loudness: Loudness::Quiet,
             draws_progress: false,
             is_colored: false,
+            told: Mutex::new(BTreeSet::new()),
         }
     }
 
@@ -127,7 +133,12 @@ impl Console {
 
     /// Tells what may be wrong.
     pub(crate) fn warning(&self, text: &impl Display) {
-        if self.loudness >= Loudness::Usual {
+        if self.loudness < Loudness::Usual {
+            return;
+        }
+        let text = text.to_string();
+        let is_new = (self.told.lock()).is_ok_and(|mut told| told.insert(text.clone()));
+        if is_new {
             tell(&format_args!("{} {text}", self.label("warning:", YELLOW)));
         }
     }

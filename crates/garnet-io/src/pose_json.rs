@@ -1,11 +1,14 @@
 //! Poses as JSON.
 
-use std::{collections::BTreeMap, path::Path};
+use std::{collections::BTreeMap, fmt, path::Path};
 
 use garnet_body::motion::joint_named;
 use garnet_skin::{Pose, Skeleton, SkinError, Vector3};
 use nalgebra::{Quaternion, UnitQuaternion};
-use serde::{Deserialize, de::IgnoredAny};
+use serde::{
+    Deserialize, Deserializer,
+    de::{IgnoredAny, MapAccess, Visitor},
+};
 
 use super::{
     FileError, FileProblem,
@@ -81,7 +84,8 @@ fn parse(bytes: &[u8], frame: Option<usize>, skeleton: &Skeleton) -> Result<Pose
         });
     }
     let is_empty = file.joints.as_ref().is_some_and(BTreeMap::is_empty);
-    check_keys(&json::parse(bytes)?, is_empty, skeleton)?;
+    let Keys(keys) = json::parse(bytes)?;
+    check_keys(&keys, is_empty, skeleton)?;
     let units = Frame {
         units: file.units,
         up: file.up,
@@ -121,14 +125,37 @@ const READ_KEYS: [&str; 9] = [
     "root_translation",
 ];
 
+/// The keys of an object.
+struct Keys(Vec<String>);
+
+impl<'de> Deserialize<'de> for Keys {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OfObject;
+
+        impl<'de> Visitor<'de> for OfObject {
+            type Value = Keys;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("an object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Keys, A::Error> {
+                let mut keys = Vec::new();
+                while let Some((key, IgnoredAny)) = map.next_entry()? {
+                    keys.push(key);
+                }
+                Ok(Keys(keys))
+            }
+        }
+
+        deserializer.deserialize_map(OfObject)
+    }
+}
+
 /// Refuses joints beside `joints`, and files that have something else in place of joints: nothing
 /// of that would be turned.
-fn check_keys(
-    keys: &BTreeMap<String, IgnoredAny>,
-    is_empty: bool,
-    skeleton: &Skeleton,
-) -> Result<(), FileProblem> {
-    let mut others = keys.keys().filter(|key| !READ_KEYS.contains(&key.as_str()));
+fn check_keys(keys: &[String], is_empty: bool, skeleton: &Skeleton) -> Result<(), FileProblem> {
+    let mut others = keys.iter().filter(|key| !READ_KEYS.contains(&key.as_str()));
     let wrong = others.find(|key| is_empty || joint_of(key, skeleton).is_ok());
     wrong.map_or(Ok(()), |key| {
         Err(FileProblem::Field {

@@ -69,8 +69,13 @@ impl fmt::Display for GarmentReport {
         if self.inside > 0 {
             write!(
                 formatter,
-                "\n  {} vertices lie inside the body, the deepest {:.1} mm",
+                "\n  {} {} inside the body at rest, the deepest {:.1} mm",
                 self.inside,
+                if self.inside == 1 {
+                    "vertex is"
+                } else {
+                    "vertices are"
+                },
                 1e3 * self.deepest_m
             )?;
         }

@@ -82,24 +82,33 @@ enum Content {
     Dataset(DatasetInfo),
 }
 
-/// Reads each file and tells what is in it.
+/// Reads each file and tells what is in it; those that cannot be read are told after the others.
 pub(crate) fn run(args: &InfoArgs, console: &Console) -> anyhow::Result<ExitStatus> {
     let options = args.rig.clone().options();
-    let files = args.files.iter().map(|path| {
-        Ok(FileInfo {
-            path: path.display().to_string(),
-            content: content(path, &options)?,
-        })
-    });
-    let files = files.collect::<anyhow::Result<Vec<_>>>()?;
-    if console.is_json() {
-        let schema = "garnet.info/1";
-        print_document(&InfoReport { schema, files })?;
-        return Ok(ExitStatus::Done);
+    let (mut files, mut failures) = (Vec::new(), Vec::new());
+    for path in &args.files {
+        match content(path, &options) {
+            Ok(content) => files.push(FileInfo {
+                path: path.display().to_string(),
+                content,
+            }),
+            Err(failure) => failures.push(failure),
+        }
     }
-    let tables: Vec<String> = files.iter().map(|file| table(file).to_string()).collect();
-    print_data(&tables.join("\n\n"))?;
-    Ok(ExitStatus::Done)
+    if !files.is_empty() || failures.is_empty() {
+        if console.is_json() {
+            let schema = "garnet.info/1";
+            print_document(&InfoReport { schema, files })?;
+        } else {
+            let tables: Vec<String> = files.iter().map(|file| table(file).to_string()).collect();
+            print_data(&tables.join("\n\n"))?;
+        }
+    }
+    let last = failures.pop();
+    for failure in &failures {
+        console.failure(failure);
+    }
+    last.map_or(Ok(ExitStatus::Done), Err)
 }
 
 fn table(file: &FileInfo) -> Table {

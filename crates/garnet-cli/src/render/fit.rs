@@ -1,6 +1,6 @@
 //! How a garment fits, as values of its vertices.
 
-use std::path::Path;
+use std::{ops::RangeInclusive, path::Path};
 
 use anyhow::Context;
 use garnet::{
@@ -16,6 +16,21 @@ use crate::{
     cut_args::{SizeChoice, check_size, chosen_size, cut_on, in_size},
     failure::{Hint, refused},
 };
+
+/// Cloth that is draped in the size of its package has an area within these shares of it: drapes
+/// stretch and crumple by a few per cent, sizes differ by ten.
+const SAME_SIZE: RangeInclusive<f64> = 0.94..=1.06;
+
+/// Areas that differ by more are in other units.
+const ANY_UNIT: RangeInclusive<f64> = 0.3..=3.0;
+
+fn area_of(positions: &[Point3], faces: &[[u32; 3]]) -> f64 {
+    let area = |face: &[u32; 3]| {
+        let [a, b, c] = face.map(|vertex| positions[vertex as usize]);
+        0.5 * f64::from((b - a).cross(&(c - a)).norm())
+    };
+    faces.iter().map(area).sum()
+}
 
 /// The levels of a drape of the garment of a package, in a size, `[vertex]`, on the body of the
 /// picture, whose vertices are at `body`, in metres.
@@ -50,6 +65,18 @@ pub(super) fn levels(
         ));
     }
     let package = worn((folder, size), package, &positions).with_context(cannot)?;
+    let larger = area_of(file.positions(), &file.triangles())
+        / area_of(package.mesh.positions(), package.mesh.faces());
+    // Files in other units are as large in other ways.
+    if ANY_UNIT.contains(&larger) && !SAME_SIZE.contains(&larger) {
+        return Err(refused(
+            cannot(),
+            format!(
+                "its cloth is {larger:.2} times as large as that of `{shown}`: it has another size"
+            ),
+            format!("name the size that was draped, as `--color-by fit={shown}@l`, or `@auto`"),
+        ));
+    }
     let fitted = package.body.fitted(&positions);
     let not_built_in =
         || "the girths of the built-in body alone are known: a body of `garnet body`".to_owned();
