@@ -220,10 +220,16 @@ fn sizes_are_simulated_and_colored_as_they_are_cut() {
         done(&fixture, &command);
         fixture.read("fit.png")
     };
-    assert_ne!(pixels("tee"), pixels("tee@2xl"));
     assert_eq!(pixels("tee@2xl"), pixels("tee@2XL"));
-    let output = fixture.garnet("render worn.obj big.obj --color-by fit=tee@huge -o fit.png");
-    assert_eq!(output.status.code(), Some(2));
+    for (package, told) in [
+        ("tee", "it has another size"),
+        ("tee@huge", "no size `huge`"),
+    ] {
+        let command = format!("render worn.obj big.obj --color-by fit={package} -o fit.png");
+        let output = fixture.garnet(&command);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(told), "{}", stderr(&output));
+    }
 }
 
 #[test]

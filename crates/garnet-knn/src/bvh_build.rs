@@ -37,8 +37,10 @@ struct Primitive {
     face: u32,
 }
 
-/// Sorts the faces into a tree; there is at least one node. Faces that are a point are left out where
-/// there are others: they have no side, and hide the faces around the point.
+/// Sorts the faces into a tree; there is at least one node.
+///
+/// Faces that are a point are left out where there are others: they have no side, and hide the
+/// faces around the point.
 pub(crate) fn tree_layout(positions: &[Point3], faces: &[[u32; 3]]) -> TreeLayout {
     let is_point = |[a, b, c]: &[u32; 3]| a == b && b == c;
     let keeps_points = faces.iter().all(is_point);

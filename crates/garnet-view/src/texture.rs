@@ -2,7 +2,11 @@
 
 use std::io::Cursor;
 
-use image::{ImageReader, Limits};
+use image::{
+    ColorType, ImageDecoder, ImageError, Limits,
+    codecs::{jpeg::JpegDecoder, png::PngDecoder},
+    error::{ImageFormatHint, LimitError, LimitErrorKind, UnsupportedError},
+};
 
 use crate::{Rgb, ViewError, rgb::Light};
 
@@ -35,20 +39,12 @@ impl Texture {
     ///
     /// [`ViewError::Decode`].
     pub fn decode(bytes: &[u8]) -> Result<Self, ViewError> {
-        let cannot = |source| ViewError::Decode { source };
-        let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-        let mut reader = reader.map_err(|error| cannot(error.into()))?;
-        let mut limits = Limits::default();
-        limits.max_image_width = Some(MAX_SIDE);
-        limits.max_image_height = Some(MAX_SIDE);
-        limits.max_alloc = Some(MAX_BYTES);
-        reader.limits(limits);
-        let picture = reader.decode().map_err(cannot)?.into_rgb8();
-        let size = [picture.width(), picture.height()];
-        let pixels = picture
-            .pixels()
-            .map(|pixel| Rgb::new(pixel[0], pixel[1], pixel[2]));
-        Ok(Self::new(size, pixels.collect()))
+        let read = match bytes {
+            [0xff, 0xd8, ..] => JpegDecoder::new(Cursor::new(bytes)).and_then(pixels_of),
+            _ => PngDecoder::new(Cursor::new(bytes)).and_then(pixels_of),
+        };
+        let (size, pixels) = read.map_err(|source| ViewError::Decode { source })?;
+        Ok(Self::new(size, pixels))
     }
 
     /// Of one pixel or more.
@@ -77,6 +73,49 @@ impl Texture {
         let level = (0..last).find(|&number| level < number as f64 + 1.0);
         self.levels[level.unwrap_or(last)].light([u, 1.0 - v])
     }
+}
+
+/// Width, height and the colors of all pixels of a picture.
+fn pixels_of(mut decoder: impl ImageDecoder) -> Result<([u32; 2], Vec<Rgb>), ImageError> {
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_BYTES);
+    decoder.set_limits(limits)?;
+    let (width, height) = decoder.dimensions();
+    let color = decoder.color_type();
+    let too_large = || ImageError::Limits(LimitError::from_kind(LimitErrorKind::DimensionError));
+    if width == 0 || height == 0 || decoder.total_bytes() > MAX_BYTES {
+        return Err(too_large());
+    }
+    let length = usize::try_from(decoder.total_bytes()).map_err(|_| too_large())?;
+    let mut bytes = vec![0; length];
+    decoder.read_image(&mut bytes)?;
+    let deep = match color {
+        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => 1,
+        ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => 2,
+        _ => {
+            let unsupported = UnsupportedError::from(ImageFormatHint::Unknown);
+            return Err(ImageError::Unsupported(unsupported));
+        }
+    };
+    // Of two bytes the one that counts more.
+    let high = if cfg!(target_endian = "little") {
+        deep - 1
+    } else {
+        0
+    };
+    let pixel = usize::from(color.bytes_per_pixel());
+    let [green, blue] = if color.has_color() {
+        [deep, 2 * deep]
+    } else {
+        [0, 0]
+    };
+    let colors = bytes.chunks_exact(pixel).map(|pixel| {
+        let [red, green, blue] = [0, green, blue].map(|channel| pixel[channel + high]);
+        Rgb::new(red, green, blue)
+    });
+    Ok(([width, height], colors.collect()))
 }
 
 impl Level {

@@ -185,8 +185,8 @@ pub fn unposed(body: &Body, target: &[Point3]) -> Result<Option<Body>, SkinError
     Ok(Some(with_joints(&mesh, joints)))
 }
 
-/// Whether a target is another body than `body`, at rest, upright and facing +Z: its shape needs not
-/// be told apart from a pose.
+/// Whether a target is another body than `body`, at rest, upright and facing +Z: its shape needs
+/// not be told apart from a pose.
 fn stands_at_rest(body: &Body, target: &[Point3]) -> bool {
     let rest = body.rest();
     let largest = rest.positions().iter().zip(target);

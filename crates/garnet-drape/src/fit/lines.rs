@@ -23,8 +23,8 @@ const DEEPEST_ARMHOLE: f64 = 0.15;
 const NEIGHBORS: usize = 12;
 
 /// A line goes along a fold, or into a sleeve of a garment whose pieces are not known, if the next
-/// one, [`STEP`] below, has less than this share of its length. More takes the taper of a dress from
-/// chest to waist for a fold.
+/// one, [`STEP`] below, has less than this share of its length. More takes the taper of a dress for
+/// a fold.
 const SUDDENLY_SHORTER: f64 = 0.98;
 
 /// Lines longer than so many times the girth of the body that the garment lies on go round more
