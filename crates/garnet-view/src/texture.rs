@@ -14,7 +14,7 @@ use crate::{Rgb, ViewError, rgb::Light};
 const MAX_SIDE: u32 = 16_384;
 
 /// Bytes that a picture may take while it is read.
-const MAX_BYTES: u64 = 1 << 30;
+const MAX_BYTES: usize = 1 << 30;
 
 /// A picture that is laid over a surface: itself, and smaller copies for surfaces far away.
 ///
@@ -80,15 +80,15 @@ fn pixels_of(mut decoder: impl ImageDecoder) -> Result<([u32; 2], Vec<Rgb>), Ima
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_BYTES);
+    limits.max_alloc = Some(MAX_BYTES as u64);
     decoder.set_limits(limits)?;
     let (width, height) = decoder.dimensions();
     let color = decoder.color_type();
     let too_large = || ImageError::Limits(LimitError::from_kind(LimitErrorKind::DimensionError));
-    if width == 0 || height == 0 || decoder.total_bytes() > MAX_BYTES {
+    let length = usize::try_from(decoder.total_bytes()).unwrap_or(usize::MAX);
+    if width == 0 || height == 0 || length > MAX_BYTES {
         return Err(too_large());
     }
-    let length = usize::try_from(decoder.total_bytes()).map_err(|_| too_large())?;
     let mut bytes = vec![0; length];
     decoder.read_image(&mut bytes)?;
     let deep = match color {
