@@ -195,10 +195,7 @@ fn stands_at_rest(body: &Body, target: &[Point3]) -> bool {
         return false;
     }
     let joints = joints_of(target);
-    let at = |name: &str| {
-        let place = JOINT_NAMES.iter().position(|other| *other == name);
-        joints[place.expect("the joint is one of ours")]
-    };
+    let at = |name: &str| joint(&joints, name);
     let trunk = at("neck") - at("pelvis");
     let across = at("left_hip") - at("right_hip");
     let middle = &target[..Template::stored().num_middle];
@@ -281,11 +278,14 @@ fn symmetric(mut positions: Vec<Point3>) -> Vec<Point3> {
     positions
 }
 
+/// The place of a built-in joint.
+fn joint(joints: &[Point3], name: &str) -> Point3 {
+    let place = JOINT_NAMES.iter().position(|other| *other == name);
+    joints[place.expect("the joint is one of ours")]
+}
+
 fn is_at_rest(positions: &[Point3], joints: &[Point3]) -> bool {
-    let at = |name: &str| {
-        let place = JOINT_NAMES.iter().position(|other| *other == name);
-        joints[place.expect("the joint is one of ours")]
-    };
+    let at = |name: &str| joint(joints, name);
     let height = (at("head") - at("left_ankle")).norm();
     let template = Template::stored();
     let middle: Vector3 = positions[..template.num_middle]

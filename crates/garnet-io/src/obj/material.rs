@@ -101,6 +101,7 @@ impl ObjMaterials {
         }
     }
 }
+
 /// The number of a picture, which is read if it is new.
 fn picture(folder: &Path, named: &str, pictures: &mut Vec<ObjPicture>) -> Option<usize> {
     if let Some(place) = pictures.iter().position(|picture| picture.name == named) {
