@@ -21,6 +21,10 @@ pub struct UntangleOptions {
     pub contact_rounds: usize,
     /// How often cloth whose triangles still cross the skin is lifted further.
     pub crossing_rounds: usize,
+    /// What each lifted face may add to the stretch of torn edges beyond what counts as torn: tears
+    /// of whole patches are mended afterwards. Higher frees more faces and may tear cloth. Tried: 0
+    /// to 0.1 (docs/experiments/075).
+    pub lift_excess: f32,
     /// Whether cloth is on the right side of the skin but for millimetres: it then leaves by the
     /// skin nearest to it. Where it is trapped it stays where it is, and between two walls that
     /// leave it too little room, in the middle.
@@ -37,6 +41,7 @@ impl Default for UntangleOptions {
             push_length: 0.08,
             contact_rounds: 5,
             crossing_rounds: 6,
+            lift_excess: 0.05,
             keeps_sides: false,
         }
     }
@@ -80,6 +85,8 @@ impl UntangleOptions {
         Self {
             min_stretch: 0.0,
             relax_beyond: f32::INFINITY,
+            // It has no patches in the skin, and steps of motions would grow.
+            lift_excess: 0.0,
             keeps_sides: true,
             push_length: self.push_length.min(SIMULATED_PUSH_LENGTH),
             ..self

@@ -13,7 +13,8 @@ const LIFT_SEARCHES: usize = 2;
 const LIFT_RADIUS: f32 = 0.03;
 
 /// Lifting must not add more than this to the stretch of torn edges beyond what counts as torn,
-/// summed over them. Higher trades torn cloth for fewer crossings.
+/// summed over them, and [so much more for each face](crate::UntangleOptions::lift_excess). Higher
+/// trades torn cloth for fewer crossings.
 const MAX_ADDED_EXCESS: f32 = 0.5;
 
 /// Corners of triangles that cross the skin keep at most this more than the clearance, in metres: a
@@ -59,7 +60,8 @@ fn lift_or_leave(cloth: &mut Cloth<'_>, free: &[[u32; 3]]) -> Option<Region> {
     );
     let region = lift_corners(cloth, free);
     let after = cloth.tears();
-    if after.excess <= before.excess + MAX_ADDED_EXCESS {
+    let most = MAX_ADDED_EXCESS + cloth.scene.options.lift_excess * free.len() as f32;
+    if after.excess <= before.excess + most {
         return Some(region);
     }
     (cloth.positions, cloth.contacts, cloth.clearances) = kept;
