@@ -241,6 +241,12 @@ pub enum Fallback {
     /// What the network predicts on the way could not be simulated further: the garment was warped
     /// by pose and shape.
     OnTheWay,
+    /// What the network predicts on the way was relaxed and is torn: the garment was simulated all
+    /// the way from the body at rest.
+    Torn {
+        /// Its longest edge over that at rest.
+        stretch: f32,
+    },
 }
 
 impl Fallback {
@@ -250,7 +256,7 @@ impl Fallback {
         match self {
             #[cfg(feature = "package")]
             Self::Unfamiliar(reason) => !matches!(reason, crate::Unfamiliar::Torn { .. }),
-            Self::OnTheWay => false,
+            Self::OnTheWay | Self::Torn { .. } => false,
         }
     }
 }
@@ -261,6 +267,10 @@ impl fmt::Display for Fallback {
             #[cfg(feature = "package")]
             Self::Unfamiliar(reason) => reason.fmt(formatter),
             Self::OnTheWay => formatter.write_str("what is midway could not be simulated further"),
+            Self::Torn { stretch } => write!(
+                formatter,
+                "what is midway was caught on the body, an edge {stretch:.1} times as long"
+            ),
         }
     }
 }

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_mesh::Point3;
+use garnet_knn::TORN_STRETCH;
+use garnet_mesh::{Point3, edge_stretch};
 use garnet_net::ReferenceCase;
 use garnet_sim::{DrapeReport, Event, Moment, Quality};
 use garnet_skin::{BodyAtHome, PosedBody, Warp};
@@ -18,6 +19,11 @@ use crate::{
     PlacedBy, Provenance, Refit, Settling, Simulator,
 };
 
+/// Relaxed cloth with an edge longer than this over its length at rest hangs on a limb that it
+/// would have to go through: half as much again as torn, so that what a contact strains for a
+/// moment does not count. Lower, more drapes are simulated from rest, which takes seconds.
+const CAUGHT_STRETCH: f32 = 1.5 * TORN_STRETCH;
+
 /// What stands between warp and untangling.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Learned {
@@ -28,6 +34,16 @@ pub(crate) struct Learned {
     /// For how many frames what the network predicts is relaxed.
     relax_frames: u32,
     simulator: Option<Arc<Simulator>>,
+}
+
+/// Cloth that was relaxed.
+struct Settled {
+    /// Positions `[node]`, in metres.
+    nodes: Vec<Point3>,
+    /// From where, and for how long.
+    relaxation: Settling,
+    /// Why it was not from where the network put it.
+    fallback: Option<Fallback>,
 }
 
 /// How far a simulation is.
@@ -175,10 +191,14 @@ impl Draper {
         };
         if let Some((simulator, from, relaxation)) = relaxed {
             let start = Instant::now();
-            let own = self.garment.body();
-            match simulator.settled(own, body, &from, relaxation, stop) {
+            match self.settled(simulator, body, &from, relaxation, stop) {
                 Ok(settled) => {
-                    let settled = self.garment.cloth().weld().gather(&settled);
+                    let Settled {
+                        nodes: settled,
+                        relaxation,
+                        fallback,
+                    } = settled;
+                    brought.provenance.fallback = brought.provenance.fallback.or(fallback);
                     let before = std::mem::replace(&mut brought.nodes, settled);
                     // What was to rest already is a drape.
                     let was_drape = relaxation.from == Moment::Rest;
@@ -212,6 +232,64 @@ impl Draper {
             brought.provenance.fallback = Some(Fallback::OnTheWay);
         }
         Ok(brought)
+    }
+
+    /// The garment relaxed from vertices `from`; from rest, if it was caught on the body on the
+    /// way.
+    fn settled(
+        &self,
+        simulator: &Simulator,
+        body: &PosedBody,
+        from: &[Point3],
+        relaxation: Settling,
+        stop: &AtomicBool,
+    ) -> Result<Settled, PackageError> {
+        let settle = |from: &[Point3], relaxation: Settling| {
+            let own = self.garment.body();
+            let settled = simulator.settled(own, body, from, relaxation, stop)?;
+            Ok(Settled {
+                nodes: self.garment.cloth().weld().gather(&settled),
+                relaxation,
+                fallback: None,
+            })
+        };
+        let first = settle(from, relaxation)?;
+        let is_of_network = relaxation.from.is_on_way() && relaxation.from != Moment::Start;
+        if !(is_of_network && relaxation.finds_folds()) {
+            return Ok(first);
+        }
+        let Some(stretch) = self.torn(&first.nodes) else {
+            return Ok(first);
+        };
+        let relaxation = Settling {
+            from: Moment::Start,
+            ..relaxation
+        };
+        let is_better = |again: &Settled| {
+            let torn = self.torn(&again.nodes);
+            torn.is_none_or(|again| again < stretch)
+        };
+        match settle(self.garment.mesh().positions(), relaxation) {
+            Ok(again) if is_better(&again) => {
+                let reason = Fallback::Torn { stretch };
+                info!(%reason, "simulated from the body at rest");
+                Ok(Settled {
+                    fallback: Some(reason),
+                    ..again
+                })
+            }
+            Err(PackageError::Stopped) => Err(PackageError::Stopped),
+            _ => Ok(first),
+        }
+    }
+
+    /// How many times as long as at rest the longest edge of simulated cloth `[node]` is, if no
+    /// cloth is like that.
+    fn torn(&self, nodes: &[Point3]) -> Option<f32> {
+        let cloth = self.garment.cloth();
+        let stretch = edge_stretch(cloth.rest_nodes(), nodes, cloth.topology().edges());
+        let longest = stretch.map_or(1.0, |found| found.max);
+        (longest > CAUGHT_STRETCH).then_some(longest)
     }
 
     /// What the network is told of a body and what it says, for other implementations: see
