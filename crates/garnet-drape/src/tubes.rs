@@ -1,6 +1,7 @@
 //! Limbs that come out of the cloth which is round them: a finger out of its glove, an arm out of
 //! its sleeve. No vertex is inside the body then, and yet the garment is not worn.
 
+use garnet_knn::Surface;
 use garnet_mesh::Point3;
 use garnet_skin::PosedBody;
 use rayon::prelude::*;
@@ -25,6 +26,13 @@ const MIN_IN: usize = 6;
 /// A limb has come out of the cloth if more than this share of what was in it is not. Hems that
 /// slide bare less.
 const OUT_SHARE: f32 = 0.4;
+
+/// Skin beyond the rim of the cloth, as of a forearm whose sleeve rides up, does not count, unless
+/// more than this share of the limb is there: then all of it has left the sleeve.
+const ALL_OUT: f32 = 0.9;
+
+/// Weights of corners below this are rounding.
+const ON_CORNER: f32 = 1e-5;
 
 /// A limb that is out of the cloth which was round it at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,14 +76,17 @@ impl Tubes {
         }
         let asked: Vec<(usize, Vec<u32>)> = of_joints.into_iter().enumerate().collect();
         let rest = garment.mesh().positions();
-        let is_in = contained(garment, &asked, (rest, body.skin().positions()), IN_WINDING)?;
-        let joints = asked.into_iter().zip(is_in);
-        let joints = joints.filter_map(|((joint, vertices), is_in)| {
+        let cloth = Cloth::at(garment, rest)?;
+        let skin = body.skin().positions();
+        let joints = asked.into_par_iter().filter_map(|(joint, mut vertices)| {
             let count = vertices.len();
-            let pairs = vertices.into_iter().zip(is_in);
-            let inside: Vec<u32> = pairs.filter(|(_, is_in)| *is_in).map(|(v, _)| v).collect();
-            let is_worn = inside.len() >= MIN_IN && inside.len() as f32 >= IN_SHARE * count as f32;
-            is_worn.then_some((joint, inside))
+            vertices.retain(|&vertex| {
+                let place = skin.get(vertex as usize);
+                place.is_some_and(|place| cloth.goes_round(place, IN_WINDING))
+            });
+            let is_worn =
+                vertices.len() >= MIN_IN && vertices.len() as f32 >= IN_SHARE * count as f32;
+            is_worn.then_some((joint, vertices))
         });
         Ok(Self {
             joints: joints.collect(),
@@ -94,39 +105,62 @@ impl Tubes {
         positions: &[Point3],
         body: &PosedBody,
     ) -> Result<Vec<LimbOutside>, Error> {
+        if self.joints.is_empty() {
+            return Ok(Vec::new());
+        }
+        let cloth = Cloth::at(garment, positions)?;
         let skin = body.skin().positions();
-        let is_in = contained(garment, &self.joints, (positions, skin), OUT_WINDING)?;
-        let shares = self.joints.iter().zip(is_in).map(|((joint, _), is_in)| {
-            let out = is_in.iter().filter(|is_in| !**is_in).count();
+        let outside = self.joints.par_iter().map(|(joint, vertices)| {
+            let places = vertices.iter();
+            let places = places.filter_map(|&vertex| skin.get(vertex as usize).copied());
+            let out: Vec<Point3> = places
+                .filter(|place| !cloth.goes_round(place, OUT_WINDING))
+                .collect();
+            let count = vertices.len().max(1) as f32;
+            let all = out.len() as f32 / count;
+            let beside = out.iter().filter(|place| !cloth.ends_before(place));
+            let share = if all > ALL_OUT {
+                all
+            } else {
+                beside.count() as f32 / count
+            };
             LimbOutside {
                 joint: *joint,
-                share: out as f32 / is_in.len().max(1) as f32,
+                share,
             }
         });
-        Ok(shares.filter(|limb| limb.share > OUT_SHARE).collect())
+        let outside: Vec<LimbOutside> = outside.collect();
+        let is_out = |limb: &LimbOutside| limb.share > OUT_SHARE;
+        Ok(outside.into_iter().filter(is_out).collect())
     }
 }
 
-/// Which vertices of a body the cloth goes round more often than `least`.
-fn contained(
-    garment: &BoundGarment,
-    joints: &[(usize, Vec<u32>)],
-    (positions, skin): (&[Point3], &[Point3]),
-    least: f32,
-) -> Result<Vec<Vec<bool>>, Error> {
-    if joints.is_empty() {
-        return Ok(Vec::new());
+/// The cloth of a garment in some place.
+struct Cloth<'a> {
+    garment: &'a BoundGarment,
+    surface: Surface,
+}
+
+impl<'a> Cloth<'a> {
+    fn at(garment: &'a BoundGarment, positions: &[Point3]) -> Result<Self, Error> {
+        let nodes = garment.cloth().weld().gather(positions);
+        let surface = garment.binding().surface_at(nodes)?;
+        Ok(Self { garment, surface })
     }
-    let nodes = garment.cloth().weld().gather(positions);
-    let cloth = garment.binding().surface_at(nodes)?;
-    let is_in = |vertex: &u32| {
-        let place = skin.get(*vertex as usize);
-        place.is_some_and(|place| cloth.generalized_winding_number(*place).abs() > least)
-    };
-    let joints = joints.par_iter();
-    Ok(joints
-        .map(|(_, vertices)| vertices.iter().map(is_in).collect())
-        .collect())
+
+    /// Whether it goes round a place more often than `least`.
+    fn goes_round(&self, place: &Point3, least: f32) -> bool {
+        self.surface.generalized_winding_number(*place).abs() > least
+    }
+
+    /// Whether a place lies beyond its rim, and not beside it.
+    fn ends_before(&self, place: &Point3) -> bool {
+        let topology = self.garment.cloth().topology();
+        let nearest = self.surface.closest(*place);
+        let corners = topology.faces()[nearest.face as usize];
+        let mut corners = corners.into_iter().zip(nearest.barycentric);
+        corners.all(|(node, weight)| weight < ON_CORNER || topology.is_boundary(node as usize))
+    }
 }
 
 #[cfg(test)]
@@ -160,5 +194,13 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].joint, 0);
         assert!(found[0].share > 0.99);
+        // It rides up, by a half of the limb and more, and off it.
+        let slid = |by: f32| -> Vec<Point3> {
+            let rest = sleeve.mesh().positions().iter();
+            rest.map(|p| Point3::new(p.x, p.y + by, p.z)).collect()
+        };
+        let outside = |by| tubes.limbs_outside(&sleeve, &slid(by), &posed).unwrap();
+        assert_eq!(outside(0.6), []);
+        assert_eq!(outside(1.5).len(), 1);
     }
 }
