@@ -238,7 +238,7 @@ fn other_units_and_far_apart() {
         fixture.moved(name, &format!("large_{name}"), |point| point * 100.0);
     }
     let units = [
-        "the garment looks like centimetres, the body like metres",
+        "the garment looks like centimetres or inches, the body like metres",
         "`--units cm,m`",
     ];
     refused(&fixture, "drape large.obj body.obj -o out.obj", &units);

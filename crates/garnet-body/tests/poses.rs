@@ -7,7 +7,7 @@ mod common;
 use common::bent::{Hinge, bent_ring};
 use common::{ARM_RADIUS, TRUNK_RADIUS, body, skeleton, without_limbs};
 use garnet_body::{
-    motion::{Ground, Side, lowest_points, put_on_ground},
+    motion::{Figure, Ground, Side, lowest_points, put_on_ground},
     poses::{
         BodyAngles, GaitCycle, Outcome, Part, PoseSampler, Poser, SelfContact, SeparationOptions,
         key_pose, key_poses, parts_of_vertices, turn,
@@ -233,6 +233,64 @@ fn vertices_that_no_face_names_stand_on_no_ground() {
         lowest_points(&with_stray, &poses).unwrap(),
         lowest_points(&body, &poses).unwrap()
     );
+}
+
+/// Largest difference of the height of a body whose feet were deleted, in metres.
+const SOLE: f32 = 0.02;
+
+#[test]
+fn a_body_without_feet_or_legs_stands_where_it_stood() {
+    let built = ParametricBody::build(&BodyParameters::new(0.5)).unwrap();
+    let body = built.into_body();
+    let height = |name: &str| {
+        let joint = body.skeleton().find(name).unwrap();
+        body.skeleton().joints()[joint].rest_position.y
+    };
+    let faces = body.rest().faces();
+    let above = |least: f32| -> Body {
+        let positions = body.rest().positions();
+        let is_kept = |face: &&[u32; 3]| face.iter().all(|&v| positions[v as usize].y > least);
+        let kept = faces.iter().filter(is_kept).copied().collect();
+        let mesh = TriMesh::new(positions.to_vec(), kept).unwrap();
+        Body::new(mesh, body.skeleton().clone(), body.weights().clone()).unwrap()
+    };
+    let poser = Poser::new(body.skeleton()).unwrap();
+    for least in [height("left_ankle"), height("left_hip")] {
+        let cut = above(least);
+        for name in ["stand", "squat", "throw"] {
+            let pose = poser.pose(&key_pose(name).unwrap().angles);
+            let [mut whole, mut missing] = [[pose.clone()], [pose]];
+            put_on_ground(&body, &mut whole, Ground::EachPose).unwrap();
+            put_on_ground(&cut, &mut missing, Ground::EachPose).unwrap();
+            let [whole, missing] = [whole, missing].map(|[pose]| pose.root_translation.y);
+            assert!((whole - missing).abs() < SOLE, "{name}: {whole}, {missing}");
+        }
+    }
+}
+
+#[test]
+fn sides_are_those_of_the_toes_where_names_are_exchanged() {
+    let built = ParametricBody::build(&BodyParameters::new(0.5)).unwrap();
+    let body = built.into_body();
+    let exchanged = |name: &str| match name.split_once('_') {
+        Some(("left", rest)) => format!("right_{rest}"),
+        Some(("right", rest)) => format!("left_{rest}"),
+        _ => name.to_owned(),
+    };
+    let joints = body.skeleton().joints().iter().cloned();
+    let joints = joints.map(|joint| Joint {
+        name: exchanged(&joint.name),
+        ..joint
+    });
+    let other = Skeleton::new(joints.collect()).unwrap();
+    assert!(Figure::new(&other, "the body").unwrap().has_other_sides());
+    let usual = Figure::new(body.skeleton(), "the body").unwrap();
+    assert!(!usual.has_other_sides());
+    for key in key_poses() {
+        let [found, expected] = [&other, body.skeleton()]
+            .map(|skeleton| Poser::new(skeleton).unwrap().pose(&key.angles));
+        assert_eq!(found.rotations, expected.rotations, "{}", key.name);
+    }
 }
 
 #[test]

@@ -45,7 +45,7 @@ pub use obj::{
     ObjElement, ObjError, ObjFile, ObjLineProblem, ObjLook, ObjMaterial, ObjMaterials,
     ObjParseError, ObjPicture, write_obj,
 };
-pub use placement::{Misplaced, check_offsets, check_sizes};
+pub use placement::{Misplaced, check_offsets, check_pieces, check_sizes};
 pub use pose_json::read_pose;
 pub use read_rig::{PartsNote, ReadRig, RigOptions, read_rig, read_rig_with};
 pub use rig_npz::{WriteRigError, read_rig_npz, rig_npz, write_rig_npz};

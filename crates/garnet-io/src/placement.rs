@@ -4,7 +4,7 @@
 //! alone and tells units and axes that were mistaken; [`check_offsets`] takes the skin nearest to
 //! each vertex of the cloth, once that is known.
 
-use garnet_mesh::{Bounds, Point3, Unit, UpAxis, Vector3};
+use garnet_mesh::{Bounds, Point3, Topology, TriMesh, Unit, UpAxis, Vector3};
 
 use crate::Frame;
 
@@ -50,10 +50,17 @@ const DEEP_SHARE: f32 = 0.01;
 #[non_exhaustive]
 pub enum Misplaced {
     /// It would lie on the body in another unit.
-    #[error("the garment looks like {}, the body like {}", garment.name(), taken.name())]
+    #[error(
+        "the garment looks like {}{}, the body like {}",
+        garment.name(),
+        or.map(|unit| format!(" or {}", unit.name())).unwrap_or_default(),
+        taken.name()
+    )]
     Unit {
         /// The unit in which it would lie on the body.
         garment: Unit,
+        /// Another one in which it may lie there.
+        or: Option<Unit>,
         /// The unit that was taken.
         taken: Unit,
     },
@@ -76,6 +83,19 @@ pub enum Misplaced {
         garment_size: f32,
         /// Largest extent of the body, in metres.
         body_size: f32,
+    },
+    /// Loose pieces lie far from the rest of it, which would be in place.
+    #[error(
+        "{faces} of its faces are loose pieces that make it {size:.1} m in size, without which it \
+         is {rest:.2} m"
+    )]
+    Strays {
+        /// How many faces.
+        faces: usize,
+        /// The largest extent of the garment, in metres.
+        size: f32,
+        /// The same without them.
+        rest: f32,
     },
     /// It is nowhere near the body.
     #[error("they are {gap:.2} m apart, if both are in {}", unit.name())]
@@ -119,9 +139,12 @@ pub fn check_sizes(garment: &Bounds, body: &Bounds, frame: Frame) -> Result<(), 
         let factor = unit.in_metres() / frame.unit.in_metres();
         !is_usual && *unit != frame.unit && sits(&moved(garment, |point| point * factor))
     };
-    if let Some(unit) = Unit::METRIC.into_iter().find(other_unit) {
+    let mut units = Unit::ALL.into_iter().filter(other_unit);
+    if let Some(unit) = units.next() {
         return Err(Misplaced::Unit {
             garment: unit,
+            // Garments in feet are none that are sewn.
+            or: units.find(|unit| *unit == Unit::Inch),
             taken: frame.unit,
         });
     }
@@ -151,6 +174,46 @@ pub fn check_sizes(garment: &Bounds, body: &Bounds, frame: Frame) -> Result<(), 
             body_size,
         }
     })
+}
+
+/// The same of a mesh, in metres with y up: what is wrong with its loose pieces alone is told so.
+///
+/// # Errors
+///
+/// [`Misplaced`].
+pub fn check_pieces(garment: &TriMesh, body: &Bounds, frame: Frame) -> Result<(), Misplaced> {
+    let bounds = |faces: &[[u32; 3]]| Bounds::of_faces(garment.positions(), faces);
+    let Some(all) = bounds(garment.faces()) else {
+        return Ok(());
+    };
+    let Err(problem) = check_sizes(&all, body, frame) else {
+        return Ok(());
+    };
+    let topology = Topology::new(garment.num_vertices(), garment.faces());
+    let (pieces, num_pieces) = topology.face_components();
+    let mut sizes = vec![0_usize; num_pieces];
+    for &piece in &pieces {
+        sizes[piece as usize] += 1;
+    }
+    let Some(largest) = sizes.iter().copied().max() else {
+        return Err(problem);
+    };
+    let is_main = |piece: u32| sizes[piece as usize] == largest;
+    let faces = garment.faces().iter().zip(&pieces);
+    let main: Vec<[u32; 3]> = faces
+        .filter(|(_, piece)| is_main(**piece))
+        .map(|(face, _)| *face)
+        .collect();
+    match bounds(&main) {
+        Some(main_bounds) if check_sizes(&main_bounds, body, frame).is_ok() => {
+            Err(Misplaced::Strays {
+                faces: garment.num_faces() - main.len(),
+                size: size(&all),
+                rest: size(&main_bounds),
+            })
+        }
+        _ => Err(problem),
+    }
 }
 
 /// Refuses a garment that lies beside the body, or that the body runs through: its vertices
@@ -239,10 +302,7 @@ fn is_near(garment: &Bounds, body: &Bounds) -> bool {
 #[cfg(test)]
 mod tests {
     use garnet_knn::Surface;
-    use garnet_mesh::{
-        TriMesh,
-        primitives::{capsule, grid, tube},
-    };
+    use garnet_mesh::primitives::{capsule, grid, tube};
 
     use super::*;
 
@@ -299,7 +359,7 @@ mod tests {
         let error = checked(&garment).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "the garment looks like centimetres, the body like metres"
+            "the garment looks like centimetres or inches, the body like metres"
         );
         let smaller = changed(&tube(0.2, 0.6, 16, 8), |point| point * 0.1);
         let decimetres = Frame {
@@ -308,9 +368,25 @@ mod tests {
         };
         let expected = Misplaced::Unit {
             garment: Unit::Metre,
+            or: None,
             taken: Unit::Decimetre,
         };
         assert_eq!(sized(&smaller, decimetres), Err(expected));
+    }
+
+    #[test]
+    fn a_loose_piece_far_away_is_told() {
+        let (mut positions, mut faces) = tube(0.2, 0.6, 16, 8).into_parts();
+        let first = positions.len() as u32;
+        let far = |x: f32| Point3::new(70.0 + x, 0.0, 0.1 * x);
+        positions.extend([far(0.0), far(0.1), far(0.2) + Vector3::y()]);
+        faces.push([first, first + 1, first + 2]);
+        let garment = TriMesh::new(positions, faces).unwrap();
+        let found = check_pieces(&garment, &bounds(&body()), Frame::OURS);
+        assert!(
+            matches!(found, Err(Misplaced::Strays { faces: 1, .. })),
+            "{found:?}"
+        );
     }
 
     #[test]

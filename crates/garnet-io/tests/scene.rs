@@ -90,6 +90,32 @@ fn units_and_axes_are_detected_and_told() {
 }
 
 #[test]
+fn a_body_in_an_imperial_unit_is_known_by_its_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = files(folder.path(), &shirt());
+    let posed = folder.path().join("posed.obj");
+    files.rest_body = Some(folder.path().join("body.obj"));
+    files.rig = Some(folder.path().join("body.rig.npz"));
+    files.bodies = vec![posed.clone()];
+    for unit in [Unit::Inch, Unit::Foot] {
+        let of_file = changed(body().rest(), |place| place / unit.in_metres());
+        write_obj(&posed, &of_file).unwrap();
+        let scene = Scene::load(&files).unwrap();
+        assert_eq!(scene.garment.frame.unit, Unit::Metre);
+        let TargetSource::Vertices(found) = &scene.targets[0].source else {
+            panic!("a posed body has vertices");
+        };
+        let pairs = found.iter().zip(body().rest().positions().to_vec());
+        assert!(pairs.into_iter().all(|(a, b)| (a - b).norm() < ROUNDING));
+        let told = PoseNote::InUnit {
+            path: posed.clone(),
+            unit,
+        };
+        assert_eq!(scene.notes, [told]);
+    }
+}
+
+#[test]
 fn what_is_wrong_has_a_type() {
     let folder = tempfile::tempdir().unwrap();
     let mut files = files(folder.path(), &shirt());
@@ -111,7 +137,8 @@ fn what_is_wrong_has_a_type() {
         panic!("{error}");
     };
     let (garment, taken) = (Unit::Centimetre, Unit::Metre);
-    assert_eq!(problem, Misplaced::Unit { garment, taken });
+    let or = Some(Unit::Inch);
+    assert_eq!(problem, Misplaced::Unit { garment, or, taken });
 
     files.garment = folder.path().join("shirt.obj");
     files.pose = Some("no_such_pose".into());

@@ -30,6 +30,7 @@ pub struct Figure {
     positions: Vec<Direction>,
     rest_from_body: Rotation,
     leg_length: f64,
+    has_other_sides: bool,
 }
 
 /// Legs and trunk of a figure that stands or sits at rest point apart by more than this, in
@@ -44,7 +45,7 @@ impl Figure {
     /// [`RetargetError::MissingJoints`], [`RetargetError::Apart`] or [`RetargetError::NoLegs`].
     pub fn new(skeleton: &Skeleton, whose: &'static str) -> Result<Self, RetargetError> {
         let joints = skeleton.joints();
-        let roles = find_roles(skeleton);
+        let (roles, has_other_sides) = find_roles(skeleton);
         let is_missing = |role: &Role| role.is_required() && roles[role.index()].is_none();
         let missing: Vec<&str> = Role::ALL
             .into_iter()
@@ -102,6 +103,7 @@ impl Figure {
             positions,
             rest_from_body: Rotation::identity(),
             leg_length: 0.0,
+            has_other_sides,
         };
         figure.leg_length = figure.measured_leg_length();
         if !(figure.leg_length > 1e-6 && figure.leg_length.is_finite()) {
@@ -114,6 +116,12 @@ impl Figure {
     /// The joint of a role.
     pub fn joint(&self, role: Role) -> Option<usize> {
         self.roles[role.index()]
+    }
+
+    /// Whether joints whose names say left are taken for those of the right side, because of the
+    /// way in which the toes point.
+    pub fn has_other_sides(&self) -> bool {
+        self.has_other_sides
     }
 
     /// The joint on which legs and spine hang.
@@ -257,7 +265,7 @@ impl Figure {
 /// The joint of a skeleton that the built-in skeleton calls so, whatever its own name is.
 pub fn joint_named(skeleton: &Skeleton, name: &str) -> Option<usize> {
     if let Some(role) = Role::ALL.into_iter().find(|role| role.name() == name) {
-        return find_roles(skeleton)[role.index()];
+        return find_roles(skeleton).0[role.index()];
     }
     Figure::new(skeleton, "the body").ok()?.named(name)
 }

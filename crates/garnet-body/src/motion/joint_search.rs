@@ -35,8 +35,9 @@ struct Name {
 }
 
 /// The joint of each role `[role]`, by [`Role::index`]: those that [`Skeleton::labels`] tells, then
-/// those whose names are known, then those that the hierarchy leaves no doubt of.
-pub(super) fn find_roles(skeleton: &Skeleton) -> Roles {
+/// those whose names are known, then those that the hierarchy leaves no doubt of; and whether the
+/// sides are those of the toes, and not of the names.
+pub(super) fn find_roles(skeleton: &Skeleton) -> (Roles, bool) {
     let joints = skeleton.joints();
     let names: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
     let mut roles = by_names(&names);
@@ -51,7 +52,57 @@ pub(super) fn find_roles(skeleton: &Skeleton) -> Roles {
         }
     }
     Tree::new(skeleton).complete(&mut roles);
-    roles
+    let are_swapped = are_swapped(skeleton, &roles);
+    if are_swapped {
+        swap_sides(&mut roles);
+    }
+    (roles, are_swapped)
+}
+
+/// Toes that point backwards by more than this cosine tell that left and right are exchanged.
+/// Lower ones believe feet that are turned aside.
+const BACKWARDS: f64 = -0.7;
+
+/// Whether both feet point to the back of who has these sides: rigs that were mirrored, or named
+/// as they are seen.
+fn are_swapped(skeleton: &Skeleton, roles: &Roles) -> bool {
+    let at = |role: Role| {
+        let joint = &skeleton.joints()[roles[role.index()]?];
+        Some(joint.rest_position.coords.cast::<f64>())
+    };
+    let is_backwards = |side: Side| {
+        let [left_hip, right_hip] = Side::BOTH.map(|side| at(Role::Hip(side)));
+        let across = left_hip? - right_hip?;
+        let ankle = at(Role::Ankle(side))?;
+        let up = at(Role::Head)? - ankle;
+        let foot = at(Role::Foot(side))? - ankle;
+        let flat = foot - up * (up.dot(&foot) / up.norm_squared());
+        let front = across.cross(&up);
+        // Feet that hang down point nowhere.
+        let is_flat = flat.norm() > 0.5 * foot.norm();
+        Some(is_flat && flat.dot(&front) < BACKWARDS * flat.norm() * front.norm())
+    };
+    Side::BOTH
+        .into_iter()
+        .all(|side| is_backwards(side) == Some(true))
+}
+
+/// Gives the joints of each side to the other.
+fn swap_sides(roles: &mut Roles) {
+    let of_left: [fn(Side) -> Role; 8] = [
+        Role::Collar,
+        Role::Shoulder,
+        Role::Elbow,
+        Role::Wrist,
+        Role::Hip,
+        Role::Knee,
+        Role::Ankle,
+        Role::Foot,
+    ];
+    for role in of_left {
+        let [left, right] = Side::BOTH.map(|side| role(side).index());
+        roles.swap(left, right);
+    }
 }
 
 /// The joints whose names are known.
@@ -243,7 +294,17 @@ fn side_and_words(words: &[String]) -> (Option<Side>, Vec<String>) {
 
 /// Cuts a name at punctuation and before capitals, and makes the letters small.
 fn words(name: &str) -> Vec<String> {
-    let letters: Vec<char> = name.chars().take(128).collect();
+    // Maya's `lf_clavicle`, which is not the `LFArm` of OptiTrack.
+    let parts = name.split_inclusive(|letter: char| !letter.is_ascii_alphanumeric());
+    let spelled: String = parts
+        .map(|part| match part.get(..2) {
+            Some(mark) if mark.eq_ignore_ascii_case("lf") && part[2..].chars().count() < 2 => {
+                format!("left{}", part[2..].to_ascii_lowercase())
+            }
+            _ => part.to_owned(),
+        })
+        .collect();
+    let letters: Vec<char> = spelled.chars().take(128).collect();
     let mut words: Vec<String> = Vec::new();
     let mut is_open = false;
     for (index, &letter) in letters.iter().enumerate() {
@@ -345,7 +406,7 @@ mod tests {
     }
 
     /// The same with the pelvis first and the head after it.
-    const FAMILIES: [&str; 8] = [
+    const FAMILIES: [&str; 9] = [
         "J_Bip_C_Hips, J_Bip_C_Head, J_Bip_L_Shoulder, J_Bip_L_UpperArm, J_Bip_L_LowerArm, \
          J_Bip_L_Hand, J_Bip_L_UpperLeg, J_Bip_L_LowerLeg, J_Bip_L_Foot, J_Bip_L_ToeBase",
         "CC_Base_Hip, CC_Base_Head, CC_Base_L_Clavicle, CC_Base_L_Upperarm, CC_Base_L_Forearm, \
@@ -359,6 +420,8 @@ mod tests {
         "hero_pelvis_jnt, hero_head_jnt, hero_clavicle_l_jnt, hero_upperarm_l_jnt, \
          hero_lowerarm_l_jnt, hero_hand_l_jnt, hero_thigh_l_jnt, hero_calf_l_jnt, \
          hero_foot_l_jnt, hero_ball_l_jnt",
+        "jnt_pelvis, jnt_head, jnt_lf_clavicle, jnt_lf_upperarm, jnt_lf_forearm, jnt_lf_hand, \
+         jnt_lf_thigh, jnt_lf_shin, jnt_lf_foot, jnt_lf_toe",
         "m_avg_Pelvis, m_avg_Head, m_avg_L_Collar, m_avg_L_Shoulder, m_avg_L_Elbow, \
          m_avg_L_Wrist, m_avg_L_Hip, m_avg_L_Knee, m_avg_L_Ankle, m_avg_L_Foot",
     ];

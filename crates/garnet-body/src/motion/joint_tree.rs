@@ -554,8 +554,8 @@ mod tests {
     }
 
     fn check(skeleton: &Skeleton, skipped: &[Role]) {
-        let expected = find_roles(&figure(str::to_owned));
-        let found = find_roles(skeleton);
+        let expected = find_roles(&figure(str::to_owned)).0;
+        let found = find_roles(skeleton).0;
         for role in Role::ALL.into_iter().filter(|role| !skipped.contains(role)) {
             assert_eq!(
                 found[role.index()],
@@ -643,7 +643,7 @@ mod tests {
     fn labels_come_before_names() {
         let skeleton = figure(str::to_owned);
         let labels = [("head".to_owned(), 15)];
-        let found = find_roles(&skeleton.with_labels(labels));
+        let found = find_roles(&skeleton.with_labels(labels)).0;
         assert_eq!(found[Role::Head.index()], Some(15));
     }
 }

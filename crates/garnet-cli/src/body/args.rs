@@ -85,8 +85,7 @@ pub(crate) struct BodyArgs {
 const LONG_HELP: &str = "\
 What is not given follows from what is, by the statistics of ANSUR II (Gordon et al. 2014).
 With --pose or --motion the OBJ is posed, and the rig beside it holds the body at rest, so that \
-`garnet drape GARMENT OUT` knows both. The names of the library's poses are told for a name that it \
-does not have.";
+`garnet drape GARMENT OUT` knows both. `garnet poses` lists the poses of the library.";
 
 /// Measures, in centimetres.
 #[derive(Debug, Args)]

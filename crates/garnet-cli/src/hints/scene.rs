@@ -63,12 +63,15 @@ fn for_scene(error: &SceneError) -> Option<String> {
         SceneError::Misplaced {
             body_unit, problem, ..
         } => {
-            if let Misplaced::Unit { garment, .. } = problem {
+            if let Misplaced::Unit { garment, or, .. } = problem {
+                let other =
+                    or.map(|unit| format!(", `--units {unit},{body_unit}` in {}", unit.name()));
                 return Some(format!(
                     "if so, `--units {garment},{body_unit}` reads the garment in {} and the bodies \
-                     in {}; `--place` brings it to the body",
+                     in {}{}; `--place` brings it to the body",
                     garment.name(),
-                    body_unit.name()
+                    body_unit.name(),
+                    other.unwrap_or_default()
                 ));
             }
             for_misplaced(problem)
@@ -96,6 +99,9 @@ pub(super) fn for_misplaced(problem: &Misplaced) -> &'static str {
         }
         Misplaced::Axis { .. } => {
             "`--place` brings it to the body; `--up` overrides what was detected for both"
+        }
+        Misplaced::Strays { .. } => {
+            "delete what is no part of the garment; `garnet info` tells how many pieces it has"
         }
         Misplaced::Aside { .. } | Misplaced::Through { .. } => {
             "let the garment lie on the body in its rest pose, or bring it there by `--place`; \

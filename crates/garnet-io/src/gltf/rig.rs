@@ -6,7 +6,7 @@ use garnet_body::motion::{Figure, Role, joint_named};
 use garnet_mesh::{Bounds, Point3, TriMesh};
 use garnet_skin::{Rig, Skeleton, SkinWeights, skin_linear};
 use gltf::json::{Index, Root, accessor::Type};
-use nalgebra::{Matrix4, Point3 as NaPoint3, Vector3};
+use nalgebra::{Matrix4, Point3 as NaPoint3};
 
 use super::{
     GltfProblem,
@@ -514,23 +514,18 @@ fn is_mirrored(bind: &Bind, nodes: &Nodes) -> bool {
     first.is_some_and(|(&node, matrix)| determinant(nodes.world_from_node[node] * matrix) < 0.0)
 }
 
-/// Whether the joints that are called left are on the right of a body in a file, where y points up
-/// and a body without toes looks along z. A model may be turned into its mirror image with names
-/// that are right before that, or after it.
+/// Whether the joints that are called left are on the right of a body without toes, where y points
+/// up and it looks along z. A model may be turned into its mirror image with names that are right
+/// before that, or after it. Toes tell the sides of a [figure](garnet_body::motion::Figure)
+/// themselves.
 fn calls_left_right(skeleton: &Skeleton) -> bool {
     let named = |name: &str| joint_named(skeleton, name);
-    let place = |joint: usize| skeleton.joints()[joint].rest_position;
-    let between = |from: &str, to: &str| Some(place(named(to)?) - place(named(from)?));
-    let toes = ["left", "right"]
-        .map(|side| between(&format!("{side}_ankle"), &format!("{side}_foot")).unwrap_or_default());
-    let toes = toes[0] + toes[1];
-    let forward = Vector3::new(toes.x, 0.0, toes.z);
-    let forward = forward.try_normalize(1e-6).unwrap_or_else(Vector3::z);
-    let left = Vector3::y().cross(&forward);
+    let has_toes = ["left_foot", "right_foot"].map(|name| named(name).is_some()) == [true; 2];
+    let x = |name: &str| Some(skeleton.joints()[named(name)?].rest_position.x);
     let pairs = ["hip", "shoulder", "elbow", "knee"];
-    let pairs = pairs.map(|part| between(&format!("right_{part}"), &format!("left_{part}")));
-    let across: f32 = pairs.iter().flatten().map(|across| across.dot(&left)).sum();
-    across < 0.0
+    let pairs = pairs.map(|part| Some(x(&format!("left_{part}"))? - x(&format!("right_{part}"))?));
+    let across: f32 = pairs.iter().flatten().sum();
+    !has_toes && across < 0.0
 }
 
 /// A skeleton whose left is called right: each joint is told to be that of its other side.
@@ -555,19 +550,25 @@ mod tests {
     use crate::motion::smpl_skeleton;
 
     #[test]
-    fn names_are_of_the_other_side_or_not_wherever_a_body_looks() {
+    fn names_are_of_the_other_side_of_a_mirrored_body_without_toes() {
         let skeleton = smpl_skeleton().unwrap();
-        let moved = |place: fn(Point3) -> Point3| {
+        let mirrored = |toes: &str| {
             let joints = skeleton.joints().iter().map(|joint| Joint {
-                rest_position: place(joint.rest_position),
+                name: joint.name.replace("foot", toes),
+                rest_position: Point3::new(
+                    -joint.rest_position.x,
+                    joint.rest_position.y,
+                    joint.rest_position.z,
+                ),
                 ..joint.clone()
             });
             Skeleton::new(joints.collect()).unwrap()
         };
         assert!(!calls_left_right(&skeleton));
-        assert!(!calls_left_right(&moved(|p| Point3::new(-p.x, p.y, -p.z))));
-        assert!(!calls_left_right(&moved(|p| Point3::new(p.z, p.y, -p.x))));
-        assert!(calls_left_right(&moved(|p| Point3::new(-p.x, p.y, p.z))));
-        assert!(calls_left_right(&moved(|p| Point3::new(p.z, p.y, p.x))));
+        assert!(calls_left_right(&mirrored("tip")));
+        // Of these the figure knows.
+        assert!(!calls_left_right(&mirrored("foot")));
+        let figure = Figure::new(&mirrored("foot"), "the body").unwrap();
+        assert!(figure.has_other_sides());
     }
 }

@@ -59,6 +59,7 @@ pub(super) fn parse(text: &str, options: &ReadOptions) -> Result<Motion, MotionP
     let skeleton = rest_skeleton(&joints)?;
     let (adds, stretch) = positions_below_roots(&joints, &rows);
     let root = skeleton.parents_first().first().copied().unwrap_or(0);
+    notes.extend(other_figures(&joints));
     let frames = rows.iter().map(|row| frame(&joints, root, row)).collect();
     let mut motion = Motion::in_metres(&skeleton, frames, options)?;
     motion.frame_time = frame_time;
@@ -72,6 +73,22 @@ pub(super) fn parse(text: &str, options: &ReadOptions) -> Result<Motion, MotionP
         ));
     }
     Ok(motion)
+}
+
+/// A hierarchy with so many joints is a figure, and no prop.
+const FIGURE_JOINTS: usize = 12;
+
+/// What to tell of the figures after the first one.
+fn other_figures(joints: &[BvhJoint]) -> Option<String> {
+    let mut root_of: Vec<usize> = Vec::with_capacity(joints.len());
+    let mut sizes = vec![0; joints.len()];
+    for (index, joint) in joints.iter().enumerate() {
+        let root = joint.parent.map_or(index, |parent| root_of[parent]);
+        root_of.push(root);
+        sizes[root] += 1;
+    }
+    let figures = sizes.iter().filter(|&&size| size >= FIGURE_JOINTS).count();
+    (figures > 1).then(|| format!("it holds {figures} figures, of which the first is read"))
 }
 
 /// Reads the seconds between frames, and what to tell if there are none.

@@ -224,10 +224,10 @@ pub enum SceneProblem {
     #[error("{}", .0.described("the rest body"))]
     Difference(MeshDifference),
     /// Edges are too long or too short for any unit.
-    #[error("its edges are 10^{decades} times as long")]
-    Decades {
-        /// The power of ten.
-        decades: i32,
+    #[error("its edges are {} times as long", plain(*ratio))]
+    Ratio {
+        /// The median of the ratios.
+        ratio: f32,
     },
     /// The rest body has the same vertices and faces.
     #[error("it has the faces of the body `{}`", body.display())]
@@ -267,4 +267,13 @@ fn listed(paths: &[PathBuf]) -> String {
         .map(|path| format!("`{}`", path.display()))
         .collect();
     quoted.join(" or ")
+}
+
+/// A ratio in a few digits.
+fn plain(ratio: f32) -> String {
+    if (0.01..1e5).contains(&ratio) {
+        format!("{ratio:.2}")
+    } else {
+        format!("{ratio:.1e}")
+    }
 }

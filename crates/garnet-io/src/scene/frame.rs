@@ -76,11 +76,37 @@ fn extent(mesh: &TriMesh) -> Vector3 {
     bounds.unwrap_or_default().extent()
 }
 
-/// The unit `decades` powers of ten shorter, if there is one.
-pub(super) fn shorter(unit: Unit, decades: i32) -> Option<Unit> {
-    let place = Unit::METRIC.iter().position(|&other| other == unit)?;
-    let place = i32::try_from(place).ok()?.checked_add(decades)?;
-    Unit::METRIC.get(usize::try_from(place).ok()?).copied()
+/// People of one topology are larger by no more than this: children and giants.
+const OTHER_SHAPE: f32 = 2.0;
+
+/// The same, where the only unit that fits is an imperial one. Higher ones take a child in
+/// centimetres for a grown-up in inches.
+const ALIKE: f32 = 4.0 / 3.0;
+
+/// Larger factors are those of no unit.
+const NO_UNIT: f32 = 3.2;
+
+/// The unit of a body whose edges are `ratio` times as long as in `unit`, if there is one: the same
+/// times a power of ten, or an imperial one where that alone gives a body of like size.
+pub(super) fn unit_of(unit: Unit, ratio: f32) -> Option<Unit> {
+    let factor = |other: &Unit| {
+        let size = ratio * other.in_metres() / unit.in_metres();
+        size.max(1.0 / size)
+    };
+    let nearest = |units: &[Unit], most: f32| {
+        let of_units = units.iter().copied();
+        let fitting = of_units.filter(|other| factor(other) <= most);
+        fitting.min_by(|a, b| factor(a).total_cmp(&factor(b)))
+    };
+    let same = [unit];
+    let like: &[Unit] = if Unit::METRIC.contains(&unit) {
+        &Unit::METRIC
+    } else {
+        &same
+    };
+    nearest(like, OTHER_SHAPE)
+        .or_else(|| nearest(&Unit::ALL, ALIKE))
+        .or_else(|| nearest(like, NO_UNIT))
 }
 
 #[cfg(test)]
@@ -115,10 +141,24 @@ mod tests {
     }
 
     #[test]
-    fn units_are_counted_in_powers_of_ten() {
-        assert_eq!(shorter(Unit::Metre, 2), Some(Unit::Centimetre));
-        assert_eq!(shorter(Unit::Centimetre, -2), Some(Unit::Metre));
-        assert_eq!(shorter(Unit::Metre, -1), None);
-        assert_eq!(shorter(Unit::Millimetre, i32::MAX), None);
+    fn a_unit_is_known_by_the_size_of_the_body() {
+        let cases = [
+            (Unit::Metre, 100.0, Some(Unit::Centimetre)),
+            (Unit::Metre, 61.0, Some(Unit::Centimetre)),
+            (Unit::Centimetre, 0.012, Some(Unit::Metre)),
+            (Unit::Metre, 1.0 / 0.0254, Some(Unit::Inch)),
+            (Unit::Centimetre, 0.9 / 2.54, Some(Unit::Inch)),
+            (Unit::Metre, 3.3, Some(Unit::Foot)),
+            (Unit::Inch, 1.2, Some(Unit::Inch)),
+            (Unit::Inch, 2.54, Some(Unit::Centimetre)),
+            // A doll of the same topology.
+            (Unit::Metre, 0.45, Some(Unit::Metre)),
+            (Unit::Metre, 0.1, None),
+            (Unit::Millimetre, 1e9, None),
+            (Unit::Metre, f32::NAN, None),
+        ];
+        for (unit, ratio, expected) in cases {
+            assert_eq!(unit_of(unit, ratio), expected, "{unit} times {ratio}");
+        }
     }
 }

@@ -34,7 +34,7 @@ pub use read_mesh::{ShownMesh, is_rig, read_mesh, read_mesh_of, read_shown_mesh}
 pub use rest_body::largest_distance;
 pub use rig_search::rig_beside;
 
-use crate::{Alignment, ObjFile, aligned, check_sizes};
+use crate::{Alignment, ObjFile, aligned, check_pieces};
 use files::{BodyFile, NamedFiles, ReadFiles};
 use places::{match_body, matched_rig};
 use rest_body::{RestBodies, Zero, in_metres, rest_body_of, unfit};
@@ -324,6 +324,7 @@ impl Scene {
             alignment,
         }));
         notes.extend(body.notes(&taken.path, &rig_path));
+        notes.extend(frames.notes(&bodies));
         let RestBodies { rest, zero, .. } = body;
         let zero = zero.map(Arc::new);
         let (targets, of_poses, frame_time) = match &files.pose {
@@ -392,9 +393,8 @@ fn placed(
     (body, path, body_unit): (&Body, &Path, Unit),
 ) -> Result<TriMesh, SceneError> {
     let mesh = in_metres(mesh, frame)?;
-    let bounds = |mesh: &TriMesh| Bounds::of_faces(mesh.positions(), mesh.faces());
-    if let (Some(garment), Some(body)) = (bounds(&mesh), bounds(body.rest())) {
-        check_sizes(&garment, &body, frame).map_err(|problem| SceneError::Misplaced {
+    if let Some(body) = Bounds::of_faces(body.rest().positions(), body.rest().faces()) {
+        check_pieces(&mesh, &body, frame).map_err(|problem| SceneError::Misplaced {
             garment: files.garment.clone(),
             body: path.to_path_buf(),
             frame,

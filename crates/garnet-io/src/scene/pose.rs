@@ -8,12 +8,12 @@ use std::{
 
 use garnet_body::{
     motion::{
-        FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, StartAt, Upward,
+        Figure, FrameRange, Ground, ReadOptions, RetargetError, RetargetOptions, StartAt, Upward,
         lowest_points, pose_between, put_on_ground,
     },
     poses::{BodyAngles, Poser, SelfContact, SeparationOptions, key_pose, turn},
 };
-use garnet_mesh::Vector3;
+use garnet_mesh::{Unit, Vector3};
 use garnet_skin::{Body, Pose, SkinError};
 
 use super::SceneError;
@@ -133,6 +133,15 @@ pub enum PoseNote {
         /// How far both are apart at most, in metres.
         distance: f32,
     },
+    /// A body is in an imperial unit, which the rest body is not in.
+    InUnit {
+        /// The body.
+        path: PathBuf,
+        /// The unit in which it is as large as the rest body.
+        unit: Unit,
+    },
+    /// Left and right of a rig are exchanged: its toes would point backwards.
+    OtherSides,
     /// What the reader of a motion file says.
     Motion(String),
     /// What is asked of a motion is asked of poses, which stand where they stand.
@@ -172,6 +181,16 @@ impl fmt::Display for PoseNote {
                 "`{}` shows a frame of an animation; the garment lies on its bind pose, which is \
                  taken",
                 rig.display()
+            ),
+            Self::OtherSides => formatter.write_str(
+                "left and right of the rig are exchanged, since its toes would point backwards: it \
+                 was mirrored, or its joints are named as they are seen",
+            ),
+            Self::InUnit { path, unit } => write!(
+                formatter,
+                "`{}` is as large as the rest body if it is in {}, which is taken",
+                path.display(),
+                unit.name()
             ),
             Self::Placed { garment, alignment } => write!(
                 formatter,
@@ -444,10 +463,14 @@ impl PoseSource {
     pub fn read(&self, body: &Body, of_motion: &MotionOptions) -> Result<Posing, PoseError> {
         self.check()?;
         let name = self.path.to_string_lossy();
-        if let (false, Some(pose)) = (self.path.exists(), key_pose(&name)) {
-            return of_library(&name, &pose.angles, body);
+        let mut posing = match key_pose(&name) {
+            Some(pose) if !self.path.exists() => of_library(&name, &pose.angles, body)?,
+            _ => self.read_take(body, of_motion)?,
+        };
+        if Figure::new(body.skeleton(), "the body").is_ok_and(|figure| figure.has_other_sides()) {
+            posing.notes.push(PoseNote::OtherSides);
         }
-        self.read_take(body, of_motion)
+        Ok(posing)
     }
 
     /// The poses of a file.

@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 
 use super::{
     PoseNote, SceneError, SceneProblem,
-    frame::{Frame, detected_up, shorter},
+    frame::{Frame, detected_up, unit_of},
     rest_mesh::{Frames, RestMesh, other_topology},
 };
 
@@ -62,7 +62,7 @@ pub(super) fn rest_body_of(
     if let Some(mesh) = &rig.rest {
         if taken.is_obj && mesh.num_vertices() == taken.mesh.num_vertices() {
             let kin = kinship(taken.mesh.positions(), mesh.positions(), mesh.faces());
-            let Kinship::Scaled { decades } = kin else {
+            let Kinship::Scaled { ratio } = kin else {
                 return Err(other_topology(
                     &taken.path,
                     SceneProblem::VertexOrderOfRig {
@@ -71,7 +71,7 @@ pub(super) fn rest_body_of(
                 ));
             };
             rig_frame = Frame {
-                unit: shorter(frames.rest.unit, decades).unwrap_or(Unit::Metre),
+                unit: unit_of(frames.rest.unit, ratio).unwrap_or(Unit::Metre),
                 up: detected_up(mesh),
             };
         }

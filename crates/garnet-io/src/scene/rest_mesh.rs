@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use garnet_mesh::{Bounds, Kinship, KnownMesh, Point3, TriMesh, UpAxis, kinship};
+use garnet_mesh::{Bounds, Kinship, KnownMesh, Point3, TriMesh, Unit, UpAxis, kinship};
 use garnet_skin::Rig;
 
 use super::{
-    SceneError, SceneFiles, SceneProblem,
+    PoseNote, SceneError, SceneFiles, SceneProblem,
     files::BodyFile,
-    frame::{Frame, detected_unit, detected_up, shorter},
+    frame::{Frame, detected_unit, detected_up, unit_of},
     is_rig,
 };
 use crate::{ObjFile, guess_up_axis};
@@ -32,6 +32,21 @@ pub(super) struct Frames {
     pub(super) rig: Frame,
     /// Of each body.
     pub(super) bodies: Vec<Frame>,
+}
+
+impl Frames {
+    /// Bodies in an imperial unit, if the rest body is not in it.
+    pub(super) fn notes<'a>(&self, bodies: &'a [BodyFile]) -> impl Iterator<Item = PoseNote> + 'a {
+        let rest = self.rest.unit;
+        let units: Vec<Unit> = self.bodies.iter().map(|frame| frame.unit).collect();
+        let is_told = move |unit: &Unit| *unit != rest && !Unit::METRIC.contains(unit);
+        let pairs = bodies.iter().zip(units);
+        let told = pairs.filter(move |(_, unit)| is_told(unit));
+        told.map(|(body, unit)| PoseNote::InUnit {
+            path: body.path.clone(),
+            unit,
+        })
+    }
 }
 
 impl RestMesh {
@@ -67,16 +82,16 @@ impl RestMesh {
         bodies: &[BodyFile],
         files: &SceneFiles,
     ) -> Result<Frames, SceneError> {
-        let mut decades = Vec::with_capacity(bodies.len());
+        let mut ratios = Vec::with_capacity(bodies.len());
         for body in bodies {
-            decades.push(self.decades(&body.path, &body.positions)?);
+            ratios.push(self.ratio(&body.path, &body.positions)?);
         }
-        let first = decades.first().copied().unwrap_or_default();
+        let first = ratios.first().copied().unwrap_or(1.0);
         let detected = detected_unit(&self.mesh);
         let unit = match (files.units.body, self.is_obj) {
             (None, _) => detected,
             (Some(unit), true) => unit,
-            (Some(unit), false) => shorter(unit, -first).unwrap_or(unit),
+            (Some(unit), false) => unit_of(unit, 1.0 / first).unwrap_or(unit),
         };
         // An axis that is named holds for the rig, too, unless that clearly stands otherwise.
         let clear = up_of(self.mesh.positions(), self.mesh.faces());
@@ -95,10 +110,10 @@ impl RestMesh {
             unit,
             up: if self.is_obj { obj_up } else { up },
         };
-        let of_bodies = bodies.iter().zip(decades).map(|(body, decades)| {
-            let unit = shorter(unit, decades).ok_or_else(|| SceneError::OtherSize {
+        let of_bodies = bodies.iter().zip(ratios).map(|(body, ratio)| {
+            let unit = unit_of(unit, ratio).ok_or_else(|| SceneError::OtherSize {
                 path: body.path.clone(),
-                problem: SceneProblem::Decades { decades },
+                problem: SceneProblem::Ratio { ratio },
             })?;
             let up = if is_rig(&body.path) { up } else { obj_up };
             Ok(Frame { unit, up })
@@ -119,8 +134,8 @@ impl RestMesh {
         })
     }
 
-    /// How much longer the edges of another mesh of this topology are, as a power of ten.
-    fn decades(&self, path: &Path, positions: &[Point3]) -> Result<i32, SceneError> {
+    /// How many times as long the edges of another mesh of this topology are.
+    fn ratio(&self, path: &Path, positions: &[Point3]) -> Result<f32, SceneError> {
         let (found, expected) = (positions.len(), self.mesh.num_vertices());
         if found != expected {
             return Err(other_topology(
@@ -133,7 +148,7 @@ impl RestMesh {
             ));
         }
         match kinship(self.mesh.positions(), positions, self.mesh.faces()) {
-            Kinship::Scaled { decades } => Ok(decades),
+            Kinship::Scaled { ratio } => Ok(ratio),
             Kinship::Stranger => Err(other_topology(
                 path,
                 SceneProblem::VertexOrder {
