@@ -64,6 +64,35 @@ fn jeans_are_cut_for_whoever_sits_in_them() {
 }
 
 #[test]
+fn a_posed_wearer_is_measured_by_the_rig_beside() {
+    let fixture = prepared();
+    let body = "body --sex female --stature 150 --bmi 19 --pose sit -o woman.obj --json -q";
+    let told = fixture.garnet(body);
+    let told: Value = serde_json::from_slice(&told.stdout).unwrap();
+    let mut measures = told["bodies"][0]["tape"]["measures"]
+        .as_array()
+        .unwrap()
+        .iter();
+    let inseam = measures
+        .find(|measure| measure["name"] == "inseam")
+        .unwrap();
+    let inseam = inseam["m"].as_f64().unwrap();
+    let drape = "drape jeans woman.obj --method warp -o worn.obj --report report.json";
+    done(&fixture, drape);
+    let cut = report(&fixture);
+    let found = cut["cuts"][0]["inseam_m"].as_f64().unwrap();
+    assert!((found - inseam).abs() < 1e-3, "{found} {inseam}");
+    // No line of jeans goes round the chest.
+    let regions = cut["drapes"][0]["fit"].as_array().unwrap().iter();
+    let mut regions = regions.map(|fit| fit["region"].as_str().unwrap());
+    assert!(regions.all(|region| region != "chest"));
+    done(
+        &fixture,
+        "render worn.obj woman.obj --color-by fit=jeans -o fit.png -q",
+    );
+}
+
+#[test]
 fn each_wearer_has_a_cut_of_their_own() {
     let fixture = prepared();
     done(
@@ -134,8 +163,11 @@ fn a_shirt_is_draped_in_the_size_that_is_named_or_fits() {
     };
     let (own, _) = draped("");
     assert!(own.get("cuts").is_none());
-    let (small, _) = draped("--size S");
+    let (small, told) = draped("--size S");
+    let misfit = "size s does not fit this body: its chest has an ease of";
+    assert!(told.contains(misfit), "{told}");
     let (large, told) = draped("--size 2xl");
+    assert!(!told.contains("does not fit"), "{told}");
     assert!(told.contains("cut in size 2xl for `big.obj`"), "{told}");
     assert_eq!(large["cuts"][0]["size"], "2xl");
     // A step of size is 8 cm round the body's chest, and a fifth more round the shirt's.

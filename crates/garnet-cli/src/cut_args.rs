@@ -9,7 +9,7 @@ use garnet::{
     body::shape::ParametricBody,
     data::{CutOptions, body_of_size, recut},
     package::GarmentPackage,
-    pattern::{GarmentKind, Measures, Parameters, PatternError, Size},
+    pattern::{Ease, GarmentKind, Measures, Parameters, PatternError, Size},
 };
 
 use crate::hints::for_pattern;
@@ -148,6 +148,47 @@ pub(crate) fn chosen_size(
         (false, _) => format!("no size fits: {first} is taken, {nearest}; {second} comes next"),
     };
     Some(([first, second], text))
+}
+
+/// Where a garment, cut in a size or to the measures of its wearer, is too tight or too wide.
+pub(crate) fn misfit(
+    parameters: &Parameters,
+    size: Option<Size>,
+    wearer: &Measures,
+) -> Option<String> {
+    let fit = parameters.fit(&size.map_or(*wearer, Size::measures), wearer);
+    let bad = fit.eases.iter().filter(|ease| !ease.is_allowed());
+    let bad: Vec<String> = bad.map(shown).collect();
+    if bad.is_empty() {
+        return None;
+    }
+    let bad = bad.join(", ");
+    let Some(size) = size else {
+        return Some(format!(
+            "with these parameters the garment does not fit: {bad}"
+        ));
+    };
+    let advice = match parameters.best_size(wearer) {
+        Some(best) => format!("size {best} fits best"),
+        None => "no size fits; without `--size` it is cut to measure".to_owned(),
+    };
+    Some(format!(
+        "size {size} does not fit this body: {bad}; {advice}"
+    ))
+}
+
+fn shown(ease: &Ease) -> String {
+    let [low, high] = ease.allowed.map(|share| 100.0 * share);
+    let wanted = if high.is_finite() {
+        format!("{low:.0} to {high:.0} %")
+    } else {
+        format!("{low:.0} % and more")
+    };
+    format!(
+        "its {} has an ease of {:.0} % ({wanted} fits)",
+        ease.place,
+        100.0 * ease.share
+    )
 }
 
 /// The garment of a package on the body that a size is for: as it is stored there, or cut.

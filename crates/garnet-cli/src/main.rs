@@ -34,6 +34,7 @@ mod stderr;
 mod stress;
 mod train;
 mod view;
+mod wearer_rig;
 mod workers;
 
 use std::process::ExitCode;

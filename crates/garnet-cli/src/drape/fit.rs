@@ -1,18 +1,17 @@
 //! Whether the garment fits, in reports and as a line for people.
 
-use std::path::Path;
-
 use garnet::{
     Point3, PosedBody,
-    body::shape::{Measure, Tape},
+    body::shape::Tape,
     drape::{FitLines, NoFit, RegionFit, wearer_tape},
-    io::{Target, read_rig, rig_beside},
+    io::Target,
     package::GarmentPackage,
     sim::RestShape,
 };
 use serde::Serialize;
 
 use super::{Bound, args::Source, ready::package_of};
+use crate::wearer_rig::wearer_of_rig;
 
 /// The lines at which a garment is measured, and the girths of the rest body.
 pub(super) struct Fitting {
@@ -94,15 +93,18 @@ impl Fitting {
         positions: &[Point3],
         body: &PosedBody,
     ) -> Option<Vec<RegionReport>> {
+        let of_rig = || {
+            let wearer = wearer_of_rig(&target.path, body.skin().positions());
+            wearer.as_ref().and_then(Tape::around)
+        };
         let own = match (body.shape_offsets(), &bound.refit) {
             (None, _) => None,
-            (Some(_), None) => Some(wearer_tape(bound.garment.body(), body)?),
+            (Some(_), None) => Some(of_rig().or_else(|| wearer_tape(bound.garment.body(), body))?),
             (Some(_), Some(refit)) => {
                 let stand_in = refit.stand_in(body.skin().positions()).ok()?;
                 Some(wearer_tape(refit.own(), &stand_in)?)
             }
         };
-        let own = own.map(|found| of_rig(&target.path, &found).unwrap_or(found));
         let wearer = own.as_ref().unwrap_or(&self.at_rest);
         let garment = (bound.refit.as_ref()).map_or(&*bound.garment, |refit| refit.garment());
         let nodes = garment.cloth().weld().gather(positions);
@@ -110,33 +112,6 @@ impl Fitting {
         Some(fits.into_iter().map(RegionReport::from).collect())
     }
 }
-
-/// The girths of the rig beside a body, if it has those of the same person: they are exact, where
-/// those that were found from a pose are not.
-fn of_rig(path: &Path, found: &Tape) -> Option<Tape> {
-    let beside = rig_beside(path);
-    if !beside.is_file() {
-        return None;
-    }
-    let body = read_rig(beside).ok()?.into_body().ok()?;
-    let tape = Tape::around(&body)?;
-    let girth = |tape: &Tape, measure| tape.girth(&tape.plane(measure));
-    let is_near = |measure| {
-        let [own, other] = [&tape, found].map(|tape| girth(tape, measure));
-        (own / other - 1.0).abs() < SAME_PERSON
-    };
-    let is_same = [
-        Measure::Waist,
-        Measure::Hip,
-        Measure::UpperArm,
-        Measure::Thigh,
-    ];
-    is_same.into_iter().all(is_near).then_some(tape)
-}
-
-/// Girths found from a pose that differ by less than this from those of a rig are of the same
-/// person, relative. Larger ones take the rig of another body that lies beside it.
-const SAME_PERSON: f64 = 0.03;
 
 /// One line for all regions.
 pub(super) fn line(regions: &[RegionReport]) -> String {

@@ -179,6 +179,7 @@ impl Bound {
             notes: _,
             tailoring: _,
             is_on_other: _,
+            is_unit_named,
         } = prepared;
         let unusual = || unusual(&garment, &body);
         let edges = || garment_file.polygon_edges();
@@ -217,7 +218,12 @@ impl Bound {
             .chain(holes);
         let of_garment = unusual.into_iter().chain(start);
         let of_garment = of_garment.map(at(garment_file.path()));
-        let of_body = found.body.into_iter().map(at(&rest.path));
+        let is_told = |problem: &Problem| {
+            // Whoever has named the unit knows how tall the body is.
+            !(is_unit_named && matches!(problem, Problem::SmallBody(_)))
+        };
+        let of_body = found.body.into_iter().filter(is_told);
+        let of_body = of_body.map(at(&rest.path));
         let warnings = warnings.into_iter().chain(of_garment).chain(of_body);
         Ok(Self {
             warnings: warnings.collect(),

@@ -39,6 +39,8 @@ pub(crate) struct Prepared {
     pub(super) tailoring: Option<Tailoring>,
     /// Whether `body` is another one than that of the package, on which the garment does not lie.
     pub(super) is_on_other: bool,
+    /// Whether the unit of the body was named, and not detected.
+    pub(super) is_unit_named: bool,
     /// The garment as it was cut for its wearer.
     pub(super) cut: Option<Arc<Cut>>,
     /// What is wrong already.
@@ -69,9 +71,10 @@ impl Prepared {
                 let mut refit = None;
                 let mut cut = None;
                 if let Some(mut own) = own {
-                    let asked = tailoring.take_if(|tailoring| tailoring.is_asked_for());
+                    let asked = tailoring
+                        .take_if(|tailoring| tailoring.is_asked_for() || tailoring.is_to_measure());
                     if let Some(mut asked) = asked {
-                        let wearer = if asked.is_chosen() {
+                        let wearer = if asked.is_chosen() || asked.is_to_measure() {
                             let fitted = refitted(source, &scene, &own)?;
                             Some(stand_in_at_rest(&fitted, &scene.body)?)
                         } else {
@@ -87,10 +90,14 @@ impl Prepared {
                     refit = Some(fitted);
                 }
                 let files = &source.scene;
-                let prepared = Self::of(scene, refit, files.pose.clone(), files.motion);
+                let mut prepared = Self::of(scene, refit, files.pose.clone(), files.motion);
+                if let Some(cut) = &cut {
+                    prepared.warn_of_misfit(cut);
+                }
                 Ok(Self {
                     tailoring,
                     is_on_other,
+                    is_unit_named: files.units.body.is_some(),
                     cut,
                     ..prepared
                 })
@@ -118,6 +125,7 @@ impl Prepared {
             notes: scene.notes.iter().map(ToString::to_string).collect(),
             tailoring: None,
             is_on_other: false,
+            is_unit_named: false,
             cut: None,
             warnings: Vec::new(),
         }
@@ -139,6 +147,7 @@ impl Prepared {
             notes: Vec::new(),
             tailoring: None,
             is_on_other: self.is_on_other,
+            is_unit_named: self.is_unit_named,
             cut: None,
             warnings: Vec::new(),
         }

@@ -13,9 +13,9 @@ use garnet::{
     body::shape::{tape_measures, unposed},
     data::{CutOptions, Tailor, wearer_of},
     drape::Refit,
-    io::{Target, TargetSource},
+    io::{Target, TargetSource, largest_distance},
     package::GarmentPackage,
-    pattern::{GarmentKind, Measures, Parameters, Size},
+    pattern::{GarmentKind, Measures, Parameters, PatternError, Size},
 };
 
 use super::{
@@ -27,8 +27,9 @@ use super::{
     warning::{Problem, Warning},
 };
 use crate::{
-    cut_args::{CutArgs, SizeChoice, chosen_size, cut_on, in_size, wearer_of_size},
+    cut_args::{CutArgs, SizeChoice, chosen_size, cut_on, in_size, misfit, wearer_of_size},
     failure::refused,
+    wearer_rig::wearer_of_rig,
 };
 
 /// Bodies whose vertices at rest are as near as this are of one wearer, in metres.
@@ -48,6 +49,8 @@ pub(crate) struct Cut {
     /// The package, with the garment on the wearer at rest.
     pub(super) package: GarmentPackage,
     pub(super) report: CutReport,
+    /// Where what was asked for does not fit the wearer.
+    pub(super) misfit: Option<String>,
     /// Whether variants have learned another cut.
     pub(super) is_unknown: bool,
     /// Whether that is because of its size alone.
@@ -118,7 +121,16 @@ impl Tailoring {
             };
         };
         let mut parameters = tailor.parameters().clone();
-        cut.set_in(&mut parameters).with_context(cannot)?;
+        match cut.set_in(&mut parameters) {
+            Err(error @ PatternError::UnknownParameter { .. }) => {
+                return Err(refused(
+                    cannot(),
+                    error.to_string(),
+                    "leave the option out; `garnet info` shows how a package is cut",
+                ));
+            }
+            set => set.with_context(cannot)?,
+        }
         Ok(Some(Self {
             folder: folder.to_path_buf(),
             package,
@@ -173,28 +185,44 @@ impl Tailoring {
     }
 
     /// The garment on the body that it is cut for, in the size for `wearer` if it is chosen by
-    /// that.
+    /// that; cut to measure, on `wearer`.
     pub(super) fn cut_for(&mut self, wearer: Option<&Body>, target: &Path) -> anyhow::Result<Cut> {
         let chosen = wearer.map(|wearer| self.chosen_for(wearer)).transpose()?;
         let chosen = chosen.flatten();
         let size = chosen.as_ref().map(|chosen| chosen.size).or(self.named());
         let made = self.made.iter().find(|(other, ..)| *other == size);
-        let (package, seconds) = if let Some((_, package)) = made {
+        let to_measure = wearer.filter(|_| self.is_to_measure() && size.is_none());
+        let (package, seconds) = if let Some(wearer) = to_measure {
+            self.cut_on(wearer.clone(), None)?
+        } else if let Some((_, package)) = made {
             (package.clone(), 0.0)
         } else {
             let (package, seconds) = self.cut_on_own(size)?;
             self.made.push((size, package.clone()));
             (package, seconds)
         };
+        let is_chosen = chosen.is_some();
         let report = self.report(target, wearer, (size, chosen), seconds);
-        Ok(self.cut(package, report, size))
+        let wearer = wearer.filter(|_| !is_chosen);
+        Ok(self.cut(package, report, size, wearer))
     }
 
-    fn cut(&self, package: GarmentPackage, report: CutReport, size: Option<Size>) -> Cut {
+    /// What was cut; `wearer` has not been asked for the size.
+    fn cut(
+        &self,
+        package: GarmentPackage,
+        report: CutReport,
+        size: Option<Size>,
+        wearer: Option<&Body>,
+    ) -> Cut {
+        let measured = wearer.filter(|_| self.is_asked_for()).and_then(wearer_of);
+        let measured = measured.and_then(Result::ok);
+        let misfit = measured.and_then(|wearer| misfit(&self.parameters, size, &wearer.measures));
         let is_other = size.is_some() || !self.changed().is_empty();
         Cut {
             package,
             report,
+            misfit,
             is_unknown: is_other,
             is_size: size.is_some() && self.changed().is_empty() && !self.is_to_measure(),
             is_far: is_other && self.is_far(size),
@@ -361,6 +389,14 @@ impl Wearer {
             return Ok(Self::Own);
         };
         let cannot = || format!("cannot fit the body to `{}`", target.path.display());
+        if let Some(wearer) = wearer_of_rig(&target.path, places) {
+            let is_own = largest_distance(wearer.rest().positions(), body.rest().positions());
+            return Ok(if is_own < SAME_WEARER {
+                Self::Own
+            } else {
+                Self::Other(Box::new(wearer))
+            });
+        }
         if let Some(other) = unposed(body, places).with_context(cannot)? {
             return Ok(Self::Other(Box::new(other)));
         }
@@ -376,8 +412,7 @@ impl Wearer {
         match (self, other) {
             (Self::Own, Self::Own) => true,
             (Self::Other(a), Self::Other(b)) => {
-                let pairs = a.rest().positions().iter().zip(b.rest().positions());
-                pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f32::max) < SAME_WEARER
+                largest_distance(a.rest().positions(), b.rest().positions()) < SAME_WEARER
             }
             _ => false,
         }
@@ -391,6 +426,14 @@ impl Prepared {
             path: self.garment_file.path().to_path_buf(),
             problem: Problem::NotCut(reason),
         });
+    }
+
+    /// Warns where what was asked for does not fit.
+    pub(super) fn warn_of_misfit(&mut self, cut: &Cut) {
+        self.warnings.extend(cut.misfit.clone().map(|text| Warning {
+            path: self.garment_file.path().to_path_buf(),
+            problem: Problem::Misfit(text),
+        }));
     }
 
     /// Cuts the garment for a wearer of all targets.
@@ -431,18 +474,21 @@ impl Prepared {
             .map(|chosen| chosen.size)
             .or(tailoring.named());
         let (package, seconds) = tailoring.cut_on(wearer, size).with_context(cannot)?;
+        let is_chosen = chosen.is_some();
         let report = tailoring.report(&path, Some(&package.body), (size, chosen), seconds);
-        let cut = tailoring.cut(package, report, size);
+        let wearer = package.body.clone();
+        let wearer = (!is_chosen).then_some(&wearer);
+        let cut = tailoring.cut(package, report, size, wearer);
         self.put_on(cut)
     }
 
     /// Takes a garment that was cut, and the body that it lies on.
     fn put_on(&mut self, cut: Cut) -> anyhow::Result<()> {
+        self.warn_of_misfit(&cut);
         self.garment = cut.package.mesh.clone();
         let before = std::mem::replace(&mut self.body, cut.package.body.clone());
-        let pairs = before.rest().positions().iter();
-        let pairs = pairs.zip(self.body.rest().positions());
-        let is_same = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f32::max) < SAME_WEARER;
+        let apart = largest_distance(before.rest().positions(), self.body.rest().positions());
+        let is_same = apart < SAME_WEARER;
         for target in &mut self.targets {
             target.source = match std::mem::replace(&mut target.source, NOWHERE) {
                 // How the joints of the other body moved says nothing of those of this one.

@@ -60,7 +60,11 @@ pub(crate) enum Problem {
     Tight(f32),
     /// The garment starts inside the rest body: how many vertices deeper than the limit, and the
     /// deepest in metres.
-    StartsInside(usize, f32),
+    StartsInside {
+        count: usize,
+        limit: f32,
+        deepest: f32,
+    },
     /// So many openings of the garment have no limb through them, of how many.
     Unthreaded(usize, usize),
     /// No limb goes through a sleeve: the joint nearest to its opening, and its middle, in metres.
@@ -79,6 +83,8 @@ pub(crate) enum Problem {
     Inside(usize, f32),
     /// The garment is not cut for its wearer, and why.
     NotCut(String),
+    /// Where the size that was asked for does not fit.
+    Misfit(String),
     /// A variant has learned another cut of the garment: its name.
     OtherCut(String),
     /// The target was fitted with this error, in metres.
@@ -120,7 +126,7 @@ impl Problem {
             Self::LimbOutside(..) => "limb_outside",
             Self::Torn(_) => "torn",
             Self::Tight(_) => "tight",
-            Self::StartsInside(..) => "starts_inside",
+            Self::StartsInside { .. } => "starts_inside",
             Self::Unthreaded(..) => "unthreaded",
             Self::EmptySleeve(..) => "empty_sleeve",
             Self::CrossingAtRest(_) => "crossing_at_rest",
@@ -131,6 +137,7 @@ impl Problem {
             Self::Moving(_) => "moving",
             Self::Inside(..) => "inside",
             Self::NotCut(_) => "not_cut",
+            Self::Misfit(_) => "misfit",
             Self::OtherCut(_) => "other_cut",
             Self::PoorFit(_) => "poor_fit",
             Self::Fallback(..) => "fallback",
@@ -158,7 +165,7 @@ impl Problem {
             | Self::OverHoles(count, _)
             | Self::SelfIntersectingBody(count)
             | Self::TurnedFaces(count)
-            | Self::StartsInside(count, _)
+            | Self::StartsInside { count, .. }
             | Self::Unthreaded(count, _)
             | Self::CrossingAtRest(count)
             | Self::Trapped(count)
@@ -176,6 +183,7 @@ impl Problem {
             | Self::Tight(_)
             | Self::Moving(_)
             | Self::NotCut(_)
+            | Self::Misfit(_)
             | Self::OtherCut(_)
             | Self::PoorFit(_)
             | Self::Fallback(..)
@@ -197,7 +205,7 @@ impl Problem {
             | Self::LimbOutside(_, value)
             | Self::InsideOutGarment(value)
             | Self::PartlySettled(value)
-            | Self::StartsInside(_, value) => value.into(),
+            | Self::StartsInside { deepest: value, .. } => value.into(),
             Self::OutOfBalance(_, residual) => residual,
             _ => self.count().unwrap_or(0) as f64,
         }
@@ -269,9 +277,11 @@ impl fmt::Display for Warning {
             ),
             Problem::Torn(stretch) => torn(&self.path, stretch),
             Problem::Tight(stretch) => tight(&self.path, stretch),
-            Problem::StartsInside(count, depth) => {
-                vertices(count, ["starts", "start"]) + &too_deep(depth)
-            }
+            Problem::StartsInside {
+                count,
+                limit,
+                deepest,
+            } => vertices(count, ["starts", "start"]) + &too_deep(limit, deepest),
             Problem::Unthreaded(count, openings) => format!(
                 "no limb of the body goes through {count} of the {openings} openings of `{path}`: it may \
                  lie elsewhere than on the body; `--place` brings it there"
@@ -302,6 +312,7 @@ impl fmt::Display for Warning {
                 "`{variant}` has learned the garment of `{path}` as it is, not in this cut, which \
                  it drapes less exactly; `--method sim` simulates it"
             ),
+            Problem::Misfit(ref reason) => reason.clone(),
             Problem::NotCut(ref reason) => {
                 format!("`{path}` is not cut for its wearer, as it should be: {reason}")
             }
@@ -356,10 +367,12 @@ fn over_holes(share: f32) -> String {
     )
 }
 
-fn too_deep(depth: f32) -> String {
-    let depth = millimetres(depth);
+fn too_deep(limit: f32, deepest: f32) -> String {
     format!(
-        " more than 30 mm inside the rest body, the deepest {depth} mm: the garment may belong to another body"
+        " more than {} mm inside the rest body, the deepest {} mm: the garment may belong to \
+         another body",
+        short_millimetres(limit),
+        millimetres(deepest)
     )
 }
 
@@ -412,6 +425,12 @@ fn in_place_of_network(is_simulated: bool) -> &'static str {
     } else {
         "the warp by pose and shape is"
     }
+}
+
+/// Millimetres without a decimal where they are many.
+fn short_millimetres(metres: f32) -> String {
+    let decimals = usize::from(metres < 0.01);
+    format!("{:.decimals$}", 1e3 * metres)
 }
 
 fn millimetres(metres: f32) -> String {
@@ -623,7 +642,11 @@ pub(crate) fn of_start(garment: &BoundGarment) -> Option<Problem> {
         .filter(|(_, inside)| *inside);
     let depths: Vec<f32> = inside.map(|(depth, _)| depth).collect();
     let deepest = depths.iter().copied().fold(0.0, f32::max);
-    (!depths.is_empty()).then_some(Problem::StartsInside(depths.len(), deepest))
+    (!depths.is_empty()).then_some(Problem::StartsInside {
+        count: depths.len(),
+        limit: max_depth,
+        deepest,
+    })
 }
 
 /// Whether skin of the rest body comes through the cloth, be all vertices outside.

@@ -7,10 +7,10 @@ use garnet::{
     data::Tailor,
     mesh::{StretchSummary, pattern_stretches},
     package::GarmentPackage,
-    pattern::{Ease, Wearer},
+    pattern::Wearer,
 };
 
-use crate::drape::WarningReport;
+use crate::{cut_args::misfit, drape::WarningReport};
 
 /// Edges of a garment that fits are stretched by less than this, but for 1 % of them.
 const MAX_STRAIN: f32 = 0.15;
@@ -40,7 +40,8 @@ pub(super) fn warnings(
         let text = format!("the garment hangs {below:.0} cm lower than the soles of the body");
         ("below_floor", text)
     });
-    let misfit = misfit(tailor, wearer).map(|text| ("misfit", text));
+    let misfit = misfit(tailor.parameters(), tailor.size(), &wearer.measures);
+    let misfit = misfit.map(|text| ("misfit", text));
     let found = [misfit, strained, fallen].into_iter().flatten();
     let path = GarmentPackage::template_at(folder).display().to_string();
     let warnings = found.map(|(kind, text)| WarningReport {
@@ -60,41 +61,4 @@ pub(super) fn strain(package: &GarmentPackage) -> anyhow::Result<f32> {
     };
     let stretches = pattern_stretches(package.mesh.positions(), &edges)?;
     Ok(StretchSummary::of(stretches).p99 - 1.0)
-}
-
-/// Where the garment is too tight or too wide.
-fn misfit(tailor: &Tailor, wearer: &Wearer) -> Option<String> {
-    let fit = tailor.fit(wearer);
-    let bad = fit.eases.iter().filter(|ease| !ease.is_allowed());
-    let bad: Vec<String> = bad.map(shown).collect();
-    if bad.is_empty() {
-        return None;
-    }
-    let bad = bad.join(", ");
-    let Some(size) = tailor.size() else {
-        return Some(format!(
-            "with these parameters the garment does not fit: {bad}"
-        ));
-    };
-    let advice = match tailor.parameters().best_size(&wearer.measures) {
-        Some(best) => format!("size {best} fits best"),
-        None => "no size fits; without `--size` it is cut to measure".to_owned(),
-    };
-    Some(format!(
-        "size {size} does not fit this body: {bad}; {advice}"
-    ))
-}
-
-fn shown(ease: &Ease) -> String {
-    let [low, high] = ease.allowed.map(|share| 100.0 * share);
-    let wanted = if high.is_finite() {
-        format!("{low:.0} to {high:.0} %")
-    } else {
-        format!("{low:.0} % and more")
-    };
-    format!(
-        "its {} has an ease of {:.0} % ({wanted} fits)",
-        ease.place,
-        100.0 * ease.share
-    )
 }

@@ -139,6 +139,7 @@ impl Scale {
 /// The body that a garment is on.
 #[derive(Debug)]
 pub(crate) struct Skin {
+    path: PathBuf,
     surface: Surface,
     /// How many metres a unit of its file is.
     metres: f32,
@@ -149,6 +150,7 @@ impl Skin {
     pub(crate) fn new(body: &ObjFile, positions: &[Point3]) -> anyhow::Result<Self> {
         let mesh = body.mesh()?.with_positions(positions.to_vec())?;
         Ok(Self {
+            path: body.path().to_path_buf(),
             surface: Surface::new(&mesh),
             metres: metres_of(body),
         })
@@ -272,7 +274,8 @@ impl Measure {
                 pairs.map(|(a, b)| millimetres * (a - b).norm()).collect()
             }
             Self::Fit(package, size) => {
-                fit::levels((package, *size), file, skin.map(Skin::in_metres))?
+                let body = skin.map(|skin| (skin.path.as_path(), skin.in_metres()));
+                fit::levels((package, *size), file, body)?
             }
             Self::Numbers(path) => numbers(path, file.num_vertices())?,
         })

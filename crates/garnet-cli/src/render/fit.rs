@@ -4,8 +4,8 @@ use std::{ops::RangeInclusive, path::Path};
 
 use anyhow::Context;
 use garnet::{
-    Garment, Point3,
-    body::shape::unposed,
+    Body, Garment, Point3,
+    body::shape::{Tape, unposed},
     data::{CutOptions, Tailor, wearer_of},
     drape::{fit_map, wearer_tape},
     io::ObjFile,
@@ -15,33 +15,43 @@ use garnet::{
 use crate::{
     cut_args::{SizeChoice, check_size, chosen_size, cut_on, in_size},
     failure::{Hint, refused},
+    wearer_rig::wearer_of_rig,
 };
 
-/// Cloth that is draped in the size of its package has an area within these shares of it: drapes
-/// stretch and crumple by a few per cent, sizes differ by ten.
+/// Cloth that is draped in the size of its package has faces within these shares of its own: drapes
+/// stretch and crumple by a few per cent, two sizes differ by ten. A narrower range refuses drapes
+/// of people who sit.
 const SAME_SIZE: RangeInclusive<f64> = 0.94..=1.06;
 
 /// Areas that differ by more are in other units.
 const ANY_UNIT: RangeInclusive<f64> = 0.3..=3.0;
 
-fn area_of(positions: &[Point3], faces: &[[u32; 3]]) -> f64 {
-    let area = |face: &[u32; 3]| {
+/// How many times as large as in `rest` the faces are in `positions`: the median of them, which
+/// folds do not change.
+fn times_as_large(positions: &[Point3], rest: &[Point3], faces: &[[u32; 3]]) -> f64 {
+    let area = |positions: &[Point3], face: &[u32; 3]| {
         let [a, b, c] = face.map(|vertex| positions[vertex as usize]);
-        0.5 * f64::from((b - a).cross(&(c - a)).norm())
+        f64::from((b - a).cross(&(c - a)).norm())
     };
-    faces.iter().map(area).sum()
+    let ratio = |face| area(positions, face) / area(rest, face).max(f64::MIN_POSITIVE);
+    let mut ratios: Vec<f64> = faces.iter().map(ratio).collect();
+    let middle = ratios.len() / 2;
+    if ratios.is_empty() {
+        return 1.0;
+    }
+    *ratios.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// The levels of a drape of the garment of a package, in a size, `[vertex]`, on the body of the
-/// picture, whose vertices are at `body`, in metres.
+/// picture: its file, and its vertices in metres.
 pub(super) fn levels(
     (folder, size): (&Path, Option<SizeChoice>),
     file: &ObjFile,
-    body: Option<Vec<Point3>>,
+    body: Option<(&Path, Vec<Point3>)>,
 ) -> anyhow::Result<Vec<f32>> {
     let shown = folder.display();
     let cannot = || format!("cannot tell whether `{}` fits", file.path().display());
-    let Some(positions) = body else {
+    let Some((path, positions)) = body else {
         return Err(refused(
             cannot(),
             "the picture has no body",
@@ -64,9 +74,14 @@ pub(super) fn levels(
             "name the package that was draped: `--color-by fit=PACKAGE`",
         ));
     }
-    let package = worn((folder, size), package, &positions).with_context(cannot)?;
-    let larger = area_of(file.positions(), &file.triangles())
-        / area_of(package.mesh.positions(), package.mesh.faces());
+    let of_rig = wearer_of_rig(path, &positions);
+    let wearer = match &of_rig {
+        Some(wearer) => Some(wearer.clone()),
+        None => unposed(&package.body, &positions).ok().flatten(),
+    };
+    let package = worn((folder, size), package, wearer).with_context(cannot)?;
+    let (found, rest) = (file.positions(), package.mesh.positions());
+    let larger = times_as_large(found, rest, package.mesh.faces());
     // Files in other units are as large in other ways.
     if ANY_UNIT.contains(&larger) && !SAME_SIZE.contains(&larger) {
         return Err(refused(
@@ -81,25 +96,25 @@ pub(super) fn levels(
     let not_built_in =
         || "the girths of the built-in body alone are known: a body of `garnet body`".to_owned();
     let fitted = fitted.with_context(cannot).hint(not_built_in)?;
-    let tape = wearer_tape(&package.body, &fitted);
+    let of_rig = of_rig.as_ref().and_then(Tape::around);
+    let tape = of_rig.or_else(|| wearer_tape(&package.body, &fitted));
     let tape = tape.with_context(|| format!("the body of `{shown}` is not the built-in one"));
     let tape = tape.with_context(cannot).hint(not_built_in)?;
     let garment = Garment::new(package.mesh.clone()).bind(&package.body)?;
     fit_map(&garment, Some(&package.rest), &tape).with_context(cannot)
 }
 
-/// The package as the body at `positions` wears it: in a size, or cut for it if it is made to
-/// measure.
+/// The package as `wearer` at rest wears it, the body of the package without one: in a size, or cut
+/// for it if it is made to measure.
 fn worn(
     (folder, size): (&Path, Option<SizeChoice>),
     package: GarmentPackage,
-    positions: &[Point3],
+    wearer: Option<Body>,
 ) -> anyhow::Result<GarmentPackage> {
     let is_to_measure = package.manifest.is_made_to_measure();
     if size.is_none() && !is_to_measure {
         return Ok(package);
     }
-    let wearer = unposed(&package.body, positions).ok().flatten();
     let wearer = wearer.unwrap_or_else(|| package.body.clone());
     let tailor = Tailor::of_package(&package)?.context("the package has no sewing pattern")?;
     let size = match size {

@@ -151,7 +151,12 @@ fn line_of(cut: &Cut<'_>, tape: &Tape, region: Region) -> Option<RegionLine> {
         Region::Chest => {
             // Below the armholes, as garments are measured that lie on a table.
             let top = height(tape, region);
-            let low = (top - DEEPEST_ARMHOLE).max(height(tape, Region::Waist));
+            let waist = height(tape, Region::Waist);
+            if cut.top() < f64::midpoint(waist, top) {
+                // The waistband of trousers.
+                return None;
+            }
+            let low = (top - DEEPEST_ARMHOLE).max(waist);
             let (_, line) = highest(cut, tape, [low, top])?;
             Some(RegionLine {
                 region,
@@ -388,6 +393,27 @@ mod tests {
         // As the sizes of trousers go.
         let waist = built.measures()[Measure::Waist];
         assert!((fit.body - waist).abs() < 1e-6, "{fit:?}");
+    }
+
+    #[test]
+    fn trousers_of_a_small_person_have_no_chest() {
+        let parameters = BodyParameters::new(0.0).with(Measure::Stature, 1.5);
+        let built = ParametricBody::build(&parameters).unwrap();
+        let tape = Tape::around(built.body()).unwrap();
+        let [hip, waist] = hip_and_waist(&tape);
+        let chest = height(&tape, Region::Chest);
+        let center = tape.trunk_plane(Measure::Waist, waist).center();
+        // As high as the chest of shirts with deep armholes is looked for.
+        let low = waist.max(chest - DEEPEST_ARMHOLE) + 0.02;
+        for (top, has_chest) in [(low, false), (chest, true)] {
+            let around = tube(RADIUS, (top - hip) as f32, SIDES, 60);
+            let middle = f64::midpoint(top, hip);
+            let around = shifted(&around, [0.0, middle as f32, center.z as f32]);
+            let garment = Garment::new(around).bind(built.body()).unwrap();
+            let lines = FitLines::new(&garment, None).unwrap();
+            let found = lines.regions().any(|region| region == Region::Chest);
+            assert_eq!(found, has_chest);
+        }
     }
 
     #[test]

@@ -36,6 +36,12 @@ pub(super) struct Line {
 }
 
 impl<'a> Cut<'a> {
+    /// The height up to which the garment reaches, in metres.
+    pub(super) fn top(&self) -> f64 {
+        let heights = self.nodes.iter().map(|node| f64::from(node.y));
+        heights.fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// `tape` is that round the body on which the garment lies.
     pub(super) fn new(garment: &'a BoundGarment, rest: Option<&'a RestShape>, tape: &Tape) -> Self {
         let weld = garment.cloth().weld();
