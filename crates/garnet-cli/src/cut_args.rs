@@ -130,11 +130,7 @@ pub(crate) fn chosen_size(
     parameters: &Parameters,
     wearer: &Measures,
 ) -> Option<([Size; 2], String)> {
-    let sizes = match parameters.garment() {
-        GarmentKind::Jeans => Size::trousers(),
-        _ => Size::ALL.to_vec(),
-    };
-    let sizes = parameters.by_fit(&sizes, wearer);
+    let sizes = parameters.by_fit(&parameters.sizes(), wearer);
     let [first, second, ..] = sizes[..] else {
         return None;
     };

@@ -152,15 +152,19 @@ impl<'a> VariantReport<'a> {
     }
 }
 
-/// Lists the variants of a package: their error against the simulator, and their time.
+/// Lists the variants of a package, the fastest first: their error against the simulator, and their
+/// time.
 pub(crate) fn variants(args: &VariantsArgs, console: &Console) -> anyhow::Result<ExitStatus> {
     let package = read_package(&args.package)?;
     let manifest = &package.manifest;
     let default = manifest.default_variant();
     let reports = manifest.variants.iter();
-    let reports: Vec<_> = reports
+    let mut reports: Vec<_> = reports
         .map(|variant| VariantReport::new(variant, default))
         .collect();
+    // The fastest first, and last what nobody has timed.
+    let seconds = |report: &VariantReport| report.seconds.unwrap_or(f64::INFINITY);
+    reports.sort_by(|a, b| seconds(a).total_cmp(&seconds(b)).then(a.name.cmp(b.name)));
     if console.is_json() {
         print_document(&json!({"schema": "garnet.variants/1", "variants": reports}))?;
         return Ok(ExitStatus::Done);

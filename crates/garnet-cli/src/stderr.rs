@@ -130,9 +130,13 @@ pub(crate) fn usage(found: &clap::Error) -> ExitStatus {
         let tip = text
             .lines()
             .find_map(|line| line.trim().strip_prefix("tip: "));
-        let help = "`garnet --help` lists the arguments";
+        let help = format!("`{} --help` lists the arguments", command_of(&text));
+        // The arguments that are missing are in lines of their own.
+        let named = text.lines().skip(1).take_while(|line| !line.is_empty());
+        let named = named.filter(|line| line.starts_with("  ") && !line.contains("tip: "));
         tell_json(&Failure {
-            hint: Some(one_line(tip.unwrap_or(help))),
+            causes: named.map(|line| one_line(line.trim())).collect(),
+            hint: Some(one_line(tip.unwrap_or(&help))),
             ..Failure::without_cause(error)
         });
     } else {
@@ -149,6 +153,14 @@ pub(crate) fn usage(found: &clap::Error) -> ExitStatus {
         }
     }
     ExitStatus::NotDone
+}
+
+/// The command that a text of usage is about: `garnet drape`.
+fn command_of(usage: &str) -> String {
+    let line = usage.lines().find_map(|line| line.strip_prefix("Usage: "));
+    let words = line.unwrap_or("garnet").split(' ');
+    let words = words.take_while(|word| word.starts_with(|first: char| first.is_alphanumeric()));
+    words.collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
@@ -169,6 +181,13 @@ mod tests {
         assert_eq!(failure.error, "cannot read `a`");
         assert_eq!(failure.causes, ["the line is bad"]);
         assert_eq!(failure.hint.as_deref(), Some("mend it"));
+    }
+
+    #[test]
+    fn the_command_of_a_text_of_usage_is_named() {
+        let text = "error: no\n\nUsage: garnet drape --output <OUT> <GARMENT>\n";
+        assert_eq!(command_of(text), "garnet drape");
+        assert_eq!(command_of("error: no"), "garnet");
     }
 
     #[test]

@@ -21,5 +21,5 @@ pub use error::DataError;
 pub use garnet_sim::Moment;
 pub use noise::{NOISE_TURN, moved_by_turn, noise_floor, noise_joint};
 pub use recut::{CutOptions, body_of_size, recut};
-pub use tailor::{Tailor, Worn, usual_fabric, usual_package};
+pub use tailor::{Tailor, Worn, finished_girths, usual_fabric, usual_package};
 pub use wearer::{default_rest_body, wearer_of};

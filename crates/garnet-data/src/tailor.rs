@@ -5,17 +5,19 @@ use std::sync::atomic::AtomicBool;
 
 use garnet_body::shape::{ParametricBody, tape_measures};
 use garnet_drape::{
-    GarmentPackage, PackageParts, Simulator, StoredFabric, StoredParameters, StoredPattern,
-    check_stop, collider, stopping,
+    FinishedGirth, GarmentPackage, PackageParts, Region, Simulator, StoredFabric, StoredParameters,
+    StoredPattern, check_stop, collider, stopping,
 };
 use garnet_io::ObjFile;
 use garnet_mesh::Point3;
-use garnet_pattern::{Fit, GarmentKind, Parameters, SewnGarment, Size, Template, Wearer};
+use garnet_pattern::{
+    Fit, GarmentKind, Parameters, PatternError, SewnGarment, Size, Template, Wearer,
+};
 use garnet_sim::{Cloth, Fabric, GRIP, MovingBody, Quality, RestShape, Scene, Schedule, drape};
 use garnet_skin::{Body, Garment};
 
 use crate::DataError;
-use crate::wearer::{default_rest_body, wearer};
+use crate::wearer::{default_rest_body, wearer, wearer_of};
 
 /// Cuts garments of one topology to the measures of bodies, and puts them on.
 #[derive(Debug, Clone)]
@@ -25,6 +27,52 @@ pub struct Tailor {
     num_vertices: usize,
     fabric: StoredFabric,
     size: Option<Size>,
+}
+
+/// The parameters of a stored pattern.
+fn parameters_of(pattern: &StoredPattern) -> Result<Parameters, PatternError> {
+    let kind: GarmentKind = pattern.kind.parse()?;
+    let mut parameters = kind.parameters();
+    for (name, &value) in &pattern.parameters {
+        parameters.set(name, value)?;
+    }
+    Ok(parameters)
+}
+
+/// The girths of a garment that was cut by a stored pattern, in its size or for the body that it
+/// lies on; empty if the measures of that are not known.
+///
+/// # Errors
+///
+/// [`DataError::Pattern`] if the pattern is none of this version.
+pub fn finished_girths(
+    pattern: &StoredPattern,
+    body: &Body,
+) -> Result<Vec<FinishedGirth>, DataError> {
+    let parameters = parameters_of(pattern)?;
+    let cut = match &pattern.size {
+        Some(size) => size.parse::<Size>()?.measures(),
+        None => match wearer_of(body).transpose()? {
+            Some(wearer) => wearer.measures,
+            None => return Ok(Vec::new()),
+        },
+    };
+    let is_shirt = matches!(
+        parameters.garment(),
+        GarmentKind::Tshirt | GarmentKind::Sweater
+    );
+    let finished = parameters.finished(&cut).into_iter();
+    let girths = finished.filter_map(|found| {
+        let mut regions = Region::ALL.into_iter();
+        let region = regions.find(|region| region.name() == found.place)?;
+        Some(FinishedGirth {
+            region,
+            girth: found.girth,
+            is_reached: !(is_shirt && region == Region::Hip),
+            band: found.band.map(|band| [band.above_hip, band.widest]),
+        })
+    });
+    Ok(girths.collect())
 }
 
 /// A garment on the body that it was cut for.
@@ -76,11 +124,7 @@ impl Tailor {
         let Some(pattern) = &package.manifest.pattern else {
             return Ok(None);
         };
-        let kind: GarmentKind = pattern.kind.parse()?;
-        let mut parameters = kind.parameters();
-        for (name, &value) in &pattern.parameters {
-            parameters.set(name, value)?;
-        }
+        let parameters = parameters_of(pattern)?;
         let fabric = package.manifest.fabric.clone();
         let size = pattern.size.as_deref().map(str::parse).transpose()?;
         let tailor = Self::new(parameters, pattern.vertices, fabric)?;

@@ -150,6 +150,9 @@ pub struct Provenance {
     /// How much of the cloth is where it was before it was relaxed, since it would be worse there,
     /// by area, from 0 to 1.
     pub unrelaxed_share: f32,
+    /// How much of the relaxed cloth was falling when time was up, from 0 to 1: it has not come to
+    /// lie on the body yet, or never will.
+    pub falling_share: f32,
 }
 
 /// What would have become worse of a drape.

@@ -67,7 +67,7 @@ pub use error::Error;
 #[cfg(feature = "package")]
 pub use familiarity::{Expectation, StoredPoses, familiarity, rank_correlation};
 #[cfg(feature = "package")]
-pub use fit::{FitLines, FitWord, NoFit, Region, RegionFit, fit_map, wearer_tape};
+pub use fit::{FinishedGirth, FitLines, FitWord, NoFit, Region, RegionFit, fit_map, wearer_tape};
 pub use garment::{BoundGarment, Garment};
 #[cfg(feature = "package")]
 pub use garnet_sim::{Moment, MovingCloth};

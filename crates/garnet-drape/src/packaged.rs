@@ -83,6 +83,23 @@ impl Package {
         })
     }
 
+    /// The same garment under so many times the gravity of the earth, where it is simulated: what
+    /// its variants predict is of the earth's.
+    ///
+    /// # Errors
+    ///
+    /// As [`Package::simulator`].
+    pub fn with_gravity(&self, times: f32) -> Result<Self, Error> {
+        let simulator = self.new_simulator()?.with_gravity(times);
+        Ok(Self {
+            is_other_size: self.is_other_size,
+            folder: self.folder.clone(),
+            content: self.content.clone(),
+            garment: Arc::clone(&self.garment),
+            simulator: OnceLock::from(Arc::new(simulator)),
+        })
+    }
+
     /// The sizes that the package has beside its template, as `l`.
     ///
     /// # Errors
@@ -143,12 +160,17 @@ impl Package {
         if let Some(simulator) = self.simulator.get() {
             return Ok(Arc::clone(simulator));
         }
-        let fabric = self.manifest().fabric.fabric();
-        let cloth = Arc::clone(self.garment.shared_cloth());
-        let simulator = Simulator::of_garment(cloth, self.body(), &self.content.rest, &fabric)?;
+        let simulator = self.new_simulator()?;
         Ok(Arc::clone(
             self.simulator.get_or_init(|| Arc::new(simulator)),
         ))
+    }
+
+    fn new_simulator(&self) -> Result<Simulator, Error> {
+        let fabric = self.manifest().fabric.fabric();
+        let cloth = Arc::clone(self.garment.shared_cloth());
+        let simulator = Simulator::of_garment(cloth, self.body(), &self.content.rest, &fabric)?;
+        Ok(simulator)
     }
 
     /// Drapes by a variant: `fast`, `balanced`, `accurate`, or another name that the package has.

@@ -44,6 +44,8 @@ struct Settled {
     relaxation: Settling,
     /// Why it was not from where the network put it.
     fallback: Option<Fallback>,
+    /// How much of it is falling in the end, from 0 to 1.
+    falling: f32,
 }
 
 /// How far a simulation is.
@@ -197,7 +199,9 @@ impl Draper {
                         nodes: settled,
                         relaxation,
                         fallback,
+                        falling,
                     } = settled;
+                    brought.provenance.falling_share = falling;
                     brought.provenance.fallback = brought.provenance.fallback.or(fallback);
                     let before = std::mem::replace(&mut brought.nodes, settled);
                     // What was to rest already is a drape.
@@ -246,11 +250,13 @@ impl Draper {
     ) -> Result<Settled, PackageError> {
         let settle = |from: &[Point3], relaxation: Settling| {
             let own = self.garment.body();
-            let settled = simulator.settled(own, body, from, relaxation, stop)?;
+            let (settled, falling) =
+                simulator.settled_and_falling(own, body, from, relaxation, stop)?;
             Ok(Settled {
                 nodes: self.garment.cloth().weld().gather(&settled),
                 relaxation,
                 fallback: None,
+                falling,
             })
         };
         let first = settle(from, relaxation)?;

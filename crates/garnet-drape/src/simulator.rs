@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use garnet_mesh::{Bounds, Point3};
 use garnet_sim::{
-    Cloth, Collider, Drape, Event, Fabric, Motion, MovingBody, RestShape, Scene, Schedule,
-    SimError, Wind, drape, settle,
+    Cloth, Collider, Drape, Event, Fabric, Motion, MovingBody, RestShape, STANDARD_GRAVITY, Scene,
+    Schedule, SimError, Wind, drape, settle,
 };
 use garnet_skin::{Body, BoundGarment, Garment, PosedBody};
 
@@ -86,6 +86,8 @@ pub struct Simulator {
     looseness: Vec<f32>,
     /// Whether the garment was cut from a pattern.
     is_sewn: bool,
+    /// In m/s², downwards.
+    gravity: f32,
 }
 
 impl Simulator {
@@ -193,7 +195,17 @@ impl Simulator {
             nodes,
             start,
             allowed,
+            gravity: STANDARD_GRAVITY,
         })
+    }
+
+    /// The same under so many times the gravity of the earth.
+    #[must_use]
+    pub fn with_gravity(self, times: f32) -> Self {
+        Self {
+            gravity: times * STANDARD_GRAVITY,
+            ..self
+        }
     }
 
     /// How many vertices are simulated.
@@ -378,8 +390,21 @@ impl Simulator {
         settling: Settling,
         stop: &AtomicBool,
     ) -> Result<Vec<Point3>, PackageError> {
+        let ended = self.settled_and_falling(body, posed, from, settling, stop)?;
+        Ok(ended.0)
+    }
+
+    /// The same, and the share of the simulated cloth that is [falling](FALLING) in the last frame.
+    pub(crate) fn settled_and_falling(
+        &self,
+        body: &Body,
+        posed: &PosedBody,
+        from: &[Point3],
+        settling: Settling,
+        stop: &AtomicBool,
+    ) -> Result<(Vec<Point3>, f32), PackageError> {
         if !settling.takes_time() {
-            return Ok(from.to_vec());
+            return Ok((from.to_vec(), 0.0));
         }
         let moment = settling.from;
         let edge_length = self.cloth.mean_edge_length();
@@ -404,12 +429,14 @@ impl Simulator {
             })
         };
         check_stop(stop)?;
-        let result = result.map_err(|error| of_vertices(error, &self.garment, &self.nodes))?;
-        Ok(self.moved(&at_nodes, &result))
+        let (result, falling) =
+            result.map_err(|error| of_vertices(error, &self.garment, &self.nodes))?;
+        Ok((self.moved(&at_nodes, &result), falling))
     }
 
-    /// A schedule as the layers of the garment ask for it.
-    pub(crate) fn layered(&self, schedule: Schedule) -> Schedule {
+    /// A schedule as the layers of the garment and its gravity ask for it.
+    pub(crate) fn layered(&self, mut schedule: Schedule) -> Schedule {
+        schedule.gravity = self.gravity;
         if self.is_sewn {
             schedule.of_one_layer()
         } else {
@@ -455,15 +482,40 @@ impl Simulator {
     }
 }
 
-/// Where the cloth of a scene comes to, unless it is stopped.
+/// Where the cloth of a scene comes to, unless it is stopped, and how much of it is falling then.
 fn settled(
     scene: &Scene<'_>,
     schedule: &Schedule,
     stop: &AtomicBool,
-) -> Result<Vec<Point3>, SimError> {
+) -> Result<(Vec<Point3>, f32), SimError> {
+    let (mut last, mut falling) = (Vec::new(), 0.0);
+    let mut watch = |event: Event<'_>| {
+        let Event::Frame {
+            num_done,
+            num_frames,
+            positions,
+            ..
+        } = event
+        else {
+            return;
+        };
+        if num_done + 1 == num_frames {
+            last = positions.to_vec();
+        } else if num_done == num_frames && !last.is_empty() {
+            falling = falling_share(&last, positions, schedule.frame_seconds);
+        }
+    };
     // On a thread of rayon's: another thread would wait to be woken each time that all of them have
     // looked for contacts.
-    rayon::scope(|_| settle(scene, schedule, &mut stopping(stop, &mut |_| {})))
+    let positions = rayon::scope(|_| settle(scene, schedule, &mut stopping(stop, &mut watch)))?;
+    Ok((positions, falling))
+}
+
+/// The share of vertices that go down faster than [`FALLING`], from 0 to 1.
+fn falling_share(before: &[Point3], after: &[Point3], seconds: f32) -> f32 {
+    let pairs = before.iter().zip(after);
+    let falling = pairs.filter(|(before, after)| before.y - after.y > FALLING * seconds);
+    falling.count() as f32 / before.len().max(1) as f32
 }
 
 /// What a simulation says of its nodes, said of the vertices of the garment's mesh: of the first
@@ -536,6 +588,10 @@ fn size_of(garment: &BoundGarment, body: &Body) -> f32 {
         height / PERSON
     }
 }
+
+/// Cloth that goes down faster than this falls, m/s: an eighth of a second of free fall, which hems
+/// that swing to rest do not reach. Less takes them for falling.
+const FALLING: f32 = 0.12;
 
 /// Whether lengths stay as they are.
 pub(crate) fn is_one(scale: f32) -> bool {

@@ -38,6 +38,10 @@ const USUAL_SIZE: f32 = 0.45;
 /// By how much garments may be of another size.
 const OTHER_SIZE: [f32; 2] = [0.75, 1.35];
 
+/// Garments of a size at an end of that range lie no farther from the skin in the mean, over the
+/// height of the body, if they are of that size.
+const LOOSE: f32 = 0.03;
+
 /// A size that differs by less is that of the body.
 const SAME_SIZE: f32 = 0.04;
 
@@ -152,6 +156,13 @@ struct Guess {
 }
 
 impl Guess {
+    /// Whether its size is the smallest or the largest that is tried.
+    fn is_at_limit(&self) -> bool {
+        let [least, most] = OTHER_SIZE;
+        let size = self.scale / self.unit;
+        size < least * (1.0 + SAME_SIZE) || size > most * (1.0 - SAME_SIZE)
+    }
+
     /// The garment where it is.
     fn as_it_is(cloth: &Cloth) -> Self {
         Self {
@@ -259,6 +270,11 @@ pub fn aligned(garment: &TriMesh, body: &Body) -> Result<Option<(TriMesh, Alignm
     if Cloth::new(&mesh).is_none_or(|placed| placed.lies_on(body).is_none()) {
         return Ok(None);
     }
+    let mean_distance = mean_distance(&mesh, body);
+    if guess.is_at_limit() && mean_distance > LOOSE * wearer.height {
+        // It would be smaller or larger yet, if that were tried.
+        return Ok(None);
+    }
     let alignment = Alignment {
         scale: guess.scale,
         was_z_up: guess.is_z_up,
@@ -266,7 +282,7 @@ pub fn aligned(garment: &TriMesh, body: &Body) -> Result<Option<(TriMesh, Alignm
         moved: guess.middle - turned_center(&guess, center),
         arms: wearer.arms,
         openings: [cloth.rims.len(), cloth.num_threaded(&guess, wearer)],
-        mean_distance: mean_distance(&mesh, body),
+        mean_distance,
     };
     Ok(Some((mesh, alignment)))
 }

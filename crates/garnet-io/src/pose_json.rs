@@ -1,6 +1,6 @@
 //! Poses as JSON.
 
-use std::{collections::BTreeMap, fmt, path::Path};
+use std::{fmt, path::Path};
 
 use garnet_body::motion::joint_named;
 use garnet_skin::{Pose, Skeleton, SkinError, Vector3};
@@ -33,7 +33,7 @@ struct PoseFileJson {
     up: Option<String>,
     frames: Option<Vec<PoseJson>>,
     joint_order: Option<Vec<String>>,
-    joints: Option<BTreeMap<String, [f64; 4]>>,
+    joints: Option<Rotations>,
     local_rotation_xyzw: Option<Vec<[f64; 4]>>,
     joint_transforms_row_major_4x4: Option<Vec<Vec<f64>>>,
     root_translation: Option<[f64; 3]>,
@@ -42,7 +42,7 @@ struct PoseFileJson {
 #[derive(Debug, Deserialize)]
 struct PoseJson {
     joint_order: Option<Vec<String>>,
-    joints: Option<BTreeMap<String, [f64; 4]>>,
+    joints: Option<Rotations>,
     local_rotation_xyzw: Option<Vec<[f64; 4]>>,
     joint_transforms_row_major_4x4: Option<Vec<Vec<f64>>>,
     root_translation: Option<[f64; 3]>,
@@ -83,7 +83,10 @@ fn parse(bytes: &[u8], frame: Option<usize>, skeleton: &Skeleton) -> Result<Pose
             expected: "`garnet.pose/1`, or none",
         });
     }
-    let is_empty = file.joints.as_ref().is_some_and(BTreeMap::is_empty);
+    let is_empty = file
+        .joints
+        .as_ref()
+        .is_some_and(|Rotations(list)| list.is_empty());
     let Keys(keys) = json::parse(bytes)?;
     check_keys(&keys, is_empty, skeleton)?;
     let units = Frame {
@@ -110,6 +113,93 @@ fn parse(bytes: &[u8], frame: Option<usize>, skeleton: &Skeleton) -> Result<Pose
     let mut pose = frames.swap_remove(frame);
     pose.joint_order = pose.joint_order.or(file.joint_order);
     pose_of(pose, skeleton, metres)
+}
+
+/// Rotations by joint, in the order of the file, whose names may be there twice.
+#[derive(Debug)]
+struct Rotations(Vec<(String, [f64; 4])>);
+
+impl<'de> Deserialize<'de> for Rotations {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OfObject;
+
+        impl<'de> Visitor<'de> for OfObject {
+            type Value = Rotations;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("an object of joints and quaternions")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Rotations, A::Error> {
+                let mut rotations = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    rotations.push(entry);
+                }
+                Ok(Rotations(rotations))
+            }
+        }
+
+        deserializer.deserialize_map(OfObject)
+    }
+}
+
+/// Turns joints by name.
+///
+/// # Errors
+///
+/// An unknown joint, one that is there twice, by one name or two, or a quaternion that is none.
+fn turn<'a>(
+    pose: &mut Pose,
+    pairs: impl Iterator<Item = (&'a str, [f64; 4])>,
+    field: &str,
+    skeleton: &Skeleton,
+) -> Result<(), FileProblem> {
+    let mut names: Vec<Option<&str>> = vec![None; pose.rotations.len()];
+    for (name, xyzw) in pairs {
+        let joint = joint_of(name, skeleton)?;
+        if let Some(first) = names[joint].replace(name) {
+            return Err(FileProblem::Field {
+                field: field.to_owned(),
+                found: if first == name {
+                    format!("`{name}` twice")
+                } else {
+                    format!("`{first}` and `{name}`, one joint of this skeleton")
+                },
+                expected: "each joint once",
+            });
+        }
+        pose.rotations[joint] = unit_quaternion(name, xyzw)?;
+    }
+    Ok(())
+}
+
+/// Transforms that come in the order of a file, in that of the skeleton, of which each joint is
+/// there.
+fn in_own_order(
+    matrices: Vec<Vec<f64>>,
+    order: &[String],
+    skeleton: &Skeleton,
+) -> Result<Vec<Vec<f64>>, FileProblem> {
+    let field = "joint_order".to_owned();
+    if order.len() != matrices.len() {
+        return Err(FileProblem::ListLength {
+            field,
+            found: order.len(),
+            expected: matrices.len(),
+        });
+    }
+    let mut own = vec![None; skeleton.num_joints()];
+    for (name, matrix) in order.iter().zip(matrices) {
+        own[joint_of(name, skeleton)?] = Some(matrix);
+    }
+    let found = own.iter().flatten().count();
+    let expected = own.len();
+    let own: Option<Vec<Vec<f64>>> = own.into_iter().collect();
+    own.ok_or(FileProblem::ListLength {
+        field,
+        found,
+        expected,
+    })
 }
 
 /// What a file of a pose may be, beside what is read of it.
@@ -184,10 +274,9 @@ fn pose_of(json: PoseJson, skeleton: &Skeleton, metres: f64) -> Result<Pose, Fil
     if fields.contains(&"joints") && fields.len() > 1 {
         return Err(FileProblem::SeveralPoses { fields });
     }
-    if let Some(by_name) = json.joints {
-        for (name, xyzw) in by_name {
-            pose.rotations[joint_of(&name, skeleton)?] = unit_quaternion(&name, xyzw)?;
-        }
+    if let Some(Rotations(by_name)) = json.joints {
+        let pairs = by_name.iter().map(|(name, xyzw)| (name.as_str(), *xyzw));
+        turn(&mut pose, pairs, "joints", skeleton)?;
     } else if let Some(rotations) = json.local_rotation_xyzw {
         let order = json.joint_order.unwrap_or_else(|| {
             let names = skeleton.joints().iter().map(|joint| joint.name.clone());
@@ -200,10 +289,13 @@ fn pose_of(json: PoseJson, skeleton: &Skeleton, metres: f64) -> Result<Pose, Fil
                 expected: order.len(),
             });
         }
-        for (name, xyzw) in order.iter().zip(rotations) {
-            pose.rotations[joint_of(name, skeleton)?] = unit_quaternion(name, xyzw)?;
-        }
+        let pairs = order.iter().map(String::as_str).zip(rotations);
+        turn(&mut pose, pairs, "joint_order", skeleton)?;
     } else if let Some(matrices) = json.joint_transforms_row_major_4x4 {
+        let matrices = match &json.joint_order {
+            Some(order) => in_own_order(matrices, order, skeleton)?,
+            None => matrices,
+        };
         let posed_from_rest = rigid_transforms(&matrices, skeleton, metres)?;
         let found = Pose::from_transforms(skeleton, &posed_from_rest)?;
         let residual = f64::from(found.max_residual_m);

@@ -176,6 +176,13 @@ fn weights_of_uneven_lists_are_refused() {
     assert!(text.contains("joint 5"), "{text}");
 }
 
+fn read_text(text: &str) -> Result<Pose, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pose.json");
+    fs::write(&path, text).unwrap();
+    read_pose(path, None, &skeleton()).map_err(|error| chain(&error))
+}
+
 fn read(json: &Value, frame: Option<usize>) -> Result<Pose, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = written(folder.path(), "pose.json", json);
@@ -275,12 +282,20 @@ fn what_is_wrong_with_a_pose_is_named() {
             json!({"joints": {"knee": [0, 0, 0, 1]}, "knee": [0, 0, 0, 1]}),
             "`knee` is `something that is not read`",
         ),
+        (
+            json!({"joint_order": ["knee", "knee"], "local_rotation_xyzw": [[0, 0, 0, 1], [0, 0, 0, 1]]}),
+            "`knee` twice",
+        ),
     ];
     for (json, expected) in cases {
         let text = read(&json, None).unwrap_err();
         assert!(text.contains(expected), "{text}");
         assert!(text.contains("pose.json"), "{text}");
     }
+    // `json!` would drop the first of them.
+    let twice = r#"{"joints": {"knee": [0, 0, 0, 1], "knee": [1, 0, 0, 0]}}"#;
+    let text = read_text(twice).unwrap_err();
+    assert!(text.contains("`knee` twice"), "{text}");
     assert!(read(&json!({"joints": {"knee": [0, 0, 0, 1.0005]}}), None).is_ok());
 }
 

@@ -2,8 +2,8 @@
 //! validation split, stored in the package, and tried on the test split.
 //!
 //! A row a variant, as `drape` takes it: what is expected in the middle of the poses, by how much
-//! that grows a radian, the rank correlation of the distance to the middle with the error, and the
-//! share of scenes within the bound that is to hold in nine of ten.
+//! that grows with the distance from there, the rank correlation of that distance with the error,
+//! and the share of scenes within the bound that is to hold in nine of ten.
 
 use std::{path::PathBuf, sync::atomic::AtomicBool};
 

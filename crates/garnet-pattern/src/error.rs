@@ -56,7 +56,7 @@ pub enum PatternError {
         least_cm: f64,
     },
     /// A measure or landmark of the wearer is missing or makes no sense.
-    #[error("{what} of the wearer is `{value}`, which no body has")]
+    #[error("{what} of the wearer is {value:.3} m: nothing is cut for such bodies")]
     BadWearer {
         /// The measure or landmark.
         what: &'static str,

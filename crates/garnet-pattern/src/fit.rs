@@ -1,7 +1,8 @@
 //! Whom a garment fits.
 
+use crate::jeans::LEAST_FORK;
 use crate::reference::REFERENCE;
-use crate::wearer::Measures;
+use crate::wearer::{Measures, WIDEST_BAND};
 use crate::{GarmentKind, Parameters, Size};
 
 /// Any ease above the least is allowed.
@@ -45,7 +46,76 @@ impl Fit {
     }
 }
 
+/// A girth of a garment as its pattern has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finished {
+    /// The girth of the body that it goes round: `chest`, `waist`, `hip` or `thigh`; of shirts,
+    /// their hem is the hip.
+    pub place: &'static str,
+    /// In metres, without stretch.
+    pub girth: f64,
+    /// Where a waistband lies.
+    pub band: Option<Band>,
+}
+
+/// Where a waistband lies on its wearer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// The share of the way from the hip up to the waist.
+    pub above_hip: f64,
+    /// It is cut for this share of the hip at most: under a belly that is wider.
+    pub widest: f64,
+}
+
 impl Parameters {
+    /// The girths of the garment, cut to the measures `cut`, where the pattern has them exactly:
+    /// the hip of a dress depends on its flare.
+    pub fn finished(&self, cut: &Measures) -> Vec<Finished> {
+        let at = |place, girth| Finished {
+            place,
+            girth,
+            band: None,
+        };
+        match self.garment() {
+            GarmentKind::Tshirt | GarmentKind::Sweater => {
+                let chest = cut.chest * (1.0 + self.at("chest-ease"));
+                vec![
+                    at("chest", chest),
+                    at("waist", chest * (1.0 + self.at("waist-shape"))),
+                    at("hip", chest * (1.0 + self.at("hem-flare"))),
+                ]
+            }
+            GarmentKind::Dress => vec![
+                at("chest", cut.chest * (1.0 + self.at("chest-ease"))),
+                at("waist", cut.waist * (1.0 + self.at("waist-ease"))),
+            ],
+            GarmentKind::Jeans => {
+                let height = self.band_height(cut);
+                let band = Band {
+                    above_hip: (height - cut.hip_height) / (cut.waist_height - cut.hip_height),
+                    widest: WIDEST_BAND,
+                };
+                let waist = cut.band_girth(height) * (1.0 + self.at("waist-ease"));
+                let hip = cut.hip * (1.0 + self.at("hip-ease"));
+                let thigh = cut.thigh * (1.0 + self.at("thigh-ease"));
+                vec![
+                    Finished {
+                        band: Some(band),
+                        ..at("waist", waist)
+                    },
+                    at("hip", hip),
+                    at("thigh", thigh.max(0.5 * hip + LEAST_FORK * cut.hip)),
+                ]
+            }
+        }
+    }
+
+    /// How high the middle of the waistband of jeans lies on a body, in metres.
+    fn band_height(&self, body: &Measures) -> f64 {
+        let rise = self.at("rise") * body.stature / REFERENCE.measures.stature;
+        body.inseam + rise - 0.5 * self.at("waistband")
+    }
+
     /// How the garment, cut to the measures `cut`, fits a wearer.
     ///
     /// A T-shirt fits from 6 to 36 % more than the chest, a sweater from 8 to 45 %; both stretch
@@ -59,47 +129,44 @@ impl Parameters {
             share: garment / body - 1.0,
             allowed: [low, high],
         };
+        let girth = |of: &'static str| {
+            let finished = self.finished(cut).into_iter();
+            let mut finished = finished.filter(|finished| finished.place == of);
+            finished.next().map_or(f64::NAN, |finished| finished.girth)
+        };
         let eases = match self.garment() {
             kind @ (GarmentKind::Tshirt | GarmentKind::Sweater) => {
-                let chest = cut.chest * (1.0 + self.at("chest-ease"));
-                let waist = chest * (1.0 + self.at("waist-shape"));
-                let hem = chest * (1.0 + self.at("hem-flare"));
                 let chest_range = match kind {
                     GarmentKind::Tshirt => [0.06, 0.36],
                     _ => [0.08, 0.45],
                 };
+                let [low, high] = chest_range;
                 let mut eases = vec![
-                    place("chest", chest, wearer.chest, chest_range[0], chest_range[1]),
-                    place("waist", waist, wearer.waist, -0.02, ANY),
+                    place("chest", girth("chest"), wearer.chest, low, high),
+                    place("waist", girth("waist"), wearer.waist, -0.02, ANY),
                 ];
                 let length = self.at("length") * cut.stature / REFERENCE.measures.stature;
                 if wearer.neck_height - length < wearer.hip_height {
-                    eases.push(place("hip", hem, wearer.hip, -0.02, ANY));
+                    eases.push(place("hip", girth("hip"), wearer.hip, -0.02, ANY));
                 }
                 eases
             }
-            GarmentKind::Dress => {
-                let chest = cut.chest * (1.0 + self.at("chest-ease"));
-                let waist = cut.waist * (1.0 + self.at("waist-ease"));
-                let hip = cut.hip * (1.0 + self.at("hip-ease"));
-                vec![
-                    place("chest", chest, wearer.chest, 0.01, 0.26),
-                    place("waist", waist, wearer.waist, 0.01, 0.45),
-                    place("hip", hip, wearer.hip, 0.0, ANY),
-                ]
-            }
+            GarmentKind::Dress => vec![
+                place("chest", girth("chest"), wearer.chest, 0.01, 0.26),
+                place("waist", girth("waist"), wearer.waist, 0.01, 0.45),
+                {
+                    let least = cut.hip * (1.0 + self.at("hip-ease"));
+                    place("hip", least, wearer.hip, 0.0, ANY)
+                },
+            ],
             GarmentKind::Jeans => {
-                let band = |body: &Measures| {
-                    let rise = self.at("rise") * body.stature / REFERENCE.measures.stature;
-                    body.band_girth(body.inseam + rise - 0.5 * self.at("waistband"))
-                };
-                let waist = band(cut) * (1.0 + self.at("waist-ease"));
-                let hip = cut.hip * (1.0 + self.at("hip-ease"));
-                let thigh = cut.thigh * (1.0 + self.at("thigh-ease"));
+                let band = wearer.band_girth(self.band_height(wearer));
+                // The legs of wide hips are wider.
+                let least = cut.thigh * (1.0 + self.at("thigh-ease"));
                 vec![
-                    place("waist", waist, band(wearer), -0.04, 0.06),
-                    place("hip", hip, wearer.hip, 0.0, 0.30),
-                    place("thigh", thigh, wearer.thigh, 0.0, 0.60),
+                    place("waist", girth("waist"), band, -0.04, 0.06),
+                    place("hip", girth("hip"), wearer.hip, 0.0, 0.30),
+                    place("thigh", least, wearer.thigh, 0.0, 0.60),
                 ]
             }
         };
@@ -127,10 +194,18 @@ impl Parameters {
         sizes.into_iter().map(|(_, size)| size).collect()
     }
 
+    /// The sizes that it is cut in: of trousers by waist and inner leg.
+    pub fn sizes(&self) -> Vec<Size> {
+        match self.garment() {
+            GarmentKind::Jeans => Size::trousers(),
+            _ => Size::ALL.to_vec(),
+        }
+    }
+
     /// The size that fits a wearer best: of those that fit, the one whose eases are nearest to
     /// those of a garment made to measure.
     pub fn best_size(&self, wearer: &Measures) -> Option<Size> {
-        let first = self.by_fit(&Size::ALL, wearer).first().copied();
+        let first = self.by_fit(&self.sizes(), wearer).first().copied();
         first.filter(|size| self.fit(&size.measures(), wearer).fits())
     }
 }
@@ -188,7 +263,11 @@ mod tests {
             for size in Size::ALL {
                 let parameters = kind.parameters();
                 let best = parameters.best_size(&size.measures());
-                assert_eq!(best, Some(size), "{kind}");
+                if kind == GarmentKind::Jeans {
+                    assert!(matches!(best, Some(Size::Trousers { .. })), "{best:?}");
+                } else {
+                    assert_eq!(best, Some(size), "{kind}");
+                }
                 let sizes = parameters.by_fit(&Size::ALL, &size.measures());
                 assert_eq!(sizes.len(), Size::ALL.len());
                 let place = |size: Size| Size::ALL.iter().position(|&other| other == size);

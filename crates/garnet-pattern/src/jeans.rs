@@ -15,7 +15,7 @@ const BACK_WIDER: f64 = 0.02;
 /// Share of the crotch's fork that the front takes.
 const FRONT_FORK: f64 = 0.30;
 /// The forks together are at least this share of the hip.
-const LEAST_FORK: f64 = 0.09;
+pub(crate) const LEAST_FORK: f64 = 0.09;
 /// How far the middle of the back rises above the waist line and leans in, in metres.
 const BACK_RISE: [f64; 2] = [0.022, 0.028];
 

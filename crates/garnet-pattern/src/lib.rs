@@ -47,7 +47,7 @@ mod union;
 mod wearer;
 
 pub use error::{PatternError, PatternLength};
-pub use fit::{Ease, Fit};
+pub use fit::{Band, Ease, Finished, Fit};
 pub use garments::GarmentKind;
 pub use garnet_mesh::Point3;
 pub use parameters::{Parameter, ParameterSpec, ParameterUnit, Parameters};

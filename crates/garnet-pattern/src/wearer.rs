@@ -163,7 +163,7 @@ impl Measures {
 }
 
 /// A waistband is cut no wider than for this share of the hip.
-const WIDEST_BAND: f64 = 0.97;
+pub(crate) const WIDEST_BAND: f64 = 0.97;
 
 /// How the girth goes from the hip (0) to the waist (1): by this power of the height between them.
 /// The hips stay wide a third of the way up; of the built-in body this is within 2 % of its girths.

@@ -6,7 +6,7 @@ use garnet_mesh::{Point3, Topology, TriMesh};
 use crate::free_cloth::freedom;
 use crate::holes::Holes;
 use crate::pieces::Pieces;
-use crate::scale::scale_of;
+use crate::scale::scale_on;
 use crate::shape::offsets_at_skin;
 use crate::transfer::{PIECE_LENGTH, transfer_screening, transferred_weights};
 use crate::{
@@ -72,7 +72,7 @@ impl Garment {
         let plain = ClothGraph::new(&rest, &faces, &topology, &[]);
         let areas: Vec<f64> = plain.node_areas().iter().map(|&a| f64::from(a)).collect();
         let skin = body.skin().closest_all(&rest);
-        let scale = scale_of(body.skin(), &skin);
+        let scale = scale_on(body, &skin);
         let pieces = Pieces::new(&rest, &topology, &areas, scale)?;
         let graph = if pieces.stitches.is_empty() {
             plain

@@ -7,8 +7,21 @@
 use garnet_knn::{ClosestPoint, Surface};
 use garnet_mesh::Point3;
 
+use crate::Body;
+
 /// Lengths are a person's for limbs of a thickness in this range, in metres: from wrists to trunks.
 const PERSON: [f32; 2] = [0.06, 0.6];
+
+/// Whole figures that are shorter than this have lengths by their height, in metres: the trunk of a
+/// doll is as thick as a limb of a person. Sleeves of a T-shirt are lost up to 0.7 with a person's
+/// lengths.
+const SMALLEST_PERSON: f32 = 0.8;
+
+/// Skeletons with as many joints are those of whole figures, and not of an arm alone.
+const FIGURE_JOINTS: usize = 12;
+
+/// The height that a person's lengths are for, in metres.
+const STATURE: f32 = 1.7;
 
 /// The thickness that a person's lengths are for, in metres: between an arm and a trunk.
 const THICKNESS: f32 = 0.15;
@@ -50,6 +63,21 @@ pub fn scale_of(skin: &Surface, places: &[ClosestPoint]) -> f32 {
         1.0
     } else {
         median / THICKNESS
+    }
+}
+
+/// The same for cloth on a body, which may be a small figure.
+pub(crate) fn scale_on(body: &Body, places: &[ClosestPoint]) -> f32 {
+    let skin = body.skin();
+    let scale = scale_of(skin, places);
+    let (low, high) = skin.bounds();
+    let extent = (high - low).max();
+    let is_person = (scale - 1.0).abs() < f32::EPSILON;
+    let is_small = extent < SMALLEST_PERSON && body.skeleton().num_joints() >= FIGURE_JOINTS;
+    if is_person && is_small {
+        extent / STATURE
+    } else {
+        scale
     }
 }
 

@@ -32,6 +32,7 @@ impl ScreenedPoisson {
     ///
     /// [`SkinError::Singular`] if the factor does not exist, which finite weights exclude.
     pub fn new(graph: &ClothGraph, screening: Vec<f64>) -> Result<Self, SkinError> {
+        let screening = tied(screening);
         let matrix = system(graph, &screening)?;
         let symbolic = SymbolicLlt::try_new(matrix.symbolic(), Side::Lower)
             .map_err(|error| SkinError::Singular(format!("{error:?}")))?;
@@ -44,6 +45,7 @@ impl ScreenedPoisson {
     ///
     /// As [`ScreenedPoisson::new`].
     pub fn rescreened(&self, graph: &ClothGraph, screening: Vec<f64>) -> Result<Self, SkinError> {
+        let screening = tied(screening);
         let matrix = system(graph, &screening)?;
         Self::factored(screening, self.symbolic.clone(), &matrix)
     }
@@ -83,7 +85,7 @@ impl ScreenedPoisson {
     /// solves `(Λ + L) x = Λ values`.
     pub fn smoothed(&self, values: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut columns = Mat::from_fn(self.screening.len(), values.len(), |node, column| {
-            self.screening[node].max(MIN_SCREENING) * values[column][node]
+            self.screening[node] * values[column][node]
         });
         self.factor
             .solve_in_place_with_conj(Conj::No, columns.as_mut());
@@ -93,16 +95,21 @@ impl ScreenedPoisson {
 
     /// [`ScreenedPoisson::smoothed`] for vectors `[node]`.
     pub fn smoothed_vectors(&self, values: &[Vector3]) -> Vec<Vector3> {
-        let screened =
-            |(value, &screening): (&Vector3, &f64)| value * screening.max(MIN_SCREENING) as f32;
+        let screened = |(value, &screening): (&Vector3, &f64)| value * screening as f32;
         let right_side: Vec<Vector3> = values.iter().zip(&self.screening).map(screened).collect();
         self.solve(&right_side)
     }
 }
 
+/// A diagonal that ties down all nodes: those that are in no face, too.
+fn tied(screening: Vec<f64>) -> Vec<f64> {
+    let tied = screening.into_iter().map(|value| value.max(MIN_SCREENING));
+    tied.collect()
+}
+
 /// The lower triangle of `Λ + L`.
 fn system(graph: &ClothGraph, screening: &[f64]) -> Result<SparseColMat<usize, f64>, SkinError> {
-    let mut diagonal: Vec<f64> = screening.iter().map(|&s| s.max(MIN_SCREENING)).collect();
+    let mut diagonal: Vec<f64> = screening.to_vec();
     let mut entries = Vec::with_capacity(graph.edges().len() + graph.num_nodes());
     for (&[a, b], &weight) in graph.edges().iter().zip(graph.weights()) {
         let weight = f64::from(weight);

@@ -69,6 +69,8 @@ pub(crate) enum Kind {
     HeavyCloth,
     SoftCloth,
     StiffCloth,
+    StrongGravity,
+    WeakGravity,
     Place,
     Threads,
     Antipodal,
@@ -485,6 +487,24 @@ pub const AXES: &[Axis] = &[
         100.0,
         &[1.0, 10.0, 100.0, 1000.0],
         &[1.0, 100.0],
+    ),
+    axis(
+        ["strong-gravity", "gravity", "times that of the earth"],
+        Kind::StrongGravity,
+        2.5,
+        &[1.0, 1.5, 2.5, 5.0, 10.0],
+        &[1.0, 2.5],
+    ),
+    axis(
+        [
+            "weak-gravity",
+            "gravity is less than that of the earth by",
+            "%",
+        ],
+        Kind::WeakGravity,
+        84.0,
+        &[0.0, 50.0, 84.0, 100.0],
+        &[0.0, 84.0],
     ),
     sanity(axis(
         [

@@ -116,6 +116,8 @@ impl<'a> Scenes<'a> {
             Kind::HeavyCloth | Kind::SoftCloth | Kind::StiffCloth => {
                 self.of_fabric(axis.kind, level as f32)?
             }
+            Kind::StrongGravity => self.under_gravity(level as f32)?,
+            Kind::WeakGravity => self.under_gravity((1.0 - 0.01 * level) as f32)?,
             Kind::Larger => self.scaled(level as f32)?,
             Kind::Smaller => self.scaled(1.0 / level as f32)?,
             Kind::Doll => self.resized(1.0 / level as f32)?,
@@ -331,6 +333,14 @@ impl<'a> Scenes<'a> {
         let package = self.package.with_content(content)?;
         Ok(Scene {
             package: Some(package),
+            ..self.usual()?
+        })
+    }
+
+    /// The usual scene under so many times the gravity of the earth.
+    fn under_gravity(&self, times: f32) -> Result<Scene, StressError> {
+        Ok(Scene {
+            package: Some(self.package.with_gravity(times)?),
             ..self.usual()?
         })
     }

@@ -29,7 +29,7 @@ impl ScenesFound {
         StoredPoses::of(self.poses.iter().map(Vec::as_slice))
     }
 
-    /// How far each scene is from the middle of some poses, in radians, and its drape from the
+    /// How far each scene is from the middle of some poses, and its drape from the
     /// teacher's, in metres `[scene]`. Scenes of another skeleton are left out.
     pub fn pairs(&self, poses: &StoredPoses) -> Vec<(f64, f64)> {
         let scenes = self.poses.iter().zip(&self.distances);
@@ -40,12 +40,24 @@ impl ScenesFound {
     }
 
     /// Has a manifest expect of a variant what was found; nothing changes for too few scenes. The
-    /// poses that it goes by are those of the first variant.
+    /// poses that it goes by are those of the first variant. Where they have no spread, they are
+    /// found anew, and what was expected of other variants is forgotten.
     pub fn store(&self, manifest: &mut Manifest, variant: &str) {
-        let Some(poses) = manifest.poses.clone().or_else(|| self.middle()) else {
+        let known = manifest
+            .poses
+            .clone()
+            .filter(|poses| !poses.spread.is_empty());
+        let is_known = known.is_some();
+        let Some(poses) = known.or_else(|| self.middle()) else {
             return;
         };
         let expected = Expectation::fit(&self.pairs(&poses));
+        if expected.is_some() && !is_known {
+            manifest
+                .variants
+                .iter_mut()
+                .for_each(|other| other.expected = None);
+        }
         let variants = manifest.variants.iter_mut();
         for found in variants.filter(|found| found.name == variant) {
             found.expected = expected;

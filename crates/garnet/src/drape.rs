@@ -5,4 +5,6 @@ pub use garnet_drape::{
     Placed, PlacedBy, Refit, Smoothing, StepLimit, Take, TakeFrame, Tubes,
 };
 #[cfg(feature = "package")]
-pub use garnet_drape::{FitLines, FitWord, NoFit, Region, RegionFit, fit_map, wearer_tape};
+pub use garnet_drape::{
+    FinishedGirth, FitLines, FitWord, NoFit, Region, RegionFit, fit_map, wearer_tape,
+};

@@ -545,9 +545,11 @@ impl Frame<'_> {
         problems.extend((fallback.clone()).map(|reason| Problem::Fallback(reason, is_from_rest)));
         problems.extend(beyond.clone().map(Problem::Beyond));
         problems.extend(unsettled.clone().map(Problem::Unsettled));
+        problems.extend(warning::of_falling(provenance));
         let back = provenance.unrelaxed_share;
         problems.extend((back > 0.0).then_some(Problem::PartlySettled(back)));
         problems.extend(warning::of_stretch(&stretch));
+        problems.extend(warning::of_caught(&stretch_at_trapped));
         let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
         problems.extend(simulated.as_ref().and_then(warning::of_rest));
         let failed = balance.filter(|balance| !balance.is_reached);

@@ -143,7 +143,7 @@ pub(crate) struct DrapeArgs {
     shard: Option<Shard>,
     /// Smallest distance between cloth and skin, in millimetres
     /// [default: 2; less on fingers and dolls, more on giants].
-    #[arg(long, hide_short_help = true, value_name = "MM", value_parser = millimetres, allow_negative_numbers = true)]
+    #[arg(long, hide_short_help = true, value_name = "MM", value_parser = millimetres, conflicts_with = "no_untangle", allow_negative_numbers = true)]
     clearance: Option<f32>,
     /// Leave the warp as it is, penetrations included.
     #[arg(long, hide_short_help = true)]

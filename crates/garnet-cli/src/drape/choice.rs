@@ -3,6 +3,13 @@
 use garnet::package::{Candidate, Choice, Limit};
 use serde::Serialize;
 
+/// Whether a garment is cut as the errors of its package are known for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum KnownCut {
+    Own,
+    Other,
+}
+
 /// How a variant was chosen. SI units.
 #[derive(Debug, Serialize)]
 pub(crate) struct ChoiceReport {
@@ -54,10 +61,10 @@ impl From<&Candidate> for CandidateReport {
 }
 
 impl ChoiceReport {
-    pub(super) fn new(choice: &Choice) -> Self {
+    pub(super) fn new(choice: &Choice, cut: KnownCut) -> Self {
         let chosen = choice.candidate();
         let (by, limit, text) = match choice.limit {
-            Limit::Seconds(budget) => ("budget_s", budget, text_within(choice, budget)),
+            Limit::Seconds(budget) => ("budget_s", budget, text_within(choice, budget, cut)),
             Limit::Distance(tolerance) => ("tolerance_m", tolerance, text_near(choice, tolerance)),
         };
         Self {
@@ -85,7 +92,7 @@ fn text_near(choice: &Choice, tolerance: f64) -> String {
              untangled"
         );
     };
-    let (named, described) = (named(found), described(found));
+    let (named, described) = (named(found), described(found, KnownCut::Own));
     if choice.is_met {
         format!("{named} is chosen, the cheapest variant within {limit} mm: {described}")
     } else {
@@ -96,7 +103,7 @@ fn text_near(choice: &Choice, tolerance: f64) -> String {
 }
 
 /// What people are told of a variant within a budget.
-fn text_within(choice: &Choice, budget: f64) -> String {
+fn text_within(choice: &Choice, budget: f64, cut: KnownCut) -> String {
     let limit = shown(budget);
     let Some(chosen) = choice.candidate() else {
         let known = choice
@@ -112,7 +119,7 @@ fn text_within(choice: &Choice, budget: f64) -> String {
             "no variant of the package is within {limit} ms: the garment is warped and untangled{about}"
         );
     };
-    let (named, described) = (named(chosen), described(chosen));
+    let (named, described) = (named(chosen), described(chosen, cut));
     if chosen.distance_error.is_some() {
         return format!(
             "{named} is chosen, the most accurate variant within {limit} ms: {described}"
@@ -134,7 +141,11 @@ fn named(candidate: &Candidate) -> String {
     format!("`{}`{settled}", candidate.variant)
 }
 
-fn described(candidate: &Candidate) -> String {
+fn described(candidate: &Candidate, cut: KnownCut) -> String {
+    let cut = match cut {
+        KnownCut::Own => "",
+        KnownCut::Other => " in the package's own cut",
+    };
     let mut parts = Vec::new();
     if let Some(bound) = candidate.bound {
         parts.push(format!(
@@ -142,7 +153,7 @@ fn described(candidate: &Candidate) -> String {
             1e3 * bound
         ));
     } else if let Some(error) = candidate.distance_error {
-        parts.push(format!("{:.2} mm from the simulation", 1e3 * error));
+        parts.push(format!("{:.2} mm from the simulation{cut}", 1e3 * error));
     }
     if let Some(seconds) = candidate.seconds {
         parts.push(format!("about {:.1} ms here", 1e3 * seconds));

@@ -3,6 +3,7 @@
 use garnet::{
     Point3, PosedBody,
     body::shape::Tape,
+    data::finished_girths,
     drape::{FitLines, NoFit, RegionFit, wearer_tape},
     io::Target,
     package::GarmentPackage,
@@ -34,8 +35,9 @@ pub(crate) struct RegionReport {
     pub(crate) ease_m: f64,
     /// That over the girth of the body.
     pub(crate) ease: f64,
-    /// How much longer the line round the garment is than as it was cut, as a share.
-    pub(crate) strain: f64,
+    /// How much longer the line round the garment is than as it was cut, as a share; none if the
+    /// garment does not lie there.
+    pub(crate) strain: Option<f64>,
 }
 
 impl From<RegionFit> for RegionReport {
@@ -72,7 +74,18 @@ impl Fitting {
             }
             (None, None) => None,
         };
-        let lines = FitLines::new(garment, rest.as_ref()).map_err(|error| told(&error))?;
+        let pattern = match (&bound.cut, package_of(source)) {
+            (Some(cut), _) => cut.package.manifest.pattern.clone(),
+            (None, Some(folder)) => {
+                let manifest = GarmentPackage::read_manifest(folder);
+                manifest.map_err(|error| told(&error))?.pattern
+            }
+            (None, None) => None,
+        };
+        let finished = pattern.map(|pattern| finished_girths(&pattern, garment.body()));
+        let finished = finished.transpose().map_err(|error| told(&error))?;
+        let lines = FitLines::new(garment, rest.as_ref(), finished.unwrap_or_default());
+        let lines = lines.map_err(|error| told(&error))?;
         let at_rest = match &bound.refit {
             Some(refit) => {
                 let skin = bound.garment.body().rest().positions();
@@ -135,7 +148,7 @@ mod tests {
             garment_m: 1.0 + ease_m,
             ease_m,
             ease: ease_m,
-            strain: 0.0,
+            strain: None,
         };
         let regions = [
             found("chest", "regular", 0.094),

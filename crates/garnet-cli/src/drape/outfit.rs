@@ -174,10 +174,11 @@ fn drape_all(args: OutfitArgs, console: &Console) -> anyhow::Result<(Reports, Ve
     let is_new = !args.folder.is_dir();
     // Each garment has a file in it, which is checked before any is read.
     output::open_folder(&args.folder)?;
+    let mut told = Vec::new();
     let ready = args
         .garments
         .into_iter()
-        .map(|args| ready_garment(args, console));
+        .map(|args| ready_garment(args, &mut told, console));
     let ready = ready.collect::<anyhow::Result<Vec<_>>>();
     let done = ready.and_then(|garments| drape(garments, console));
     if is_new && done.is_err() {
@@ -208,8 +209,12 @@ fn check_apart(args: &OutfitArgs) -> anyhow::Result<()> {
     )
 }
 
-/// Reads and binds a garment.
-fn ready_garment(args: super::DrapeArgs, console: &Console) -> anyhow::Result<Garment> {
+/// Reads and binds a garment. What was noted of the files of all garments is in `told`.
+fn ready_garment(
+    args: super::DrapeArgs,
+    told: &mut Vec<String>,
+    console: &Console,
+) -> anyhow::Result<Garment> {
     let job = Job::new(args)?;
     let (prepared, read) = timed(|| Prepared::read(&job.source));
     let prepared = prepared?;
@@ -223,7 +228,10 @@ fn ready_garment(args: super::DrapeArgs, console: &Console) -> anyhow::Result<Ga
         ));
     }
     for note in &prepared.notes {
-        console.summary(&format_args!("note: {note}"));
+        if !told.contains(note) {
+            console.summary(&format_args!("note: {note}"));
+            told.push(note.clone());
+        }
     }
     let name = outputs.first().and_then(|path| path.file_stem());
     let name = name.unwrap_or_default().to_string_lossy().into_owned();

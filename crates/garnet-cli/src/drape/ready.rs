@@ -15,7 +15,7 @@ use garnet::{
 use super::{
     Bound,
     args::{Job, MethodName, NetworkChoice, Simulation, Source},
-    choice::ChoiceReport,
+    choice::{ChoiceReport, KnownCut},
     fit::Fitting,
     method_name,
     report::{NetworkReport, SimulationReport},
@@ -150,7 +150,12 @@ impl Found {
             }
             None => Self::NotAsked,
         };
-        Ok((found, Some(ChoiceReport::new(&choice))))
+        let known = if is_unknown {
+            KnownCut::Other
+        } else {
+            KnownCut::Own
+        };
+        Ok((found, Some(ChoiceReport::new(&choice, known))))
     }
 
     fn of(choice: &NetworkChoice, source: &Source, is_size: bool) -> anyhow::Result<Self> {

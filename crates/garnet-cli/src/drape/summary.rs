@@ -228,11 +228,17 @@ fn result(drapes: &[DrapeOutput]) -> String {
 
 fn stretch(drapes: &[DrapeOutput]) -> String {
     let worst = |value: fn(&DrapeOutput) -> f32| drapes.iter().map(value).fold(0.0, f32::max);
+    let max = worst(|drape| drape.stretch.max);
+    let caught = worst(|drape| drape.stretch.max_at_trapped.unwrap_or(0.0));
+    let caught = if caught > max {
+        format!("; {caught:.2} where it is caught")
+    } else {
+        String::new()
+    };
     format!(
-        "edges over rest length: median {:.2}, p99 {:.2}, largest {:.2}",
+        "edges over rest length: median {:.2}, p99 {:.2}, largest {max:.2}{caught}",
         worst(|drape| drape.stretch.p50),
         worst(|drape| drape.stretch.p99),
-        worst(|drape| drape.stretch.max)
     )
 }
 

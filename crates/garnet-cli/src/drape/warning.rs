@@ -7,11 +7,12 @@ use std::{
 };
 
 use garnet::{
-    Body, BoundGarment, Point3, TriMesh,
+    Body, BoundGarment, Point3, Provenance, TriMesh,
     data::{Limits, SceneReport},
     io::{empty_sleeves, threaded_openings},
     knn::{Surface, TORN_STRETCH, VertexTree},
     mesh::{Bounds, MeshDiagnosis, StretchSummary, diagnose},
+    package::Moment,
     untangle::{UntangleReport, free_crossing_faces},
 };
 
@@ -56,6 +57,8 @@ pub(crate) enum Problem {
     LimbOutside(String, f32),
     /// Edges are longer than cloth can be, over their length at rest.
     Torn(f32),
+    /// The same of an edge at a vertex that is caught where the body runs through itself.
+    TornWhereCaught(f32),
     /// What 1 % of the edges exceed, over their length at rest.
     Tight(f32),
     /// The garment starts inside the rest body: how many vertices deeper than the limit, and the
@@ -95,6 +98,8 @@ pub(crate) enum Problem {
     Beyond(String),
     /// The cloth was left where the network put it, and why.
     Unsettled(String),
+    /// So much of the cloth still falls, from 0 to 1.
+    Falling(f32),
     /// So much of the cloth was left where it was put, from 0 to 1.
     PartlySettled(f32),
     /// The reference solver has not brought the cloth into balance in so many steps, and the
@@ -125,6 +130,7 @@ impl Problem {
             Self::TurnedFaces(_) => "turned_faces",
             Self::LimbOutside(..) => "limb_outside",
             Self::Torn(_) => "torn",
+            Self::TornWhereCaught(_) => "torn_where_caught",
             Self::Tight(_) => "tight",
             Self::StartsInside { .. } => "starts_inside",
             Self::Unthreaded(..) => "unthreaded",
@@ -143,6 +149,7 @@ impl Problem {
             Self::Fallback(..) => "fallback",
             Self::Beyond(_) => "beyond_training",
             Self::Unsettled(_) => "unsettled",
+            Self::Falling(_) => "falling",
             Self::PartlySettled(_) => "partly_settled",
             Self::OutOfBalance(..) => "out_of_balance",
         }
@@ -180,6 +187,7 @@ impl Problem {
             | Self::SmallBody(_)
             | Self::LimbOutside(..)
             | Self::Torn(_)
+            | Self::TornWhereCaught(_)
             | Self::Tight(_)
             | Self::Moving(_)
             | Self::NotCut(_)
@@ -189,6 +197,7 @@ impl Problem {
             | Self::Fallback(..)
             | Self::Beyond(_)
             | Self::Unsettled(_)
+            | Self::Falling(_)
             | Self::PartlySettled(_)
             | Self::OutOfBalance(..) => None,
         }
@@ -198,12 +207,14 @@ impl Problem {
     fn severity(&self) -> f64 {
         match *self {
             Self::Torn(value)
+            | Self::TornWhereCaught(value)
             | Self::Tight(value)
             | Self::Moving(value)
             | Self::PoorFit(value)
             | Self::Inside(_, value)
             | Self::LimbOutside(_, value)
             | Self::InsideOutGarment(value)
+            | Self::Falling(value)
             | Self::PartlySettled(value)
             | Self::StartsInside { deepest: value, .. } => value.into(),
             Self::OutOfBalance(_, residual) => residual,
@@ -276,6 +287,7 @@ impl fmt::Display for Warning {
                 100.0 * share
             ),
             Problem::Torn(stretch) => torn(&self.path, stretch),
+            Problem::TornWhereCaught(stretch) => torn_where_caught(&self.path, stretch),
             Problem::Tight(stretch) => tight(&self.path, stretch),
             Problem::StartsInside {
                 count,
@@ -332,6 +344,7 @@ impl fmt::Display for Warning {
             Problem::Unsettled(ref reason) => {
                 format!("`{path}` is not settled by simulation: {reason}")
             }
+            Problem::Falling(share) => falling(&self.path, share),
             Problem::PartlySettled(share) => format!(
                 "{:.0} % of `{path}` is where it was before it settled, which would have brought it \
                  into the skin or stretched it there",
@@ -384,6 +397,14 @@ fn torn(path: &Path, stretch: f32) -> String {
     )
 }
 
+fn torn_where_caught(path: &Path, stretch: f32) -> String {
+    let path = path.display();
+    format!(
+        "an edge of `{path}` is {stretch:.1} times as long as in the garment where it is caught: parts \
+         of the body run through each other there, which a pose that keeps them apart mends"
+    )
+}
+
 fn tight(path: &Path, stretch: f32) -> String {
     let path = path.display();
     format!(
@@ -398,6 +419,14 @@ fn still_moving(path: &Path, share: f32) -> String {
     format!(
         "{share:.1} % of the vertices of `{path}` still move by more than 5 mm/s: of settled cloth \
          {limit:.1} % do at most"
+    )
+}
+
+fn falling(path: &Path, share: f32) -> String {
+    let (path, share) = (path.display(), 100.0 * share);
+    format!(
+        "{share:.0} % of `{path}` still falls: nothing holds it on the body in this pose, or it needs \
+         more frames (`--settle FRAMES`)"
     )
 }
 
@@ -660,6 +689,9 @@ fn of_skin_at_rest(garment: &BoundGarment) -> Option<Problem> {
 /// strained.
 const TIGHT_STRETCH: f32 = 1.25;
 
+/// More of settled cloth that falls is told, from 0 to 1: corners that swing are less.
+const MOST_FALLING: f32 = 0.1;
+
 /// Whether cloth is longer than it can be, or much of it longer than it should be.
 pub(crate) fn of_stretch(stretch: &StretchSummary) -> Vec<Problem> {
     let torn = (stretch.max > TORN_STRETCH).then_some(Problem::Torn(stretch.max));
@@ -672,10 +704,23 @@ pub(crate) fn of_fit(residual: f32) -> Option<Problem> {
     (residual > MAX_RESIDUAL).then_some(Problem::PoorFit(residual))
 }
 
+/// The same of edges at vertices that are caught.
+pub(crate) fn of_caught(stretch: &StretchSummary) -> Option<Problem> {
+    (stretch.max > TORN_STRETCH).then_some(Problem::TornWhereCaught(stretch.max))
+}
+
 /// Whether simulated cloth has not come to rest.
 pub(crate) fn of_rest(report: &SceneReport) -> Option<Problem> {
     let is_moving = report.moving > Limits::default().moving;
     is_moving.then_some(Problem::Moving(report.moving))
+}
+
+/// Whether cloth that was to settle falls. What a network leaves in motion is not told: it was
+/// trained to end there.
+pub(crate) fn of_falling(provenance: &Provenance) -> Option<Problem> {
+    let was_drape = provenance.relaxed_from == Some(Moment::Rest) && provenance.worsened.is_none();
+    let falls = was_drape && provenance.falling_share > MOST_FALLING;
+    falls.then_some(Problem::Falling(provenance.falling_share))
 }
 
 /// What is left of cloth that is not untangled.

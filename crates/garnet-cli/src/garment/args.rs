@@ -56,7 +56,7 @@ pub(crate) struct PatternOptions {
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) size: Option<SizeChoice>,
     /// Body to cut it for and to put it on: an OBJ of the built-in body at rest with its rig, or
-    /// the rig [default: the mean of both sexes, 172 cm].
+    /// the rig [default: a mean of both sexes, 172 cm tall, with a body mass index of 23].
     #[arg(long, value_name = "BODY")]
     pub(crate) body: Option<PathBuf>,
     /// Fabric: silk, jersey, interlock, cotton, knit or denim [default: that of the garment].

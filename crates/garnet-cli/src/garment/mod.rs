@@ -22,6 +22,7 @@ use garnet::{
 
 pub(crate) use args::GarmentArgs;
 use args::{GarmentSource, OwnArgs, PatternArgs};
+pub(crate) use own::package_of_scene;
 use report::GarmentReport;
 
 use crate::{
@@ -99,7 +100,7 @@ fn check_apart(folder: &Path, own: &OwnArgs) -> anyhow::Result<()> {
 
 /// Refuses a folder with trained networks, which would be left with another garment than they have
 /// learned, and one that is no package and has a file of the name of one of a package's.
-fn check_free(folder: &Path) -> anyhow::Result<()> {
+pub(crate) fn check_free(folder: &Path) -> anyhow::Result<()> {
     const ADVICE: &str = "name another folder with `-o`, or remove this one first";
     if !GarmentPackage::is_at(folder) {
         let taken = GarmentPackage::file_names()

@@ -1,11 +1,13 @@
 //! Garments that the user brings along.
 
+use std::path::Path;
+
 use anyhow::Context;
 use garnet::{
     Garment,
     io::{Frame, ObjFile, SceneFiles},
     mesh::diagnose,
-    package::{GarmentPackage, PackageParts, Simulator},
+    package::{GarmentPackage, PackageParts, Simulator, StoredFabric},
     sim::RestShape,
 };
 
@@ -43,6 +45,28 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
     scene.units = own.units;
     scene.place = own.place;
     scene.up = own.up.axis();
+    let prepared = Prepared::read(&Source::Files(Box::new(SourceFiles {
+        package: None,
+        cut: CutArgs::default(),
+        scene,
+    })))?;
+    made_of(prepared, name, fabric, own.place)
+}
+
+/// The garment and the body of a scene as a package, of cotton.
+pub(crate) fn package_of_scene(path: &Path) -> anyhow::Result<GarmentPackage> {
+    let prepared = Prepared::read(&Source::Scene(path.to_path_buf()))?;
+    let made = made_of(prepared, "scene".to_owned(), fabric("cotton")?, false)?;
+    Ok(made.package)
+}
+
+/// A package of what was read; its template has other positions than the file where that was moved.
+fn made_of(
+    prepared: Prepared,
+    name: String,
+    fabric: StoredFabric,
+    is_moved: bool,
+) -> anyhow::Result<Made> {
     let Prepared {
         garment_file,
         garment_frame,
@@ -51,11 +75,7 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
         rest,
         notes,
         ..
-    } = Prepared::read(&Source::Files(Box::new(SourceFiles {
-        package: None,
-        cut: CutArgs::default(),
-        scene,
-    })))?;
+    } = prepared;
     let path = garment_file.path().to_path_buf();
     let cannot = || format!("cannot make a package of `{}`", path.display());
     if diagnose(&garment).degenerate_faces.len() == garment.num_faces() {
@@ -74,7 +94,7 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
     Simulator::of_garment(bound.cloth().clone(), &body, &shape, &fabric.fabric())
         .with_context(cannot)?;
     let warnings = warnings_of(&path, &bound);
-    let template = if garment_frame == Frame::OURS && !own.place {
+    let template = if garment_frame == Frame::OURS && !is_moved {
         garment_file
     } else {
         let bytes = garment_file.bytes_with_positions(garment.positions())?;

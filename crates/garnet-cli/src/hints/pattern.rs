@@ -28,7 +28,9 @@ pub(crate) fn for_pattern(error: &PatternError) -> Option<String> {
         }
         PatternError::Impossible { what, .. } => for_length(*what)?.to_owned(),
         PatternError::BadWearer { .. } => {
-            "measures and joints are in metres, y up, with the feet on y = 0".to_owned()
+            "patterns are for people from about 1.4 m on; measures and joints are in metres, y up, with the \
+             feet on y = 0"
+                .to_owned()
         }
         PatternError::Folded { far, .. } => for_folded(far),
         PatternError::VertexCount { .. } => "the default is 5000".to_owned(),

@@ -152,6 +152,10 @@ pub(super) fn for_file(problem: &FileProblem) -> Option<&'static str> {
         FileProblem::Gltf(GltfProblem::Extension { .. }) => {
             Some("export it without compression of meshes")
         }
+        FileProblem::Gltf(GltfProblem::Buffer { .. }) => Some(
+            "put the files that it names beside it, or in a folder there; a GLB has all in one file; \
+             a file that is cut off is to be exported again",
+        ),
         FileProblem::Gltf(GltfProblem::UnknownExtension { .. }) => {
             Some("export it without this extension, or write that it is used, but not required")
         }

@@ -1,10 +1,10 @@
 //! What is in a garment package.
 
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 use garnet::Package;
 use garnet::package::{GarmentPackage, Variant};
-use garnet::pattern::Size;
+use garnet::pattern::{GarmentKind, ParameterUnit, Size};
 use serde::Serialize;
 
 use super::table::Table;
@@ -20,6 +20,10 @@ pub(crate) struct PackageInfo {
     fabric: String,
     /// Which pattern it was cut from; none of a garment of one's own.
     pattern: Option<String>,
+    /// The size that it was cut in; none if it was cut for its body, or has no pattern.
+    size: Option<String>,
+    /// How it was cut, in metres or as shares.
+    parameters: BTreeMap<String, f64>,
     /// The body that it lies on.
     rig: String,
     body_vertices: usize,
@@ -86,6 +90,12 @@ impl PackageInfo {
             vertices: mesh.num_vertices(),
             triangles: mesh.num_faces(),
             pattern: manifest.pattern.as_ref().map(|found| found.kind.clone()),
+            size: manifest
+                .pattern
+                .as_ref()
+                .and_then(|found| found.size.clone()),
+            parameters: (manifest.pattern.as_ref())
+                .map_or_else(BTreeMap::new, |found| found.parameters.clone()),
             rig: shown(&folder.join(&manifest.rest_body.rig)),
             body_vertices: body.rest().num_vertices(),
             sizes,
@@ -93,6 +103,23 @@ impl PackageInfo {
             fabric: manifest.fabric.name.clone(),
             name: manifest.name.clone(),
         })
+    }
+
+    /// A parameter in its unit.
+    fn shown(&self, name: &str, value: f64) -> String {
+        let kind = self.pattern.as_deref().map(str::parse::<GarmentKind>);
+        let specs = kind
+            .and_then(Result::ok)
+            .map_or(&[][..], GarmentKind::specs);
+        let unit = specs
+            .iter()
+            .find(|spec| spec.name == name)
+            .map(|spec| spec.unit);
+        match unit {
+            Some(ParameterUnit::Metre) => format!("{:.1} cm", 100.0 * value),
+            Some(ParameterUnit::Share) => format!("{:.1} %", 100.0 * value),
+            _ => value.to_string(),
+        }
     }
 
     pub(crate) fn fill(&self, table: &mut Table) {
@@ -103,6 +130,18 @@ impl PackageInfo {
         table.row("triangles", self.triangles);
         table.row("fabric", &self.fabric);
         table.row("pattern", self.pattern.as_deref().unwrap_or("none"));
+        if let Some(size) = &self.size {
+            table.row("size", size);
+        }
+        if !self.parameters.is_empty() {
+            table.row(
+                "cut",
+                "lengths are those on the mean wearer: sizes scale them",
+            );
+        }
+        for (name, value) in &self.parameters {
+            table.row(&format!("  {name}"), self.shown(name, *value));
+        }
         table.row("body", &self.rig);
         table.row("body vertices", self.body_vertices);
         if !self.sizes.is_empty() {

@@ -17,6 +17,9 @@ pub(crate) struct StressArgs {
     /// Garment package; without one, a T-shirt is cut into DIR.
     #[arg(value_name = "PACKAGE", value_parser = models::package_or_file)]
     pub(crate) package: Option<PathBuf>,
+    /// Stress the garment and the body of a `drape-scene/1` file, which go into DIR as a package.
+    #[arg(long, value_name = "JSON", conflicts_with = "package")]
+    pub(crate) scene: Option<PathBuf>,
     /// Where table, picture and numbers go.
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,

@@ -26,6 +26,7 @@ use crate::{
     console::{Console, print_data, print_document},
     dataset::read_package,
     failure::ExitStatus,
+    garment::{check_free, package_of_scene},
     output,
 };
 
@@ -41,6 +42,7 @@ fn names(package: &GarmentPackage) -> Vec<String> {
 /// Drapes all cells, writes the table, and tells whether one of ours breaks.
 pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitStatus> {
     args.check()?;
+    let of_scene = (args.scene.as_deref()).map(package_of_scene).transpose()?;
     if args.package.is_none() {
         // The garment that is cut has no variants: what is misspelt is told before it is cut.
         args.options(&[])?;
@@ -55,7 +57,7 @@ pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitSt
     let _lock = output::lock_folder(&args.output)?;
     let folder = match &args.package {
         Some(folder) => folder.clone(),
-        None => cut(&args.output)?,
+        None => cut(&args.output, of_scene)?,
     };
     let content = read_package(&folder)?;
     let options = args.options(&names(&content))?;
@@ -119,8 +121,15 @@ pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitSt
     Ok(ExitStatus::Done)
 }
 
-/// The T-shirt in the output folder, cut if it is not there.
-fn cut(in_folder: &Path) -> anyhow::Result<PathBuf> {
+/// The garment in the output folder: that of a scene, or the T-shirt, cut if it is not there.
+fn cut(in_folder: &Path, of_scene: Option<GarmentPackage>) -> anyhow::Result<PathBuf> {
+    if let Some(package) = of_scene {
+        let folder = in_folder.join("scene");
+        check_free(&folder)?;
+        output::make_folder(&folder)?;
+        package.write(&folder)?;
+        return Ok(folder);
+    }
     let folder = in_folder.join("tshirt");
     if !GarmentPackage::is_at(&folder) {
         output::make_folder(&folder)?;

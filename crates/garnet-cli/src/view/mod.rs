@@ -59,6 +59,18 @@ pub(crate) struct ViewArgs {
 const LONG_HELP: &str = "\
 The page is one file that any browser opens, without a network. In it, `?` lists the keys.";
 
+/// Refuses a rate of frames where there are none.
+fn check_fps(args: &ViewArgs, num_frames: usize) -> anyhow::Result<()> {
+    if args.fps.is_some() && num_frames < 2 {
+        return Err(refused(
+            "`--fps` is given, and does nothing",
+            "the meshes do not move",
+            "leave it out",
+        ));
+    }
+    Ok(())
+}
+
 /// Browsers open larger pages slowly, in bytes.
 const LARGE: usize = 20_000_000;
 
@@ -78,6 +90,7 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
         .collect();
     let moving = moving.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
     let frames = frames_of(&moving)?;
+    check_fps(args, frames.len())?;
     let (of_garments, of_bodies) = moving.split_at(garments.len());
     let body_of = |garment: usize| match of_bodies {
         [] => None,

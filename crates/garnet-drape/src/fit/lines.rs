@@ -41,6 +41,8 @@ pub struct FitLines {
     /// Faces between nodes.
     faces: Vec<[u32; 3]>,
     lines: Vec<RegionLine>,
+    /// Girths that its pattern tells.
+    finished: Vec<FinishedGirth>,
 }
 
 /// The lines of a region: one, or left and right.
@@ -64,12 +66,18 @@ enum Place {
 
 impl FitLines {
     /// Finds the lines round a garment, bound to a built-in body that it lies on. `rest` is the
-    /// shape that it was cut in; without one that is how it lies there.
+    /// shape that it was cut in; without one that is how it lies there. `finished` are girths that
+    /// its pattern tells: they stand for the lengths of lines, which lie aslant where a garment is
+    /// too large for its body.
     ///
     /// # Errors
     ///
     /// [`NoFit`] for garments on other bodies, and those that go round no region.
-    pub fn new(garment: &BoundGarment, rest: Option<&RestShape>) -> Result<Self, NoFit> {
+    pub fn new(
+        garment: &BoundGarment,
+        rest: Option<&RestShape>,
+        finished: Vec<FinishedGirth>,
+    ) -> Result<Self, NoFit> {
         let tape = Tape::around(garment.body()).ok_or(NoFit::Stranger)?;
         let scale = garment.cloth().scale();
         if !is_one(scale) {
@@ -80,18 +88,24 @@ impl FitLines {
         let lines: Vec<RegionLine> = found
             .filter_map(|region| line_of(&cut, &tape, region))
             .collect();
-        if lines.is_empty() {
+        if lines.is_empty() && finished.is_empty() {
             return Err(NoFit::NoRegion);
         }
         Ok(Self {
             faces: cut.into_faces(),
             lines,
+            finished,
         })
     }
 
     /// The regions that the garment goes round.
     pub fn regions(&self) -> impl Iterator<Item = Region> + '_ {
-        self.lines.iter().map(|line| line.region)
+        let of = |region: Region| {
+            let line = self.lines.iter().find(|line| line.region == region);
+            let finished = self.finished.iter().find(|girth| girth.region == region);
+            line.is_some() || finished.is_some_and(|girth| girth.is_reached)
+        };
+        Region::ALL.into_iter().filter(move |&region| of(region))
     }
 
     /// How the garment fits who has these girths, draped with its nodes at `nodes` `[node]`, in
@@ -103,22 +117,73 @@ impl FitLines {
     ///
     /// If there are fewer positions than nodes.
     pub fn fit(&self, wearer: &Tape, nodes: &[Point3]) -> Vec<RegionFit> {
-        let fits = self.lines.iter().map(|found| {
-            let girths = found.lines.iter().map(|line| line.girth);
-            let strains = found.lines.iter().map(|line| {
-                let corners = |face: u32| {
-                    self.faces[face as usize].map(|node| nodes[node as usize].coords.cast())
-                };
-                line.curve.length(corners) / line.girth - 1.0
-            });
-            RegionFit {
-                region: found.region,
-                body: girth_of(wearer, found.region, found.place),
-                garment: girths.fold(f64::INFINITY, f64::min),
-                strain: strains.fold(f64::NEG_INFINITY, f64::max),
-            }
+        let fit = |region: Region| {
+            let found = self.lines.iter().find(|line| line.region == region);
+            let finished = self.finished.iter().find(|girth| girth.region == region);
+            let strain = found.map(|found| self.strain(found, nodes));
+            let (body, garment) = match (finished, found) {
+                (Some(finished), _) => {
+                    let of_line = found.map_or(Place::Usual, |found| found.place);
+                    (finished.of_wearer(wearer, of_line), finished.girth)
+                }
+                (None, found) => {
+                    let found = found?;
+                    let girths = found.lines.iter().map(|line| line.girth);
+                    let body = girth_of(wearer, region, found.place);
+                    (body, girths.fold(f64::INFINITY, f64::min))
+                }
+            };
+            Some(RegionFit {
+                region,
+                body,
+                garment,
+                strain,
+            })
+        };
+        self.regions().filter_map(fit).collect()
+    }
+
+    /// How much longer the longest of the lines of a region is than as it was cut, as a share.
+    fn strain(&self, found: &RegionLine, nodes: &[Point3]) -> f64 {
+        let strains = found.lines.iter().map(|line| {
+            let corners = |face: u32| {
+                self.faces[face as usize].map(|node| nodes[node as usize].coords.cast())
+            };
+            line.curve.length(corners) / line.girth - 1.0
         });
-        fits.collect()
+        strains.fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+/// A girth of a garment that its pattern tells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FinishedGirth {
+    /// Where it goes round the body.
+    pub region: Region,
+    /// In metres, without stretch.
+    pub girth: f64,
+    /// Whether the garment goes round the region whatever its wearer is like: shirts end above or
+    /// below the hip.
+    pub is_reached: bool,
+    /// Of a waistband: its share of the way from the hip up to the waist, and the share of the hip
+    /// that it is cut for at most.
+    pub band: Option<[f64; 2]>,
+}
+
+impl FinishedGirth {
+    /// The girth of the wearer that it is held against.
+    fn of_wearer(&self, wearer: &Tape, of_line: Place) -> f64 {
+        if let Some([above_hip, widest]) = self.band {
+            let under_belly = widest * girth_of(wearer, Region::Hip, Place::Usual);
+            let there = girth_of(wearer, self.region, Place::AboveHip(above_hip));
+            return there.min(under_belly);
+        }
+        // A hem above the hip is held against the body there.
+        let place = match (self.region, of_line) {
+            (Region::Hip, place) => place,
+            _ => Place::Usual,
+        };
+        girth_of(wearer, self.region, place)
     }
 }
 
@@ -131,7 +196,11 @@ fn girth_of(wearer: &Tape, region: Region, place: Place) -> f64 {
             let [hip, waist] = hip_and_waist(wearer);
             wearer.trunk_plane(measure, hip + share * (waist - hip))
         }
-        Place::OnBone(share) => wearer.bone_plane(measure, share),
+        Place::OnBone(share) => {
+            // Farther along a plane may meet the trunk or the other bone, too; limbs grow thinner.
+            let usual = wearer.girth(&wearer.plane(measure));
+            return wearer.girth(&wearer.bone_plane(measure, share)).min(usual);
+        }
     };
     wearer.girth(&plane)
 }
@@ -317,7 +386,7 @@ mod tests {
     fn a_tube_round_a_body_of_known_girths_has_its_ease_and_strain() {
         let built = ParametricBody::build(&BodyParameters::new(0.5)).unwrap();
         let garment = worn(&built);
-        let lines = FitLines::new(&garment, None).unwrap();
+        let lines = FitLines::new(&garment, None, Vec::new()).unwrap();
         assert_eq!(
             lines.regions().collect::<Vec<_>>(),
             [Region::Waist, Region::Hip]
@@ -340,7 +409,8 @@ mod tests {
                     (fit.ease() - (polygon() - body)).abs() < MAX_ERROR,
                     "{region}"
                 );
-                let longer = fit.strain * fit.garment - f64::from(stretch - 1.0) * polygon();
+                let longer =
+                    fit.strain.unwrap() * fit.garment - f64::from(stretch - 1.0) * polygon();
                 assert!(longer.abs() < MAX_ERROR, "{region} {fit:?}");
             }
         }
@@ -353,7 +423,7 @@ mod tests {
         // The pattern is a tenth wider than the garment lies.
         let wider = |p: &Point3| Point3::new(1.1 * p.x, p.y, 1.1 * p.z);
         let cut = garment.mesh().positions().iter().map(wider).collect();
-        let lines = FitLines::new(&garment, Some(&RestShape::Worn(cut))).unwrap();
+        let lines = FitLines::new(&garment, Some(&RestShape::Worn(cut)), Vec::new()).unwrap();
         let other = BodyParameters::new(0.2).with_bmi(27.0);
         let other = ParametricBody::build(&other).unwrap();
         let mut pose = Pose::rest(other.body().skeleton().num_joints());
@@ -365,7 +435,7 @@ mod tests {
         let found = lines.fit(&wearer, garment.cloth().rest_nodes());
         let waist = fit_of(&found, Region::Waist);
         assert!((waist.garment - 1.1 * polygon()).abs() < MAX_ERROR);
-        assert!((waist.strain - (1.0 / 1.1 - 1.0)).abs() < MAX_ERROR);
+        assert!((waist.strain.unwrap() - (1.0 / 1.1 - 1.0)).abs() < MAX_ERROR);
         let truth = other.measures()[Measure::Waist];
         assert!(
             (waist.body / truth - 1.0).abs() < 0.01,
@@ -386,7 +456,7 @@ mod tests {
         let around = tube(RADIUS, height as f32, SIDES, 30);
         let around = shifted(&around, [0.0, hip as f32, center.z as f32]);
         let garment = Garment::new(around).bind(built.body()).unwrap();
-        let lines = FitLines::new(&garment, None).unwrap();
+        let lines = FitLines::new(&garment, None, Vec::new()).unwrap();
         let found = lines.fit(&tape, garment.cloth().rest_nodes());
         let fit = fit_of(&found, Region::Waist);
         assert!((fit.garment - polygon()).abs() < MAX_ERROR, "{fit:?}");
@@ -410,7 +480,7 @@ mod tests {
             let middle = f64::midpoint(top, hip);
             let around = shifted(&around, [0.0, middle as f32, center.z as f32]);
             let garment = Garment::new(around).bind(built.body()).unwrap();
-            let lines = FitLines::new(&garment, None).unwrap();
+            let lines = FitLines::new(&garment, None, Vec::new()).unwrap();
             let found = lines.regions().any(|region| region == Region::Chest);
             assert_eq!(found, has_chest);
         }
@@ -429,13 +499,13 @@ mod tests {
         let places = sleeve.positions().iter().map(|p| center + turn * p.coords);
         let sleeve = sleeve.with_positions(places.collect()).unwrap();
         let garment = Garment::new(sleeve).bind(built.body()).unwrap();
-        let lines = FitLines::new(&garment, None).unwrap();
+        let lines = FitLines::new(&garment, None, Vec::new()).unwrap();
         assert_eq!(lines.regions().collect::<Vec<_>>(), [Region::UpperArm]);
         let fit = lines.fit(&tape, garment.cloth().rest_nodes())[0];
         let arm = built.measures()[Measure::UpperArm];
         assert!((fit.body - arm).abs() < 1e-6);
         let round = std::f64::consts::TAU * 0.07;
         assert!((fit.garment - round).abs() < MAX_ERROR, "{fit:?}");
-        assert!(fit.strain.abs() < 1e-6);
+        assert!(fit.strain.unwrap().abs() < 1e-6);
     }
 }

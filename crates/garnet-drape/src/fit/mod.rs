@@ -15,7 +15,7 @@ use std::fmt;
 use garnet_body::shape::{Measure, Tape};
 use garnet_skin::{Body, PosedBody};
 
-pub use lines::FitLines;
+pub use lines::{FinishedGirth, FitLines};
 pub use map::fit_map;
 
 /// A part of the body that tells whether a garment fits.
@@ -150,8 +150,9 @@ pub struct RegionFit {
     pub body: f64,
     /// The girth of the garment there, as it was cut, in metres.
     pub garment: f64,
-    /// How much longer the line round the garment is in the drape than as it was cut, as a share.
-    pub strain: f64,
+    /// How much longer the line round the garment is in the drape than as it was cut, as a share;
+    /// none if the garment does not lie there.
+    pub strain: Option<f64>,
 }
 
 impl RegionFit {
@@ -215,7 +216,7 @@ mod tests {
             region: Region::Chest,
             body: 1.0,
             garment: 1.12,
-            strain: 0.0,
+            strain: None,
         };
         assert!((fit.ease() - 0.12).abs() < 1e-12);
         assert!((fit.ease_share() - 0.12).abs() < 1e-12);

@@ -61,6 +61,18 @@ impl Nodes {
         })
     }
 
+    /// Whether a node is in the scene that the file shows, which is the first where it does not
+    /// say.
+    pub(super) fn is_shown(&self, root: &Root, node: usize) -> bool {
+        let shown = root.scene.as_ref().map_or(0, Index::value);
+        let mut top = node;
+        while let Some(parent) = self.parents[top] {
+            top = parent;
+        }
+        let scene = root.scenes.get(shown);
+        scene.is_none_or(|scene| scene.nodes.iter().any(|node| node.value() == top))
+    }
+
     /// The nearest ancestor that `wanted` maps to something.
     pub(super) fn nearest_ancestor<T>(
         &self,

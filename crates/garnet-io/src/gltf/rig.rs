@@ -130,12 +130,14 @@ fn read(
         bodies.push(file.group(group, &nodes, &humanoid, options));
     }
     let num_bodies = bodies.len();
-    let mut best: Option<ReadRig> = None;
+    let mut best: Option<(bool, ReadRig)> = None;
     let mut first_error = None;
     let mut others = Vec::new();
-    for body in bodies {
+    for (group, body) in groups.iter().zip(bodies) {
+        let is_shown = |instance: &Instance| nodes.is_shown(root, instance.node);
+        let is_shown = group.iter().any(is_shown);
         let body = match body {
-            Ok(body) => body,
+            Ok(body) => (is_shown, body),
             Err(error) => {
                 first_error = first_error.or(Some(error));
                 continue;
@@ -148,10 +150,10 @@ fn read(
             (best, Some(body))
         };
         best = kept;
-        others.extend(other.into_iter().flat_map(|other| other.parts));
+        others.extend(other.into_iter().flat_map(|(_, other)| other.parts));
     }
     let mut best = match (best, first_error) {
-        (Some(best), _) => best,
+        (Some((_, best)), _) => best,
         (None, Some(error)) => return Err(error),
         (None, None) => return Err(GltfProblem::NoSkin.into()),
     };
@@ -180,14 +182,15 @@ fn read(
     Ok(best)
 }
 
-/// A human figure comes before other skeletons, then the larger body.
-fn rank(read: &ReadRig) -> (bool, u32) {
+/// A human figure comes before other skeletons, then what is in the scene that the file shows, then
+/// the larger body.
+fn rank((is_shown, read): &(bool, ReadRig)) -> (bool, bool, u32) {
     let rest = read.rig.rest.as_ref();
     let bounds = rest.and_then(|mesh| Bounds::of_faces(mesh.positions(), mesh.faces()));
     let size = bounds.map_or(0.0, |bounds| bounds.diagonal());
     let is_figure = Figure::new(&read.rig.skeleton, "the body").is_ok();
     // Lengths are positive, so that their bits are in their order.
-    (is_figure, size.to_bits())
+    (is_figure, *is_shown, size.to_bits())
 }
 
 /// Vertices, and faces, that are read at most: primitives may be named again and again. Bodies of

@@ -10,7 +10,7 @@
 //! as parts of the stature from Drillis and Contini 1966 (Winter 2009, figure 4.1): only directions
 //! matter, and the length of the leg, to which shifts are in proportion.
 
-use std::path::Path;
+use std::{ops::RangeInclusive, path::Path};
 
 use garnet_body::motion::{Motion, ReadOptions, Upward};
 use garnet_skin::{Joint, Point3, Pose, Skeleton, Vector3};
@@ -163,7 +163,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Motion, MotionP
         ""
     };
     let why = doubt.map(|other| match up {
-        Upward::Z => {
+        Upward::Y | Upward::Z => {
             format!(", on whose floor the bodies lie: `--pose-up {other}` lets them stand")
         }
         _ => format!(", since the bodies stand along it: `--pose-up {other}` reads it as AMASS is"),
@@ -214,21 +214,22 @@ fn turn_to_y_up(frames: &mut [Pose], up: Upward) {
 /// About so many frames tell which way is up.
 const FRAMES_LOOKED_AT: usize = 50;
 
-/// Which way is up, and which one may be instead: that in which the bodies' own Y points in the
-/// mean, if they do not lie on the floor of AMASS, in which z is up; where it points nowhere in
-/// particular, the only one above whose floor they are, and that of AMASS else.
+/// Which way is up, and which one may be instead.
+///
+/// Of y and z it is the one above whose floor the bodies are: the pelvis as high as that of who
+/// stands, sits or lies, and no joint far below. Where both are like that, it is the one along
+/// which the bodies stand, and that of AMASS where they lie. Where none is, the origin is no floor,
+/// and the bodies' own Y points up in the mean; where it points nowhere in particular, the only
+/// other axis above whose floor they are, and that of AMASS else.
 fn detected_up(
     skeleton: &Skeleton,
     frames: &[Pose],
     shifts: &[Vector3],
 ) -> (Upward, Option<Upward>) {
     let step = frames.len().div_ceil(FRAMES_LOOKED_AT).max(1);
-    let some = frames.iter().step_by(step);
-    let upward: Vector3 = some
-        .clone()
-        .map(|pose| pose.rotations[0] * Vector3::y())
-        .sum();
-    let upward = upward / some.clone().count().max(1) as f32;
+    let some: Vec<&Pose> = frames.iter().step_by(step).collect();
+    let uprights = some.iter().map(|pose| pose.rotations[0] * Vector3::y());
+    let upward = uprights.sum::<Vector3>() / some.len().max(1) as f32;
     let nearest = Upward::nearest(&upward);
     let stands = nearest.direction().dot(&upward) > UPRIGHT;
     let is_usual = matches!(nearest, Upward::Y | Upward::Z | Upward::MinusY);
@@ -237,53 +238,75 @@ fn detected_up(
     if shifts.iter().all(|shift| *shift == Vector3::zeros()) {
         return if stands { standing } else { (Upward::Z, None) };
     }
-    let lowest = |up: Upward| {
-        let lowest = some.clone().filter_map(|pose| {
-            let transforms = skeleton.transforms(pose).ok()?;
-            let joints = skeleton.joints().iter().zip(&transforms);
-            let heights = joints.map(|(joint, transform)| {
-                let place = transform * joint.rest_position;
-                place.coords.dot(&up.direction())
-            });
-            heights.min_by(f32::total_cmp)
-        });
-        lowest.collect::<Vec<f32>>()
+    let share = |up: Upward| {
+        let likely = some.iter().map(|pose| likely_above(skeleton, pose, up));
+        likely.sum::<f32>() / some.len().max(1) as f32
     };
-    let is_on_floor = |up: Upward| share_within(&lowest(up), ON_FLOOR) > MOST;
-    if stands {
-        let may_lie = nearest != Upward::Z && is_on_floor(Upward::Z);
-        let may_stand = nearest == Upward::Y && {
-            let near = share_within(&lowest(nearest), NEAR_FLOOR);
-            near > UPRIGHT
+    let [y, z] = [Upward::Y, Upward::Z].map(share);
+    let other = |up: Upward| (stands && nearest != up).then_some(nearest);
+    if y.max(z) > MOST_LIKELY {
+        let of_floor = match (y - z).abs() > APART {
+            true if y > z => Upward::Y,
+            false if stands && nearest == Upward::Y => Upward::Y,
+            _ => Upward::Z,
         };
-        let lies = may_lie && !may_stand;
-        return if lies {
-            (Upward::Z, Some(nearest))
-        } else {
-            standing
-        };
+        return (of_floor, other(of_floor));
     }
-    let mut on_floor = Upward::ALL.into_iter().filter(|&up| is_on_floor(up));
-    match (on_floor.next(), on_floor.next()) {
-        (Some(only), None) => (only, None),
-        _ => (Upward::Z, None),
+    if stands && nearest == Upward::MinusZ && z >= UPSIDE_DOWN * MOST {
+        // On the hands, above the floor of AMASS.
+        return (Upward::Z, Some(nearest));
+    }
+    if stands {
+        return standing;
+    }
+    let mut others = Upward::ALL.into_iter();
+    let likely = others.find(|&up| share(up) > MOST_LIKELY);
+    (likely.unwrap_or(Upward::Z), None)
+}
+
+/// How likely a pose is with this way up, above a floor at the origin: 1 for who stands, sits or
+/// lies, less for who is upside down, and 0 for who hovers or is below.
+fn likely_above(skeleton: &Skeleton, pose: &Pose, up: Upward) -> f32 {
+    let up = up.direction();
+    let height = (pose.root_translation + Vector3::from(JOINTS[0].2)).dot(&up);
+    let upright = (pose.rotations[0] * Vector3::y()).dot(&up);
+    if !PELVIS.contains(&height) {
+        return 0.0;
+    }
+    let Ok(transforms) = skeleton.transforms(pose) else {
+        return 0.0;
+    };
+    let joints = skeleton.joints().iter().zip(&transforms);
+    let heights = joints.map(|(joint, transform)| {
+        let place = transform * joint.rest_position;
+        place.coords.dot(&up)
+    });
+    let lowest = heights.fold(f32::INFINITY, f32::min);
+    match LOWEST.contains(&lowest) {
+        true if upright < -UPRIGHT => UPSIDE_DOWN,
+        true => 1.0,
+        false => 0.0,
     }
 }
 
-/// Heights of the lowest joint above the floor, in metres: of a body on it, whose skin is around
-/// the joints, and of one of another size, origin or with jumps that may be on it.
-const ON_FLOOR: [f32; 2] = [0.01, 0.25];
-const NEAR_FLOOR: [f32; 2] = [-0.2, 0.45];
+/// How high a pelvis is above the floor, in metres: of who lies on it, to who jumps. Lower ones
+/// take bodies whose pelvis is at the origin for bodies on the floor.
+const PELVIS: RangeInclusive<f32> = 0.04..=1.4;
+
+/// How high the lowest joint is above the floor, in metres: of bodies of another size or with
+/// jumps, too, and those that are not quite on it.
+const LOWEST: RangeInclusive<f32> = -0.3..=0.45;
+
+/// How likely it is to be upside down.
+const UPSIDE_DOWN: f32 = 0.5;
+
+/// Bodies are above the floor of an axis in more than this share of the frames, and in so many more
+/// than of the other axis.
+const MOST_LIKELY: f32 = 0.6;
+const APART: f32 = 0.25;
 
 /// A part of the frames that is nearly all.
 const MOST: f32 = 0.9;
-
-fn share_within(values: &[f32], range: [f32; 2]) -> f32 {
-    let within = values
-        .iter()
-        .filter(|value| (range[0]..=range[1]).contains(*value));
-    within.count() as f32 / values.len().max(1) as f32
-}
 
 /// The shift of each frame.
 fn shifts(

@@ -14,7 +14,8 @@ use garnet_body::{
     poses::{BodyAngles, Poser, SelfContact, SeparationOptions, key_pose, turn},
 };
 use garnet_mesh::{Unit, Vector3};
-use garnet_skin::{Body, Pose, SkinError};
+use garnet_skin::{Body, Pose, Skeleton, SkinError};
+use nalgebra::UnitQuaternion;
 
 use super::SceneError;
 use crate::{Alignment, MotionError, PartsNote, Take, TakeError};
@@ -671,6 +672,9 @@ fn of_library(name: &str, angles: &BodyAngles, body: &Body) -> Result<Posing, Po
         vec![pose]
     };
     put_on_ground(body, &mut poses, Ground::EachPose)?;
+    for pose in &mut poses {
+        keep_place(body.skeleton(), pose);
+    }
     let named = poses.into_iter().map(|pose| NamedPose {
         label: name.to_owned(),
         stem: name.to_owned(),
@@ -681,6 +685,35 @@ fn of_library(name: &str, angles: &BodyAngles, body: &Body) -> Result<Posing, Po
         notes,
         seconds: None,
     })
+}
+
+/// Bodies that are nearer to the origin than this, in metres, or look to the front but for so many
+/// radians, stand as poses have it.
+const AT_ORIGIN: f32 = 0.3;
+const TO_FRONT: f32 = 0.3;
+
+/// Brings a pose, which stands at the origin and looks along +z, to where the body stands at rest.
+fn keep_place(skeleton: &Skeleton, pose: &mut Pose) {
+    let Ok(figure) = Figure::new(skeleton, "the body") else {
+        return;
+    };
+    let front: Vector3 = (figure.rest_from_body() * Vector3::z().cast()).cast();
+    let heading = front.x.atan2(front.z);
+    let joints = skeleton.joints();
+    let hips = joints[figure.pelvis()].rest_position;
+    let place = Vector3::new(hips.x, 0.0, hips.z);
+    let mut roots = (0..joints.len()).filter(|&joint| joints[joint].parent.is_none());
+    let (Some(root), None) = (roots.next(), roots.next()) else {
+        return;
+    };
+    if place.norm() < AT_ORIGIN && heading.abs() < TO_FRONT {
+        return;
+    }
+    let start = joints[root].rest_position.coords;
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), heading);
+    let posed = start + pose.root_translation;
+    pose.root_translation = place + turn * posed - start;
+    pose.rotations[root] = turn * pose.rotations[root];
 }
 
 fn stem(path: &Path) -> String {

@@ -151,6 +151,18 @@ mod tests {
     }
 
     #[test]
+    fn a_node_that_is_in_no_face_stays_where_the_warp_has_it() {
+        let grid = primitives::grid(20, 20, [0.5, 0.5]);
+        let mut places = grid.positions().to_vec();
+        places.push(Point3::new(0.1, 1.2, 0.3));
+        let topology = Topology::new(places.len(), grid.faces());
+        let graph = ClothGraph::new(&places, grid.faces(), &topology, &[]);
+        let relaxed = relaxed(&graph, &system(&graph), &places, &places, RANGE);
+        let (last, before) = (relaxed.last().unwrap(), places.last().unwrap());
+        assert!((last - before).norm() < 1e-5, "{last}");
+    }
+
+    #[test]
     fn stretched_cloth_gives_way() {
         let (rest, graph) = grid_graph();
         let torn = |p: &Point3| Point3::new(if p.x > 0.0 { p.x + 0.05 } else { p.x }, p.y, p.z);

@@ -1,10 +1,14 @@
 //! Lists of jobs, as JSON, lines of JSON, or CSV, and the arguments that a job stands for.
 
-use std::{collections::BTreeMap, ffi::OsStr, path::Path, str};
+use std::{collections::BTreeMap, ffi::OsStr, fmt, path::Path, str};
 
 use anyhow::Context;
 use clap::{CommandFactory, Parser};
 use csv::{ReaderBuilder, StringRecord};
+use serde::{
+    Deserialize, Deserializer,
+    de::{Error as _, MapAccess, Visitor},
+};
 use serde_json::{Map, Value};
 
 use super::{super::args::DrapeArgs, Problem};
@@ -206,14 +210,44 @@ pub(super) fn read(path: &Path, options: &Options) -> anyhow::Result<Vec<Entry>>
     Ok(entries)
 }
 
+/// An object that has each key once: of two, one would be dropped without a word.
+struct Keys(Map<String, Value>);
+
+impl<'de> Deserialize<'de> for Keys {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OfObject;
+
+        impl<'de> Visitor<'de> for OfObject {
+            type Value = Keys;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("an object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Keys, A::Error> {
+                let mut keys = Map::new();
+                while let Some((key, value)) = map.next_entry::<String, Value>()? {
+                    if keys.contains_key(&key) {
+                        return Err(A::Error::custom(format_args!("`{key}` is there twice")));
+                    }
+                    keys.insert(key, value);
+                }
+                Ok(Keys(keys))
+            }
+        }
+
+        deserializer.deserialize_map(OfObject)
+    }
+}
+
 fn of_list(bytes: &[u8]) -> anyhow::Result<Vec<Entry>> {
-    let jobs: Vec<Map<String, Value>> = serde_json::from_slice(bytes).hint(|| {
+    let jobs: Vec<Keys> = serde_json::from_slice(bytes).hint(|| {
         "a list of objects as {\"garment\": \"models/tshirt\", \"bodies\": [\"a.obj\"], \
          \"output\": \"a/shirt.obj\"}, with options of `garnet drape` as further keys; lines of \
          JSON are in files that end with .jsonl, tables in .csv"
             .to_owned()
     })?;
-    let entry = |keys| Entry { line: None, keys };
+    let entry = |Keys(keys)| Entry { line: None, keys };
     Ok(jobs.into_iter().map(entry).collect())
 }
 
@@ -225,7 +259,7 @@ fn of_lines(bytes: &[u8]) -> anyhow::Result<Vec<Entry>> {
         if text.trim_ascii().is_empty() {
             continue;
         }
-        let keys = serde_json::from_slice(text).map_err(|error| {
+        let Keys(keys) = serde_json::from_slice(text).map_err(|error| {
             // Its own number of a line is always 1.
             let error = error.to_string();
             let what = error
