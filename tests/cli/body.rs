@@ -5,7 +5,7 @@ use std::process::Output;
 
 use garnet::body::shape::{BodyParameters, ParametricBody};
 use garnet::io::{ObjFile, write_rig_npz};
-use garnet::{Body, Rig, TriMesh};
+use garnet::{Body, Point3, Rig, TriMesh, UnitQuaternion, Vector3};
 
 use crate::fixtures::{Fixture, stderr};
 use crate::glb::glb_of;
@@ -298,6 +298,38 @@ fn a_rigged_glb_is_posed_as_the_same_body_in_a_rig_file() {
     }
     let tallest = of_glb.iter().copied().fold(0.0, f32::max);
     assert!(tallest > 2.0, "the hands are overhead: {tallest}");
+}
+
+#[test]
+fn a_pose_of_the_library_leaves_a_body_where_it_stands_and_looks() {
+    let fixture = Fixture::new();
+    let body = mean_woman();
+    write_rig_npz(fixture.path("own.rig.npz"), &Rig::from(body.clone())).unwrap();
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f32::consts::PI);
+    let away = Vector3::new(50.0, 0.0, -20.0);
+    let moved = |point: &Point3| turn * point + away;
+    let rest = body.rest();
+    let places = rest.positions().iter().map(moved).collect();
+    let skeleton = (body.skeleton().clone()).placed(|_, joint| moved(&joint.rest_position));
+    let far = Body::new(
+        rest.with_positions(places).unwrap(),
+        skeleton.unwrap(),
+        body.weights().clone(),
+    );
+    write_rig_npz(fixture.path("far.rig.npz"), &Rig::from(far.unwrap())).unwrap();
+    for name in ["own", "far"] {
+        done(&fixture.garnet(&format!(
+            "body {name}.rig.npz --pose wave -o {name}_posed.obj"
+        )));
+    }
+    let [own, far] = ["own_posed.obj", "far_posed.obj"].map(|name| {
+        let file = ObjFile::read(fixture.path(name)).unwrap();
+        file.positions().to_vec()
+    });
+    // The pelvis of the one at the origin is brought over it, by some millimetres.
+    for (own, far) in own.iter().zip(&far) {
+        assert!((moved(own) - far).norm() < 0.02, "{own} {far}");
+    }
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The level at which each way to drape breaks, by the command.
 
-use serde_json::Value;
+use garnet::io::read_rig;
+use serde_json::{Value, json};
 
 use crate::fixtures::{Fixture, refused_with_hint, stderr};
 use crate::train::done;
@@ -117,4 +118,60 @@ fn a_package_that_is_none_leaves_no_folder() {
     let output = fixture.garnet("stress nowhere -o out --quick");
     assert_eq!(output.status.code(), Some(2));
     assert!(!fixture.path("out").exists());
+}
+
+/// Joints at most that move a vertex in a file.
+const INFLUENCES: usize = 8;
+
+#[test]
+fn a_scene_of_ones_own_is_stressed() {
+    let fixture = Fixture::new();
+    done(&fixture, "garment tshirt --vertices 500 -o tee -q");
+    let rig = read_rig(fixture.path("tee/body.rig.npz")).unwrap();
+    fixture.mesh("own.obj", rig.rest.as_ref().unwrap());
+    let joints = rig.skeleton.joints().iter().map(|joint| {
+        let parent = joint.parent.map_or(json!(-1), |parent| json!(parent));
+        let place: [f32; 3] = joint.rest_position.into();
+        json!({"name": joint.name, "parent": parent, "rest_position": place})
+    });
+    let joints: Vec<Value> = joints.collect();
+    let rows = (0..rig.weights.num_vertices()).map(|vertex| {
+        let mut row: Vec<(usize, f32)> = rig.weights.vertex(vertex).collect();
+        row.resize(INFLUENCES, (0, 0.0));
+        row
+    });
+    let rows: Vec<Vec<(usize, f32)>> = rows.collect();
+    let indices: Vec<Vec<usize>> = (rows.iter())
+        .map(|row| row.iter().map(|(joint, _)| *joint).collect())
+        .collect();
+    let shares: Vec<Vec<f32>> = (rows.iter())
+        .map(|row| row.iter().map(|(_, share)| *share).collect())
+        .collect();
+    let weights = json!({
+        "joints": joints.len(), "influences_per_vertex": INFLUENCES,
+        "joint_index": indices, "weight": shares,
+    });
+    fixture.text("weights.json", &weights.to_string());
+    let scene = json!({
+        "schema": "drape-scene/1", "units": "m", "up": "+Y",
+        "garment": {"mesh": "tee/template.obj"},
+        "body_rest": {"mesh": "own.obj", "joints": joints},
+        "body_target": {"mesh": "own.obj"},
+        "weights": "weights.json",
+    });
+    fixture.text("scene.json", &scene.to_string());
+    let asked = "stress --scene scene.json -o out --quick --axis elbow,strong-gravity";
+    for _ in 0..2 {
+        let text = done(&fixture, &format!("{asked} --method simulator --json"));
+        let report: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(report["garment"], "scene");
+        let holds = report["holds"].as_array().unwrap();
+        let is_ours = |hold: &&Value| hold["method"] == "warp, untangled";
+        assert_eq!(holds.iter().filter(is_ours).count(), 2);
+        let breaks = |hold: &Value| hold["fails"] == true;
+        assert!(!holds.iter().any(breaks), "{report}");
+    }
+    // A package is another input.
+    let both = fixture.garnet("stress tee --scene scene.json -o out");
+    assert_eq!(both.status.code(), Some(2));
 }

@@ -180,10 +180,12 @@ fn shown(ease: &Ease) -> String {
     } else {
         format!("{low:.0} % and more")
     };
+    let share = 100.0 * ease.share;
+    // What misses by less than half a per cent is not to look as if it fitted.
+    let digits = usize::from((low..=high).contains(&share.round()));
     format!(
-        "its {} has an ease of {:.0} % ({wanted} fits)",
-        ease.place,
-        100.0 * ease.share
+        "its {} has an ease of {share:.digits$} % ({wanted} fits)",
+        ease.place
     )
 }
 

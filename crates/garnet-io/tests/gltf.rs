@@ -421,6 +421,41 @@ fn points_and_lines_are_left_out_and_told() {
 }
 
 #[test]
+fn of_two_bodies_the_one_in_the_scene_that_is_shown_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut json, binary) = file();
+    // A second skeleton, twice as large.
+    let nodes = json["nodes"].as_array_mut().unwrap();
+    let mut twice: Vec<Value> = nodes.clone();
+    let first = nodes.len();
+    twice[0]["skin"] = json!(1);
+    for node in &mut twice {
+        if let Some(child) = node["children"][0].as_u64() {
+            node["children"] = json!([child as usize + first]);
+        }
+    }
+    twice[1]["scale"] = json!([0.02, 0.02, 0.02]);
+    nodes.extend(twice);
+    let mut skin = json["skins"][0].clone();
+    skin["joints"] = json!([4 + first, 2 + first]);
+    json["skins"].as_array_mut().unwrap().push(skin);
+    json["scenes"] = json!([{"nodes": [0, 1]}, {"nodes": [first, first + 1]}]);
+    let height = |json: &Value| {
+        let path = written(folder.path(), &glb(json, &binary));
+        let mesh = read_rig(&path).unwrap().rest.unwrap();
+        let heights = mesh.positions().iter().map(|p| p.y);
+        heights.fold(f32::NEG_INFINITY, f32::max)
+    };
+    json["scene"] = json!(0);
+    let small = height(&json);
+    json["scene"] = json!(1);
+    assert!((height(&json) / small - 2.0).abs() < 1e-3);
+    // Without a word it is the first.
+    json.as_object_mut().unwrap().remove("scene");
+    assert!((height(&json) / small - 1.0).abs() < 1e-3);
+}
+
+#[test]
 fn default_weights_of_morph_targets_are_applied_and_those_of_the_node_come_first() {
     let folder = tempfile::tempdir().unwrap();
     let (mut json, mut binary) = file();
@@ -485,6 +520,14 @@ fn a_joint_in_a_frame_of_an_animation_leaves_the_rest_pose_and_shows_the_other()
     let turned = Point3::new(0.05 - (last.y - 0.4), 0.4 + (last.x - 0.05), last.z);
     approx::assert_relative_eq!(shown.positions()[7], turned, epsilon = 1e-5);
     approx::assert_relative_eq!(transforms[0] * last, turned, epsilon = 1e-5);
+    // Whoever has moved a little, too, rests where the armature has the bind pose; far away, not.
+    for (x, is_moved) in [(5.8, false), (105.0, true)] {
+        json["nodes"][2]["translation"] = json!([x, 0.0, 0.0]);
+        let path = written(folder.path(), &glb(&json, &binary));
+        let rest = read_rig(&path).unwrap().rest.unwrap();
+        let by = (rest.positions()[0] - expected.positions()[0]).norm();
+        assert_eq!(by > 1e-5, is_moved, "{x}: {by}");
+    }
 }
 
 #[test]

@@ -219,9 +219,22 @@ fn the_ordered_form_and_matrices_give_the_same_pose() {
         .collect();
     let matrices = json!({"local_rotation_xyzw": null, "joint_transforms_row_major_4x4": rows});
     let matrices = read(&matrices, None).unwrap();
-    for (a, b) in ordered.rotations.iter().zip(&matrices.rotations) {
+    let other_rows: Vec<&Vec<f32>> = rows.iter().rev().collect();
+    let own = skeleton();
+    let names = own.joints().iter().rev();
+    let names: Vec<String> = names.map(|joint| joint.name.clone()).collect();
+    let by_name = json!({"joint_order": names, "joint_transforms_row_major_4x4": other_rows});
+    let by_name = read(&by_name, None).unwrap();
+    for ((a, b), c) in (ordered.rotations.iter().zip(&matrices.rotations)).zip(&by_name.rotations) {
         assert!(a.angle_to(b) < 1e-3);
+        assert!(b.angle_to(c) < 1e-6);
     }
+    let lacking = json!({"joint_order": ["hip", "hip"], "joint_transforms_row_major_4x4": rows});
+    let text = read(&lacking, None).unwrap_err();
+    assert!(
+        text.contains("`joint_order` has 1 entries, expected 2"),
+        "{text}"
+    );
 }
 
 #[test]

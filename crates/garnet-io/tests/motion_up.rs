@@ -131,3 +131,34 @@ fn who_rolls_over_the_floor_is_read_by_the_floor() {
         assert!(found.frames == expected.frames, "{up}: {:?}", found.notes);
     }
 }
+
+#[test]
+fn bodies_on_the_floor_are_on_that_of_their_axis() {
+    // On the back, prone on the arms, and standing for a while before: at heights of a pelvis.
+    let back = about(Vector3::x(), -FRAC_PI_2);
+    let prone = about(Vector3::x(), FRAC_PI_2 - 0.3);
+    let none = UnitQuaternion::identity();
+    let lain = [vec![none; 2], vec![back; 6]].concat();
+    let heights = [vec![STANDING; 2], vec![0.12; 6]].concat();
+    let scenes = [
+        (vec![back; 4], vec![0.1; 4]),
+        (vec![prone; 4], vec![0.45; 4]),
+        (lain, heights),
+    ];
+    for (roots, heights) in &scenes {
+        let shifts: Vec<Vector3> = (heights.iter())
+            .map(|&height| Vector3::new(0.2, height, 0.0))
+            .collect();
+        for up in [Upward::Y, Upward::Z] {
+            let found = read(roots, Some(&shifts), up);
+            let expected = read_as(roots, Some(&shifts), up, Some(up));
+            assert!(found.frames == expected.frames, "{up}: {:?}", found.notes);
+        }
+    }
+    // On the hands it is where AMASS has the floor.
+    let down = about(Vector3::x(), 2.0 * FRAC_PI_2);
+    let shifts = [Vector3::new(0.0, 0.9, 0.0); 3];
+    let found = read(&[down; 3], Some(&shifts), Upward::Z);
+    let expected = read_as(&[down; 3], Some(&shifts), Upward::Z, Some(Upward::Z));
+    assert!(found.frames == expected.frames, "{:?}", found.notes);
+}

@@ -84,6 +84,7 @@ pub(crate) fn scale_on(body: &Body, places: &[ClosestPoint]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Joint, Skeleton, SkinWeights};
     use garnet_mesh::primitives::capsule;
 
     fn scale(radius: f32, length: f32) -> f32 {
@@ -97,6 +98,27 @@ mod tests {
     fn limbs_of_persons_have_their_lengths() {
         for radius in [0.035, 0.05, 0.1, 0.2] {
             assert_eq!(scale(radius, 0.8).to_bits(), 1.0_f32.to_bits());
+        }
+    }
+
+    #[test]
+    fn small_figures_have_lengths_by_their_height_and_arms_alone_do_not() {
+        let limb = capsule(0.035, 0.43, 48, 24);
+        let places: Vec<Point3> = limb.positions().iter().map(|p| p * 1.02).collect();
+        for (num_joints, expected) in [(2, 1.0), (FIGURE_JOINTS, 0.5 / STATURE)] {
+            let joint = |number: usize| Joint {
+                name: number.to_string(),
+                parent: number.checked_sub(1),
+                rest_position: Point3::new(0.0, 0.01 * number as f32, 0.0),
+            };
+            let skeleton = Skeleton::new((0..num_joints).map(joint).collect()).unwrap();
+            let weights = (0..limb.num_vertices())
+                .flat_map(|_| (0..num_joints).map(|joint| if joint == 0 { 1.0 } else { 0.0 }));
+            let weights: Vec<f32> = weights.collect();
+            let weights = SkinWeights::from_dense(num_joints, &weights).unwrap();
+            let body = Body::new(limb.clone(), skeleton, weights).unwrap();
+            let found = scale_on(&body, &body.skin().closest_all(&places));
+            assert!((found - expected).abs() < 1e-3, "{num_joints}: {found}");
         }
     }
 

@@ -24,6 +24,11 @@ const RIGID: f64 = 2e-3;
 /// How far the rebuilt pose may be from what is shown, over the size of the body.
 const REBUILT: f32 = 2e-3;
 
+/// A body that is moved by less than this in the mean, over the size of its skeleton, stands about
+/// where it stood: it breathes, leans or steps. More takes a body that was put elsewhere for one
+/// that moved.
+const ABOUT: f64 = 0.12;
+
 /// Where a body of skinned meshes is.
 #[derive(Debug)]
 pub(super) struct Placed {
@@ -127,7 +132,9 @@ impl Shown<'_> {
     }
 
     /// Transforms from the mesh of the first skin to the world in which it may have been bound, the
-    /// likeliest first: the one of all joints; else those that leave most joints where they are.
+    /// likeliest first: the one of all joints; else that of the node above the joints, if it leaves
+    /// the body about where most joints are, as in the first frame of who breathes; else those that
+    /// leave most joints where they are.
     fn candidates(&self, main: &Bind, shown: &[Matrix4<f64>]) -> Vec<Matrix4<f64>> {
         let Some(first) = shown.first() else {
             return vec![Matrix4::identity()];
@@ -152,14 +159,29 @@ impl Shown<'_> {
         let most = shown.iter().max_by_key(|matrix| num_alike(matrix));
         all.extend(most);
         all.extend(first.is_finite().then_some(*first));
+        let is_about = most.is_some_and(|most| self.is_about(main, &above, most));
         let key = |matrix: &Matrix4<f64>| {
             (
                 !self.is_upright(main, matrix),
+                !(is_about && is_same(matrix, &above)),
                 usize::MAX - num_alike(matrix),
             )
         };
         all.sort_by_key(key);
         all
+    }
+
+    /// Whether two transforms of the mesh leave its joints about where they are, in the mean.
+    fn is_about(&self, main: &Bind, a: &Matrix4<f64>, b: &Matrix4<f64>) -> bool {
+        let places = [a, b].map(|matrix| self.bind_places(main, matrix));
+        let [Some(a), Some(b)] = places else {
+            return false;
+        };
+        let (low, high) = b.iter().fold((b[0], b[0]), |(low, high), place| {
+            (low.inf(place), high.sup(place))
+        });
+        let apart = a.iter().zip(&b).map(|(a, b)| (a - b).norm()).sum::<f64>();
+        apart < ABOUT * (high - low).norm() * a.len() as f64
     }
 
     /// Whether the joints of a figure stand with their head up, or are of no figure.

@@ -436,6 +436,18 @@ mod tests {
     }
 
     #[test]
+    fn a_key_that_is_there_twice_is_refused() {
+        let twice = r#"{"garment": "a.obj", "method": "warp", "method": "fast"}"#;
+        for found in [
+            of_lines(twice.as_bytes()),
+            of_list(format!("[{twice}]").as_bytes()),
+        ] {
+            let error = format!("{:#}", found.unwrap_err());
+            assert!(error.contains("`method` is there twice"), "{error}");
+        }
+    }
+
+    #[test]
     fn all_other_options_are_of_a_job() {
         let command = Line::command();
         let others = command
