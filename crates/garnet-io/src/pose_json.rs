@@ -190,7 +190,13 @@ fn in_own_order(
     }
     let mut own = vec![None; skeleton.num_joints()];
     for (name, matrix) in order.iter().zip(matrices) {
-        own[joint_of(name, skeleton)?] = Some(matrix);
+        if own[joint_of(name, skeleton)?].replace(matrix).is_some() {
+            return Err(FileProblem::Field {
+                field,
+                found: format!("`{name}` twice"),
+                expected: "each joint once",
+            });
+        }
     }
     let found = own.iter().flatten().count();
     let expected = own.len();

@@ -29,6 +29,16 @@ fn read_as(
     up: Upward,
     told: Option<Upward>,
 ) -> Motion {
+    read_file(roots, shifts, (up, told), &[])
+}
+
+/// The same with further arrays of one number.
+fn read_file(
+    roots: &[UnitQuaternion<f32>],
+    shifts: Option<&[Vector3]>,
+    (up, told): (Upward, Option<Upward>),
+    numbers: &[(&str, f64)],
+) -> Motion {
     let from_y_up = up.to_y_up().inverse();
     let mut poses = Vec::new();
     for root in roots {
@@ -51,6 +61,9 @@ fn read_as(
     let mut entries: Vec<(&str, &[usize], &[f64])> = vec![("poses", &poses_shape, &poses)];
     if let Some(shifts) = &shifts {
         entries.push(("trans", &shape, shifts));
+    }
+    for (name, number) in numbers {
+        entries.push((name, &[], std::slice::from_ref(number)));
     }
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("clip.npz");
@@ -133,32 +146,54 @@ fn who_rolls_over_the_floor_is_read_by_the_floor() {
 }
 
 #[test]
-fn bodies_on_the_floor_are_on_that_of_their_axis() {
+fn bodies_on_the_floor_of_amass_lie() {
     // On the back, prone on the arms, and standing for a while before: at heights of a pelvis.
     let back = about(Vector3::x(), -FRAC_PI_2);
     let prone = about(Vector3::x(), FRAC_PI_2 - 0.3);
     let none = UnitQuaternion::identity();
     let lain = [vec![none; 2], vec![back; 6]].concat();
     let heights = [vec![STANDING; 2], vec![0.12; 6]].concat();
+    let down = about(Vector3::x(), 2.0 * FRAC_PI_2);
     let scenes = [
         (vec![back; 4], vec![0.1; 4]),
         (vec![prone; 4], vec![0.45; 4]),
         (lain, heights),
+        // On the hands.
+        (vec![down; 4], vec![0.9; 4]),
     ];
     for (roots, heights) in &scenes {
         let shifts: Vec<Vector3> = (heights.iter())
             .map(|&height| Vector3::new(0.2, height, 0.0))
             .collect();
-        for up in [Upward::Y, Upward::Z] {
-            let found = read(roots, Some(&shifts), up);
-            let expected = read_as(roots, Some(&shifts), up, Some(up));
+        let told = Some(Upward::Z);
+        let rate = [("mocap_framerate", 60.0)];
+        let found = read_file(roots, Some(&shifts), (Upward::Z, None), &rate);
+        let expected = read_file(roots, Some(&shifts), (Upward::Z, told), &rate);
+        assert!(found.frames == expected.frames, "{:?}", found.notes);
+    }
+}
+
+#[test]
+fn whoever_stands_away_from_the_floor_stands() {
+    let roots = [UnitQuaternion::identity(); 6];
+    let step = |frame: usize| 0.07 * frame as f32;
+    // On a stage, with the pelvis at first at the origin, a child, on a rising floor.
+    let ways: [&dyn Fn(usize) -> [f32; 2]; 5] = [
+        &|_| [STANDING + 1.0, 0.5],
+        &|frame| [0.0, step(frame)],
+        &|_| [0.45 * STANDING, -0.07],
+        &|frame| [STANDING + 4.0 * step(frame), 0.5],
+        &|_| [0.0, 0.5],
+    ];
+    for way in ways {
+        let shifts: Vec<Vector3> = (0..roots.len())
+            .map(|frame| way(frame))
+            .map(|[height, forwards]| Vector3::new(0.0, height, forwards))
+            .collect();
+        for up in [Upward::Y, Upward::Z, Upward::MinusY] {
+            let found = read(&roots, Some(&shifts), up);
+            let expected = read_as(&roots, Some(&shifts), up, Some(up));
             assert!(found.frames == expected.frames, "{up}: {:?}", found.notes);
         }
     }
-    // On the hands it is where AMASS has the floor.
-    let down = about(Vector3::x(), 2.0 * FRAC_PI_2);
-    let shifts = [Vector3::new(0.0, 0.9, 0.0); 3];
-    let found = read(&[down; 3], Some(&shifts), Upward::Z);
-    let expected = read_as(&[down; 3], Some(&shifts), Upward::Z, Some(Upward::Z));
-    assert!(found.frames == expected.frames, "{:?}", found.notes);
 }

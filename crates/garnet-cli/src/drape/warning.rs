@@ -425,8 +425,8 @@ fn still_moving(path: &Path, share: f32) -> String {
 fn falling(path: &Path, share: f32) -> String {
     let (path, share) = (path.display(), 100.0 * share);
     format!(
-        "{share:.0} % of `{path}` still falls: nothing holds it on the body in this pose, or it needs \
-         more frames (`--settle FRAMES`)"
+        "{share:.0} % of `{path}` still falls when its frames are over: it needs more (`--settle \
+         FRAMES`), or nothing holds it on the body in this pose"
     )
 }
 

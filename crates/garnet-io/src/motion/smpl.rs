@@ -82,6 +82,9 @@ const RATE_KEYS: [&str; 5] = [
     "framerate",
 ];
 
+/// Keys that AMASS has, and few others.
+const AMASS_KEYS: [&str; 2] = ["mocap_framerate", "mocap_frame_rate"];
+
 /// A part of the frames in which an upright body tells where up is.
 const UPRIGHT: f32 = 0.5;
 
@@ -155,18 +158,28 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Motion, MotionP
         rotations: row[..NUM_BODY_JOINTS].to_vec(),
     });
     let mut frames: Vec<Pose> = frames.collect();
-    let detected = || detected_up(&skeleton, &frames, &shifts);
+    let lying = if first_of(&AMASS_KEYS).is_some() {
+        Lying::IN_AMASS
+    } else {
+        Lying::ANYWHERE
+    };
+    let detected = || detected_up(&skeleton, &frames, &shifts, &lying);
     let (up, doubt) = options.up.map_or_else(detected, |up| (up, None));
     let sort = if up == Upward::MinusY {
         " (that of a camera)"
     } else {
         ""
     };
-    let why = doubt.map(|other| match up {
-        Upward::Y | Upward::Z => {
+    let why = doubt.map(|doubt| match doubt {
+        Doubt::StandAlong(other) => {
             format!(", on whose floor the bodies lie: `--pose-up {other}` lets them stand")
         }
-        _ => format!(", since the bodies stand along it: `--pose-up {other}` reads it as AMASS is"),
+        Doubt::FloorOf(Upward::Z) => {
+            ", since the bodies stand along it: `--pose-up z` reads it as AMASS is".to_owned()
+        }
+        Doubt::FloorOf(other) => {
+            format!(", since the bodies stand along it: `--pose-up {other}` lays them on the floor")
+        }
     });
     let why = why.unwrap_or_default();
     notes.push(format!("{up}{sort} is read as the up axis{why}"));
@@ -214,75 +227,131 @@ fn turn_to_y_up(frames: &mut [Pose], up: Upward) {
 /// About so many frames tell which way is up.
 const FRAMES_LOOKED_AT: usize = 50;
 
+/// Another way up that a motion may have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Doubt {
+    /// The bodies lie, and stand along this one.
+    StandAlong(Upward),
+    /// The bodies stand, and are above the floor of this one, or that is the one of AMASS.
+    FloorOf(Upward),
+}
+
 /// Which way is up, and which one may be instead.
 ///
-/// Of y and z it is the one above whose floor the bodies are: the pelvis as high as that of who
-/// stands, sits or lies, and no joint far below. Where both are like that, it is the one along
-/// which the bodies stand, and that of AMASS where they lie. Where none is, the origin is no floor,
-/// and the bodies' own Y points up in the mean; where it points nowhere in particular, the only
-/// other axis above whose floor they are, and that of AMASS else.
+/// Bodies whose own Y points along an axis in the mean stand along it, unless they lie on the floor
+/// of AMASS, in which z is up. Else they are above the floor of y or z: the pelvis as high as that
+/// of who stands, sits or lies, and no joint far below; of another axis, if it is the only one; and
+/// of AMASS otherwise.
 fn detected_up(
     skeleton: &Skeleton,
     frames: &[Pose],
     shifts: &[Vector3],
-) -> (Upward, Option<Upward>) {
+    lying: &Lying,
+) -> (Upward, Option<Doubt>) {
     let step = frames.len().div_ceil(FRAMES_LOOKED_AT).max(1);
     let some: Vec<&Pose> = frames.iter().step_by(step).collect();
+    let mean = |sum: f32| sum / some.len().max(1) as f32;
     let uprights = some.iter().map(|pose| pose.rotations[0] * Vector3::y());
     let upward = uprights.sum::<Vector3>() / some.len().max(1) as f32;
     let nearest = Upward::nearest(&upward);
     let stands = nearest.direction().dot(&upward) > UPRIGHT;
     let is_usual = matches!(nearest, Upward::Y | Upward::Z | Upward::MinusY);
-    let standing = (nearest, (!is_usual).then_some(Upward::Z));
+    let standing = |doubt: Option<Doubt>| {
+        let unusual = (!is_usual).then_some(Doubt::FloorOf(Upward::Z));
+        (nearest, doubt.or(unusual))
+    };
     // Without shifts there is no floor.
     if shifts.iter().all(|shift| *shift == Vector3::zeros()) {
-        return if stands { standing } else { (Upward::Z, None) };
-    }
-    let share = |up: Upward| {
-        let likely = some.iter().map(|pose| likely_above(skeleton, pose, up));
-        likely.sum::<f32>() / some.len().max(1) as f32
-    };
-    let [y, z] = [Upward::Y, Upward::Z].map(share);
-    let other = |up: Upward| (stands && nearest != up).then_some(nearest);
-    if y.max(z) > MOST_LIKELY {
-        let of_floor = match (y - z).abs() > APART {
-            true if y > z => Upward::Y,
-            false if stands && nearest == Upward::Y => Upward::Y,
-            _ => Upward::Z,
+        return if stands {
+            standing(None)
+        } else {
+            (Upward::Z, None)
         };
-        return (of_floor, other(of_floor));
     }
-    if stands && nearest == Upward::MinusZ && z >= UPSIDE_DOWN * MOST {
-        // On the hands, above the floor of AMASS.
-        return (Upward::Z, Some(nearest));
-    }
+    let likely = |up: Upward| {
+        mean(
+            some.iter()
+                .map(|pose| likely_above(skeleton, pose, up))
+                .sum(),
+        )
+    };
+    let share = |up: Upward, is_there: &dyn Fn(f32, f32) -> bool| {
+        let there = some.iter().filter(|pose| {
+            let [pelvis, lowest] = heights(skeleton, pose, up);
+            is_there(pelvis, lowest)
+        });
+        there.count() as f32 / some.len().max(1) as f32
+    };
     if stands {
-        return standing;
+        let lies =
+            |pelvis, lowest| lying.pelvis.contains(&pelvis) && lying.lowest.contains(&lowest);
+        let may_lie = nearest != Upward::Z && share(Upward::Z, &lies) > MOST;
+        let is_near = |_, lowest| NEAR_FLOOR.contains(&lowest);
+        let may_stand = nearest == Upward::Y && share(nearest, &is_near) > UPRIGHT;
+        // On the hands they are above the floor of AMASS, too.
+        let is_upside_down = nearest == Upward::MinusZ && likely(Upward::Z) >= UPSIDE_DOWN * MOST;
+        if may_lie && !may_stand || is_upside_down {
+            return (Upward::Z, Some(Doubt::StandAlong(nearest)));
+        }
+        let lie_elsewhere = nearest == Upward::Z
+            && likely(Upward::Y) > MOST_LIKELY
+            && likely(Upward::Z) < MOST_LIKELY;
+        return standing(lie_elsewhere.then_some(Doubt::FloorOf(Upward::Y)));
+    }
+    let [y, z] = [Upward::Y, Upward::Z].map(likely);
+    if y.max(z) > MOST_LIKELY {
+        let is_y = y > z + APART;
+        return (if is_y { Upward::Y } else { Upward::Z }, None);
     }
     let mut others = Upward::ALL.into_iter();
-    let likely = others.find(|&up| share(up) > MOST_LIKELY);
-    (likely.unwrap_or(Upward::Z), None)
+    let other = others.find(|&up| likely(up) > MOST_LIKELY);
+    (other.unwrap_or(Upward::Z), None)
 }
 
-/// How likely a pose is with this way up, above a floor at the origin: 1 for who stands, sits or
-/// lies, less for who is upside down, and 0 for who hovers or is below.
-fn likely_above(skeleton: &Skeleton, pose: &Pose, up: Upward) -> f32 {
+/// How high pelvis and lowest joint are above the floor, in metres, of bodies that lie on it.
+struct Lying {
+    pelvis: RangeInclusive<f32>,
+    lowest: RangeInclusive<f32>,
+}
+
+impl Lying {
+    /// In any file: none of those whose origin is at the pelvis.
+    const ANYWHERE: Self = Self {
+        pelvis: f32::NEG_INFINITY..=f32::INFINITY,
+        lowest: 0.01..=0.25,
+    };
+    /// In files with the keys of AMASS, whose floor is at the origin.
+    const IN_AMASS: Self = Self {
+        pelvis: 0.04..=1.2,
+        lowest: -0.15..=0.2,
+    };
+}
+
+/// How high the lowest joint of who stands is above the floor, in metres: of bodies of another size,
+/// origin or with jumps, too.
+const NEAR_FLOOR: RangeInclusive<f32> = -0.2..=0.45;
+
+/// How high pelvis and lowest joint are, in metres.
+fn heights(skeleton: &Skeleton, pose: &Pose, up: Upward) -> [f32; 2] {
     let up = up.direction();
-    let height = (pose.root_translation + Vector3::from(JOINTS[0].2)).dot(&up);
-    let upright = (pose.rotations[0] * Vector3::y()).dot(&up);
-    if !PELVIS.contains(&height) {
-        return 0.0;
-    }
+    let pelvis = (pose.root_translation + Vector3::from(JOINTS[0].2)).dot(&up);
     let Ok(transforms) = skeleton.transforms(pose) else {
-        return 0.0;
+        return [pelvis, f32::NAN];
     };
     let joints = skeleton.joints().iter().zip(&transforms);
     let heights = joints.map(|(joint, transform)| {
         let place = transform * joint.rest_position;
         place.coords.dot(&up)
     });
-    let lowest = heights.fold(f32::INFINITY, f32::min);
-    match LOWEST.contains(&lowest) {
+    [pelvis, heights.fold(f32::INFINITY, f32::min)]
+}
+
+/// How likely a pose is with this way up, above a floor at the origin: 1 for who stands, sits or
+/// lies, less for who is upside down, and 0 for who hovers or is below.
+fn likely_above(skeleton: &Skeleton, pose: &Pose, up: Upward) -> f32 {
+    let [pelvis, lowest] = heights(skeleton, pose, up);
+    let upright = (pose.rotations[0] * Vector3::y()).dot(&up.direction());
+    match PELVIS.contains(&pelvis) && LOWEST.contains(&lowest) {
         true if upright < -UPRIGHT => UPSIDE_DOWN,
         true => 1.0,
         false => 0.0,

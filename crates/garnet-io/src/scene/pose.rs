@@ -689,8 +689,8 @@ fn of_library(name: &str, angles: &BodyAngles, body: &Body) -> Result<Posing, Po
 
 /// Bodies that are nearer to the origin than this, in metres, or look to the front but for so many
 /// radians, stand as poses have it.
-const AT_ORIGIN: f32 = 0.3;
-const TO_FRONT: f32 = 0.3;
+const AT_ORIGIN: f32 = 0.1;
+const TO_FRONT: f32 = 0.1;
 
 /// Brings a pose, which stands at the origin and looks along +z, to where the body stands at rest.
 fn keep_place(skeleton: &Skeleton, pose: &mut Pose) {
@@ -702,10 +702,11 @@ fn keep_place(skeleton: &Skeleton, pose: &mut Pose) {
     let joints = skeleton.joints();
     let hips = joints[figure.pelvis()].rest_position;
     let place = Vector3::new(hips.x, 0.0, hips.z);
-    let mut roots = (0..joints.len()).filter(|&joint| joints[joint].parent.is_none());
-    let (Some(root), None) = (roots.next(), roots.next()) else {
-        return;
-    };
+    // Other roots, of props, are not turned.
+    let mut root = figure.pelvis();
+    while let Some(parent) = joints[root].parent {
+        root = parent;
+    }
     if place.norm() < AT_ORIGIN && heading.abs() < TO_FRONT {
         return;
     }
