@@ -187,7 +187,7 @@ fn whoever_stands_away_from_the_floor_stands() {
     ];
     for way in ways {
         let shifts: Vec<Vector3> = (0..roots.len())
-            .map(|frame| way(frame))
+            .map(way)
             .map(|[height, forwards]| Vector3::new(0.0, height, forwards))
             .collect();
         for up in [Upward::Y, Upward::Z, Upward::MinusY] {
