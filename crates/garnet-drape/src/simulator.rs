@@ -589,8 +589,8 @@ fn size_of(garment: &BoundGarment, body: &Body) -> f32 {
     }
 }
 
-/// Cloth that goes down faster than this falls, m/s: an eighth of a second of free fall, which hems
-/// that swing to rest do not reach. Less takes them for falling.
+/// Cloth that goes down faster than this falls, m/s: so fast it is after a hundredth of a second of
+/// free fall. Less takes hems that swing to rest for falling.
 const FALLING: f32 = 0.12;
 
 /// Whether lengths stay as they are.

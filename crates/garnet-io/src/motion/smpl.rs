@@ -327,8 +327,8 @@ impl Lying {
     };
 }
 
-/// How high the lowest joint of who stands is above the floor, in metres: of bodies of another size,
-/// origin or with jumps, too.
+/// How high the lowest joint of who stands is above the floor, in metres: of bodies of another
+/// size, origin or with jumps, too.
 const NEAR_FLOOR: RangeInclusive<f32> = -0.2..=0.45;
 
 /// How high pelvis and lowest joint are, in metres.
