@@ -7,12 +7,10 @@ The time is the median of the drapes after the first one, from a posed body in m
 """
 
 import argparse
-import statistics
-import time
 
 import garnet
 
-from scene import Scene, arguments
+from scene import Scene, arguments, median_time
 
 
 def main():
@@ -22,12 +20,9 @@ def main():
     options = parser.parse_args()
     scene = Scene(options)
     for method in options.methods:
-        times = []
-        for _ in range(options.runs + 1):
-            start = time.perf_counter()
-            places = garnet.drape(scene.package, scene.target, method=method)
-            times.append(time.perf_counter() - start)
-        scene.verdict(f"garnet {method}", "as it comes", places, statistics.median(times[1:]))
+        drape = lambda: garnet.drape(scene.package, scene.target, method=method)
+        places, seconds = median_time(drape, options.runs)
+        scene.verdict(f"garnet {method}", "as it comes", places, seconds)
 
 
 if __name__ == "__main__":

@@ -12,16 +12,14 @@ safetensors beside what the other peers need.
 
 import argparse
 import pathlib
-import statistics
 import subprocess
 import sys
 import tempfile
-import time
 
 import numpy as np
 import torch
 
-from scene import Scene, arguments, read_vertices
+from scene import Scene, arguments, median_time, read_vertices
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "python"))
 
@@ -56,16 +54,12 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             (header, case), there = exported(options, method, pathlib.Path(folder))
         model = package_torch.load(options.package, header["variant"], case)
-        times = []
         with torch.no_grad():
-            for _ in range(options.runs + 1):
-                start = time.perf_counter()
-                found = model(case)
-                times.append(time.perf_counter() - start)
+            found, seconds = median_time(lambda: model(case), options.runs)
         known = case["output.positions"].numpy().astype(float)
         places = brought(found.numpy().astype(float), known, there)
         settings = f"torch {torch.__version__}, {torch.get_num_threads()} threads, the network alone"
-        scene.verdict(f"PyTorch {method}", settings, places, statistics.median(times[1:]))
+        scene.verdict(f"PyTorch {method}", settings, places, seconds)
 
 
 if __name__ == "__main__":

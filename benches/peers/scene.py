@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import platform
+import statistics
 import subprocess
 import tempfile
 import time
@@ -118,6 +119,16 @@ class Scene:
             **judged,
         }
         print(json.dumps(line), flush=True)
+
+
+def median_time(call, runs):
+    """What a call gives, and the median time of so many after the first one."""
+    times = []
+    for _ in range(runs + 1):
+        start = time.perf_counter()
+        found = call()
+        times.append(time.perf_counter() - start)
+    return found, statistics.median(times[1:])
 
 
 def axis_angle(turn):

@@ -1,6 +1,6 @@
 //! Poses as JSON.
 
-use std::{fmt, path::Path};
+use std::{fmt, marker::PhantomData, path::Path};
 
 use garnet_body::motion::joint_named;
 use garnet_skin::{Pose, Skeleton, SkinError, Vector3};
@@ -33,7 +33,7 @@ struct PoseFileJson {
     up: Option<String>,
     frames: Option<Vec<PoseJson>>,
     joint_order: Option<Vec<String>>,
-    joints: Option<Rotations>,
+    joints: Option<Entries<[f64; 4]>>,
     local_rotation_xyzw: Option<Vec<[f64; 4]>>,
     joint_transforms_row_major_4x4: Option<Vec<Vec<f64>>>,
     root_translation: Option<[f64; 3]>,
@@ -42,7 +42,7 @@ struct PoseFileJson {
 #[derive(Debug, Deserialize)]
 struct PoseJson {
     joint_order: Option<Vec<String>>,
-    joints: Option<Rotations>,
+    joints: Option<Entries<[f64; 4]>>,
     local_rotation_xyzw: Option<Vec<[f64; 4]>>,
     joint_transforms_row_major_4x4: Option<Vec<Vec<f64>>>,
     root_translation: Option<[f64; 3]>,
@@ -86,9 +86,9 @@ fn parse(bytes: &[u8], frame: Option<usize>, skeleton: &Skeleton) -> Result<Pose
     let is_empty = file
         .joints
         .as_ref()
-        .is_some_and(|Rotations(list)| list.is_empty());
-    let Keys(keys) = json::parse(bytes)?;
-    check_keys(&keys, is_empty, skeleton)?;
+        .is_some_and(|Entries(list)| list.is_empty());
+    let Entries(entries) = json::parse(bytes)?;
+    check_keys(&entries, is_empty, skeleton)?;
     let units = Frame {
         units: file.units,
         up: file.up,
@@ -115,31 +115,31 @@ fn parse(bytes: &[u8], frame: Option<usize>, skeleton: &Skeleton) -> Result<Pose
     pose_of(pose, skeleton, metres)
 }
 
-/// Rotations by joint, in the order of the file, whose names may be there twice.
+/// The entries of an object in the order of the file, in which a key may be there twice.
 #[derive(Debug)]
-struct Rotations(Vec<(String, [f64; 4])>);
+struct Entries<V>(Vec<(String, V)>);
 
-impl<'de> Deserialize<'de> for Rotations {
+impl<'de, V: Deserialize<'de>> Deserialize<'de> for Entries<V> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OfObject;
+        struct OfObject<V>(PhantomData<V>);
 
-        impl<'de> Visitor<'de> for OfObject {
-            type Value = Rotations;
+        impl<'de, V: Deserialize<'de>> Visitor<'de> for OfObject<V> {
+            type Value = Entries<V>;
 
             fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("an object of joints and quaternions")
+                formatter.write_str("an object")
             }
 
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Rotations, A::Error> {
-                let mut rotations = Vec::new();
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Entries<V>, A::Error> {
+                let mut entries = Vec::new();
                 while let Some(entry) = map.next_entry()? {
-                    rotations.push(entry);
+                    entries.push(entry);
                 }
-                Ok(Rotations(rotations))
+                Ok(Entries(entries))
             }
         }
 
-        deserializer.deserialize_map(OfObject)
+        deserializer.deserialize_map(OfObject(PhantomData))
     }
 }
 
@@ -221,37 +221,15 @@ const READ_KEYS: [&str; 9] = [
     "root_translation",
 ];
 
-/// The keys of an object.
-struct Keys(Vec<String>);
-
-impl<'de> Deserialize<'de> for Keys {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OfObject;
-
-        impl<'de> Visitor<'de> for OfObject {
-            type Value = Keys;
-
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("an object")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Keys, A::Error> {
-                let mut keys = Vec::new();
-                while let Some((key, IgnoredAny)) = map.next_entry()? {
-                    keys.push(key);
-                }
-                Ok(Keys(keys))
-            }
-        }
-
-        deserializer.deserialize_map(OfObject)
-    }
-}
-
 /// Refuses joints beside `joints`, and files that have something else in place of joints: nothing
 /// of that would be turned.
-fn check_keys(keys: &[String], is_empty: bool, skeleton: &Skeleton) -> Result<(), FileProblem> {
-    let mut others = keys.iter().filter(|key| !READ_KEYS.contains(&key.as_str()));
+fn check_keys(
+    entries: &[(String, IgnoredAny)],
+    is_empty: bool,
+    skeleton: &Skeleton,
+) -> Result<(), FileProblem> {
+    let keys = entries.iter().map(|(key, _)| key);
+    let mut others = keys.filter(|key| !READ_KEYS.contains(&key.as_str()));
     let wrong = others.find(|key| is_empty || joint_of(key, skeleton).is_ok());
     wrong.map_or(Ok(()), |key| {
         Err(FileProblem::Field {
@@ -280,7 +258,7 @@ fn pose_of(json: PoseJson, skeleton: &Skeleton, metres: f64) -> Result<Pose, Fil
     if fields.contains(&"joints") && fields.len() > 1 {
         return Err(FileProblem::SeveralPoses { fields });
     }
-    if let Some(Rotations(by_name)) = json.joints {
+    if let Some(Entries(by_name)) = json.joints {
         let pairs = by_name.iter().map(|(name, xyzw)| (name.as_str(), *xyzw));
         turn(&mut pose, pairs, "joints", skeleton)?;
     } else if let Some(rotations) = json.local_rotation_xyzw {

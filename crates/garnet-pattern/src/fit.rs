@@ -123,16 +123,20 @@ impl Parameters {
     /// % at the waist. Jeans must hold: from -4 % to 6 % under the waistband, or of 97 % of the hip
     /// under a belly. On tighter bodies the simulated drapes of many poses fold through themselves
     /// or are strained by a fifth and more.
+    #[expect(
+        clippy::missing_panics_doc,
+        reason = "a garment has the girths of its pattern"
+    )]
     pub fn fit(&self, cut: &Measures, wearer: &Measures) -> Fit {
         let place = |place, garment: f64, body: f64, low, high| Ease {
             place,
             share: garment / body - 1.0,
             allowed: [low, high],
         };
-        let girth = |of: &'static str| {
-            let finished = self.finished(cut).into_iter();
-            let mut finished = finished.filter(|finished| finished.place == of);
-            finished.next().map_or(f64::NAN, |finished| finished.girth)
+        let finished = self.finished(cut);
+        let girth = |of: &str| {
+            let found = finished.iter().find(|finished| finished.place == of);
+            found.expect("the pattern has this girth").girth
         };
         let eases = match self.garment() {
             kind @ (GarmentKind::Tshirt | GarmentKind::Sweater) => {

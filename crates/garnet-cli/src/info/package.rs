@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, path::Path};
 
 use garnet::Package;
 use garnet::package::{GarmentPackage, Variant};
-use garnet::pattern::{GarmentKind, ParameterUnit, Size};
+use garnet::pattern::{GarmentKind, Size};
 use serde::Serialize;
 
 use super::table::Table;
@@ -111,15 +111,8 @@ impl PackageInfo {
         let specs = kind
             .and_then(Result::ok)
             .map_or(&[][..], GarmentKind::specs);
-        let unit = specs
-            .iter()
-            .find(|spec| spec.name == name)
-            .map(|spec| spec.unit);
-        match unit {
-            Some(ParameterUnit::Metre) => format!("{:.1} cm", 100.0 * value),
-            Some(ParameterUnit::Share) => format!("{:.1} %", 100.0 * value),
-            _ => value.to_string(),
-        }
+        let spec = specs.iter().find(|spec| spec.name == name);
+        spec.map_or_else(|| value.to_string(), |spec| spec.shown(value))
     }
 
     pub(crate) fn fill(&self, table: &mut Table) {
