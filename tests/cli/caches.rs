@@ -4,7 +4,7 @@ use std::{fs, path::Path, process::Command};
 
 use garnet::{
     Point3,
-    io::{NpzFile, ObjFile},
+    io::{NpzFile, ObjFile, read_mesh_frames},
 };
 use serde_json::Value;
 
@@ -35,6 +35,37 @@ fn points(bytes: &[u8]) -> Vec<Point3> {
     let (points, rest) = floats.as_chunks::<3>();
     assert!(rest.is_empty());
     points.iter().copied().map(Point3::from).collect()
+}
+
+#[test]
+fn a_glb_is_played_again() {
+    let fixture = Fixture::new();
+    bending(&fixture, 7);
+    done(&fixture, &format!("{MOTION} -o out -q"));
+    done(&fixture, &format!("{MOTION} -o out.glb -q"));
+    let frames = read_mesh_frames(fixture.path("out.glb")).unwrap().unwrap();
+    assert!(frames.fps.unwrap() > 1.0);
+    assert_eq!(frames.positions.len(), 7);
+    for (number, found) in frames.positions.iter().enumerate() {
+        // The body comes after the garment, whose vertices may be split and in another order.
+        let path = fixture.path(&format!("out/bending_{number:04}.obj"));
+        let garment = ObjFile::read(path).unwrap();
+        for vertex in garment.positions() {
+            let nearest = found.iter().map(|other| (other - vertex).norm());
+            let nearest = nearest.min_by(f32::total_cmp).unwrap();
+            assert!(nearest < 1e-5, "frame {number}: {nearest}");
+        }
+    }
+    let output = fixture.garnet("render out.glb -o out.gif --size 90x120");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let told = stderr(&output);
+    assert!(
+        told.contains("7 of 7 frames") && !told.contains("note"),
+        "{told}"
+    );
+    let output = fixture.garnet("view out.glb -o out.html");
+    let told = stderr(&output);
+    assert!(told.contains("2 meshes, 7 frames"), "{told}");
 }
 
 #[test]
@@ -439,4 +470,22 @@ fn a_network_drapes_key_frames_and_other_frames_lie_between() {
     let second = second.iter().map(|number| number + count / 2);
     let parts: Vec<usize> = first.into_iter().chain(second).collect();
     assert_eq!(parts, numbers);
+}
+
+#[test]
+fn info_tells_frames_of_a_mesh() {
+    let fixture = Fixture::new();
+    bending(&fixture, 7);
+    done(&fixture, &format!("{MOTION} -o all.npz -q"));
+    done(&fixture, &format!("{MOTION} -o all.glb -q"));
+    for name in ["all.npz", "all.glb"] {
+        let output = fixture.garnet(&format!("info {name}"));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let told = stdout(&output);
+        let words: Vec<&str> = told.split_whitespace().collect();
+        assert!(
+            words.windows(2).any(|pair| pair == ["frames", "7"]),
+            "{told}"
+        );
+    }
 }

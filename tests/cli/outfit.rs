@@ -192,3 +192,15 @@ fn what_is_no_outfit_is_refused_with_what_to_do() {
         refused(&fixture, arguments, &[words]);
     }
 }
+
+#[test]
+fn an_outfit_is_shown_on_one_page() {
+    let fixture = wardrobe();
+    let output =
+        fixture.garnet("drape tee woman.obj --layer jeans -o out --method warp --view out.html");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let page = String::from_utf8(fixture.read("out.html")).unwrap();
+    for name in ["tee", "jeans", "body"] {
+        assert!(page.contains(&format!("\"name\":\"{name}\"")), "{name}");
+    }
+}

@@ -299,7 +299,7 @@ fn what_is_left_out_of_a_glb_is_told_by_pictures_and_pages() {
         "buffers": [{"byteLength": binary.len()}],
     });
     fixture.bytes("mesh.glb", &glb::container(&scene, &binary));
-    let note = "of `mesh.glb` the body is `Cloth`; left out: `Guides` (points or lines)";
+    let note = "of `mesh.glb` the mesh is `Cloth`; left out: `Guides` (points or lines)";
     for output in ["page.html", "picture.png"] {
         let command = if output == "page.html" {
             "view"
@@ -315,15 +315,4 @@ fn what_is_left_out_of_a_glb_is_told_by_pictures_and_pages() {
         let told = stderr(&written);
         assert!(told.contains(&format!("note: {note}")), "{told}");
     }
-}
-
-#[test]
-fn frames_of_a_glb_that_are_not_shown_are_told() {
-    let fixture = Fixture::new();
-    let drape = "drape sleeve.obj bent.obj more.obj --rest-body body.obj -o moving.glb";
-    done(&fixture, drape);
-    let output = fixture.garnet("render moving.glb -o moving.png");
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let told = stderr(&output);
-    assert!(told.contains("(its shapes in later frames)"), "{told}");
 }

@@ -10,8 +10,8 @@ use anyhow::{Context, ensure};
 use garnet::{
     Point3, TriMesh,
     io::{
-        ArrayProblem, FileProblem, Frame, NpzFile, ObjFile, PartsNote, RigOptions, is_rig,
-        read_shown_mesh,
+        ArrayProblem, FileProblem, Frame, LeftOut, NpzFile, ObjFile, PartsNote, RigOptions,
+        RigPart, is_rig, read_mesh_frames, read_shown_mesh,
     },
     mesh::{Unit, UpAxis},
 };
@@ -33,7 +33,8 @@ pub(crate) struct Moving {
 }
 
 impl Moving {
-    /// Reads a mesh, a folder of OBJ files, or an npz with the positions of all frames.
+    /// Reads a mesh, a folder of OBJ files, an npz with the positions of all frames, or a GLB whose
+    /// meshes change their shapes.
     pub(crate) fn read(path: &Path, options: &RigOptions, up: UpAxis) -> anyhow::Result<Self> {
         if path.is_dir() {
             return Self::in_folder(path, up);
@@ -48,12 +49,36 @@ impl Moving {
         let parts = joined.map_or(&[][..], |note| &note.parts).iter();
         let parts = parts.filter(|part| part.left_out.is_none());
         let parts = parts.map(|part| part.num_faces).collect();
-        let note = shown.note.or(shown.rig_note);
-        Ok(Self {
+        let mut note = shown.note.or(shown.rig_note);
+        let mut moving = Self {
             parts,
-            note: note.filter(PartsNote::leaves_out),
             ..Self::still(path, shown.file, up)
-        })
+        };
+        let is_later = |part: &RigPart| part.left_out == Some(LeftOut::LaterShapes);
+        if let Some(note) = note.as_mut().filter(|note| note.parts.iter().any(is_later)) {
+            moving.play(path)?;
+            note.parts.retain(|part| !is_later(part));
+        }
+        moving.note = note.filter(PartsNote::leaves_out);
+        Ok(moving)
+    }
+
+    /// Takes the frames of an animation that changes the shapes of the meshes of a GLB.
+    fn play(&mut self, path: &Path) -> anyhow::Result<()> {
+        let Some(frames) = read_mesh_frames(path)? else {
+            return Ok(());
+        };
+        let mut positions = frames.positions.into_iter();
+        if let Some(first) = positions.next().filter(|_| positions.len() > 0) {
+            let first = self.file.mesh()?.with_positions(first);
+            let first = first.with_context(|| format!("cannot read `{}`", path.display()))?;
+            self.file = ObjFile::of_mesh(&first, path)?;
+            self.later = positions.collect();
+            self.fps = frames.fps;
+            let count = 1 + self.later.len();
+            self.names = (0..count).map(|frame| format!("frame {frame}")).collect();
+        }
+        Ok(())
     }
 
     fn still(path: &Path, file: ObjFile, up: UpAxis) -> Self {
@@ -79,7 +104,7 @@ impl Moving {
         let &[garment, body] = &self.parts[..] else {
             return Ok(vec![self]);
         };
-        if garment + body != faces.len() || !self.later.is_empty() {
+        if garment + body != faces.len() {
             return Ok(vec![self]);
         }
         let cannot = || format!("cannot read `{}`", self.path.display());
@@ -87,12 +112,19 @@ impl Moving {
         let part = |faces: &[[u32; 3]]| -> anyhow::Result<Self> {
             let named: BTreeSet<u32> = faces.iter().flatten().copied().collect();
             let number: BTreeMap<u32, u32> = named.iter().copied().zip(0..).collect();
-            let positions = self.file.positions();
-            let positions = named.iter().map(|&vertex| positions[vertex as usize]);
+            let of_part = |positions: &[Point3]| -> Vec<Point3> {
+                let vertices = named.iter();
+                vertices.map(|&vertex| positions[vertex as usize]).collect()
+            };
             let faces = faces.iter().map(|face| face.map(|vertex| number[&vertex]));
-            let mesh = TriMesh::new(positions.collect(), faces.collect());
+            let mesh = TriMesh::new(of_part(self.file.positions()), faces.collect());
             let file = ObjFile::of_mesh(&mesh.with_context(cannot)?, &self.path)?;
-            Ok(Self::still(&self.path, file, self.frame.up))
+            Ok(Self {
+                later: self.later.iter().map(|frame| of_part(frame)).collect(),
+                names: self.names.clone(),
+                fps: self.fps,
+                ..Self::still(&self.path, file, self.frame.up)
+            })
         };
         let (mut garment, body) = (part(garment)?, part(body)?);
         garment.note = self.note;
@@ -117,13 +149,13 @@ impl Moving {
                 "name a mesh, or a folder with an OBJ for each frame",
             ));
         };
-        let mut moving = Self::still(folder, ObjFile::read(first)?, up);
+        let mut moving = Self::still(folder, ObjFile::read_regular(first)?, up);
         if others.is_empty() {
             return Ok(moving);
         }
         let faces = moving.file.triangles();
         for path in others {
-            let file = ObjFile::read(path)?;
+            let file = ObjFile::read_regular(path)?;
             if file.num_vertices() != moving.file.num_vertices() || file.triangles() != faces {
                 return Err(refused(
                     format!("`{}` is no motion", folder.display()),
@@ -208,6 +240,11 @@ impl Moving {
                 .collect();
         }
         Ok(Some(moving))
+    }
+
+    /// What was left out of the file.
+    pub(crate) fn note(&self) -> Option<&PartsNote> {
+        self.note.as_ref()
     }
 
     pub(crate) fn path(&self) -> &Path {

@@ -35,7 +35,7 @@ mod units;
 mod weights_json;
 
 pub use self::cache::{CacheError, CacheKind, CachePart, CacheWriter};
-pub use self::gltf::{GltfProblem, LeftOut, RigPart, read_rig_gltf};
+pub use self::gltf::{GltfProblem, LeftOut, MeshFrames, RigPart, read_rig_gltf};
 pub use align::{Alignment, aligned, threaded_openings};
 pub use error::{FileError, FileProblem};
 pub use motion::{MotionError, MotionProblem, Take, TakeError};
@@ -52,8 +52,8 @@ pub use rig_npz::{WriteRigError, read_rig_npz, rig_npz, write_rig_npz};
 pub use scene::{
     Frame, MotionOptions, NamedPose, OwnBody, PoseError, PoseNote, PoseProblem, PoseSource, Posing,
     RestSource, RigRest, Scene, SceneError, SceneFiles, SceneGarment, SceneProblem, SceneUnits,
-    ShownMesh, Target, TargetSource, is_rig, largest_distance, read_mesh, read_mesh_of,
-    read_shown_mesh, rig_beside,
+    ShownMesh, Target, TargetSource, is_rig, largest_distance, read_mesh, read_mesh_frames,
+    read_mesh_of, read_shown_mesh, rig_beside,
 };
 pub use scene_json::SceneJson;
 pub use sleeves::{EmptySleeve, empty_sleeves};

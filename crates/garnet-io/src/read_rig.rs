@@ -70,13 +70,30 @@ pub struct PartsNote {
     pub path: PathBuf,
     /// Its meshes.
     pub parts: Vec<RigPart>,
+    /// Whether they are the body of a skeleton; all meshes of a file without any are read.
+    pub has_skeleton: bool,
 }
 
 impl PartsNote {
-    /// A note of the meshes of a file; none of a single mesh.
+    /// A note of the meshes of a skeleton; none of a single mesh.
     pub(crate) fn of(path: &Path, parts: Vec<RigPart>) -> Option<Self> {
         let path = path.to_path_buf();
-        (parts.len() > 1).then_some(Self { path, parts })
+        let has_skeleton = true;
+        (parts.len() > 1).then_some(Self {
+            path,
+            parts,
+            has_skeleton,
+        })
+    }
+
+    /// A note of the meshes of a file without skeletons; none of a single mesh.
+    pub(crate) fn of_bare(path: &Path, parts: Vec<RigPart>) -> Option<Self> {
+        let has_skeleton = false;
+        let note = Self::of(path, parts)?;
+        Some(Self {
+            has_skeleton,
+            ..note
+        })
     }
 
     /// Whether a mesh is left out.
@@ -92,7 +109,12 @@ impl fmt::Display for PartsNote {
             self.parts.iter().partition(|part| part.left_out.is_some());
         let body: Vec<String> = body.into_iter().map(named).collect();
         let path = self.path.display();
-        write!(formatter, "of `{path}` the body is {}", body.join(", "))?;
+        let read = match (self.has_skeleton, &body[..]) {
+            (true, _) => "the body is",
+            (false, [_]) => "the mesh is",
+            (false, _) => "the meshes are",
+        };
+        write!(formatter, "of `{path}` {read} {}", body.join(", "))?;
         if out.is_empty() {
             return Ok(());
         }
@@ -100,9 +122,8 @@ impl fmt::Display for PartsNote {
             let reason = part.left_out.map_or("", gltf::LeftOut::name);
             format!("`{}` ({reason})", part.name)
         };
-        let can_choose = out
-            .iter()
-            .any(|part| part.left_out != Some(gltf::LeftOut::NoFaces));
+        let is_mesh = |part: &&RigPart| part.left_out != Some(gltf::LeftOut::NoFaces);
+        let can_choose = self.has_skeleton && out.iter().any(is_mesh);
         let out: Vec<String> = out.into_iter().map(told).collect();
         write!(formatter, "; left out: {}", out.join(", "))?;
         if can_choose {
@@ -229,11 +250,16 @@ fn check_roles(skeleton: &Skeleton, roles: &[String]) -> Result<(), FileProblem>
         let parent = |&joint: &usize| skeleton.joints()[joint].parent;
         successors(parent(&joint), parent).any(|above| above == other)
     };
-    let pairs = CHAINS.iter().flat_map(|chain| chain.windows(2));
-    for (upper, lower) in pairs.map(|pair| (pair[0], pair[1])) {
-        let (Some(&above), Some(&below)) = (joints.get(upper), joints.get(lower)) else {
-            continue;
-        };
+    // What lies between may be unknown.
+    let known = CHAINS.map(|chain| {
+        let known = chain
+            .iter()
+            .copied()
+            .filter_map(|role| joints.get_key_value(role));
+        known.collect::<Vec<_>>()
+    });
+    let pairs = known.iter().flat_map(|chain| chain.windows(2));
+    for ((&upper, &above), (&lower, &below)) in pairs.map(|pair| (pair[0], pair[1])) {
         // Hips of some rigs hang beside the spine, but the bones of a limb hang together.
         let is_limb = upper != "pelvis";
         let is_wrong = is_below(above, below) || (is_limb && !is_below(below, above));

@@ -7,6 +7,7 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
+    Drape, PosedBody,
     drape::{LayerPair, Outfit},
     package::GarmentPackage,
 };
@@ -24,12 +25,14 @@ use super::{
     report_of, summary,
     tailored::by_wearer,
     timing::{readable, timed},
+    viewing::Viewing,
     warning::Warning,
 };
 use crate::{
     console::{Console, print_document},
     failure::{ExitStatus, refused},
     output,
+    view::write_drapes,
 };
 
 /// Of layers of which a larger share of the faces of one crosses the other it is told that they
@@ -300,6 +303,7 @@ fn drape(
         draped.drape = drape;
     }
     let mut reports = Vec::with_capacity(garments.len());
+    let mut shown = Vec::with_capacity(garments.len());
     for (garment, draped) in garments.iter_mut().zip(drapes) {
         let seconds = draped.time.fit + draped.time.of_drape();
         let finished = garment.frame(console, &stop).finished(0, draped, None)?;
@@ -309,8 +313,10 @@ fn drape(
             problem,
         });
         garment.ready.bound.warnings.extend(warnings);
+        shown.push((finished.drape, finished.posed));
         reports.push((finished.output, seconds));
     }
+    view(&garments, &shown, console)?;
     let reports = garments
         .into_iter()
         .zip(reports)
@@ -330,6 +336,30 @@ fn drape(
             (report, garment.job)
         });
     Ok((reports.collect(), layers))
+}
+
+/// Writes the page of all garments on their body, if one is asked for.
+fn view(
+    garments: &[Garment],
+    shown: &[(Drape, PosedBody)],
+    console: &Console,
+) -> anyhow::Result<()> {
+    let Some(path) = garments.first().and_then(|inner| inner.job.view.as_deref()) else {
+        return Ok(());
+    };
+    let bodies = garments
+        .iter()
+        .map(|garment| garment.ready.bound.rest_faces());
+    let bodies: Vec<Vec<[u32; 3]>> = bodies.collect();
+    let mut all = Vec::with_capacity(garments.len());
+    for ((garment, body), (drape, posed)) in garments.iter().zip(&bodies).zip(shown) {
+        let bound = &garment.ready.bound;
+        let fitting = garment.ready.fitting.as_ref().ok();
+        let mut viewing = Viewing::new(path);
+        viewing.see((bound, &bound.targets[0]), fitting, drape, posed)?;
+        all.push(viewing.drapes((bound, body), &garment.job.source));
+    }
+    write_drapes(all, path, console)
 }
 
 impl LayerReport {

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use garnet::{Drape, Point3, PosedBody, io::Target};
 use garnet_view::Coloring;
 
-use super::{Bound, args::Source, ready::package_of, sink::fps_of};
+use super::{Bound, args::Source, fit::Fitting, ready::package_of, sink::fps_of};
 use crate::{
     console::Console,
     render::{
         colors::{Scale, distances, mean_stretches},
         problems::problems,
     },
-    view::Drapes,
+    view::{Drapes, write_drapes},
 };
 
 /// What is shown of all drapes so far.
@@ -26,6 +26,8 @@ pub(super) struct Viewing {
     distances: Vec<Vec<f32>>,
     /// Of each drape.
     problems: Vec<Vec<f32>>,
+    /// How the garment fits, of each drape; empty where that is not known.
+    fits: Vec<Vec<f32>>,
     names: Vec<String>,
 }
 
@@ -38,17 +40,25 @@ impl Viewing {
             stretches: Vec::new(),
             distances: Vec::new(),
             problems: Vec::new(),
+            fits: Vec::new(),
             names: Vec::new(),
         }
     }
 
     pub(super) fn see(
         &mut self,
-        bound: &Bound,
-        target: &Target,
+        (bound, target): (&Bound, &Target),
+        fitting: Option<&Fitting>,
         drape: &Drape,
         body: &PosedBody,
     ) -> anyhow::Result<()> {
+        // Frames of one wearer fit alike.
+        let last = self.fits.last().filter(|_| body.shape_offsets().is_none());
+        let levels = match last {
+            Some(levels) => levels.clone(),
+            None => (fitting.and_then(|it| it.levels((bound, target), body))).unwrap_or_default(),
+        };
+        self.fits.push(levels);
         let rest = bound.rest_positions();
         let stretches = mean_stretches(&bound.edges, rest, &drape.positions);
         self.stretches.push(stretches);
@@ -73,36 +83,44 @@ impl Viewing {
         source: &Source,
         console: &Console,
     ) -> anyhow::Result<()> {
+        let path = self.path.clone();
+        let body = bound.rest_faces();
+        write_drapes(vec![self.drapes((bound, &body), source)], &path, console)
+    }
+
+    /// All drapes, on a body with these faces.
+    pub(super) fn drapes<'a>(
+        self,
+        (bound, body): (&'a Bound, &'a [[u32; 3]]),
+        source: &Source,
+    ) -> Drapes<'a> {
         let coloring = |scale: Scale, values: Vec<Vec<f32>>| Coloring {
             label: scale.label,
             map: scale.map,
             range: scale.range,
             values,
         };
-        let of_file = bound.rest.file.as_ref().map(garnet::io::ObjFile::triangles);
-        let body = match &of_file {
-            Some(faces) => faces,
-            // Without the faces that close holes of the skin.
-            None => bound.garment.body().rest().faces(),
-        };
         // A package is called by its folder, of which the template says nothing.
         let named = package_of(source).and_then(Path::file_name);
         let stem = bound.garment_file.path().file_stem();
         let stem = named.or(stem).unwrap_or_default();
-        let drapes = Drapes {
+        let mut colorings = vec![
+            coloring(Scale::stretch(), self.stretches),
+            coloring(Scale::distance(), self.distances),
+            coloring(Scale::problems(), self.problems),
+        ];
+        if self.fits.iter().all(|levels| !levels.is_empty()) {
+            colorings.push(coloring(Scale::fit(), self.fits));
+        }
+        Drapes {
             name: stem.to_string_lossy().into_owned(),
             garment: bound.garment.mesh().faces(),
             body,
             cloth: self.cloth,
             skin: self.skin,
-            colorings: vec![
-                coloring(Scale::stretch(), self.stretches),
-                coloring(Scale::distance(), self.distances),
-                coloring(Scale::problems(), self.problems),
-            ],
+            colorings,
             frames: self.names,
             fps: fps_of(bound),
-        };
-        drapes.write(&self.path, console)
+        }
     }
 }

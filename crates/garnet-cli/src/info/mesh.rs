@@ -7,12 +7,14 @@ use garnet::{
     Rig, TriMesh,
     body::shape::{Recognized, recognized},
     io::{
-        Frame, ObjFile, RigOptions, guess_body_unit, guess_garment_units, guess_up_axis, is_rig,
-        read_rig, read_shown_mesh, rig_beside,
+        Frame, ObjFile, RigOptions, guess_body_unit, guess_garment_units, guess_up_axis, read_rig,
+        rig_beside,
     },
-    mesh::{Bounds, MeshDiagnosis, diagnose, is_inside_out},
+    mesh::{Bounds, MeshDiagnosis, UpAxis, diagnose, is_inside_out},
 };
 use serde::Serialize;
+
+use crate::moving::Moving;
 
 use super::{
     rig::{PartInfo, tape},
@@ -22,6 +24,8 @@ use super::{
 /// What is in a mesh and what is unusual about it. Lengths are in the unit of the file.
 #[derive(Debug, Serialize)]
 pub(crate) struct MeshInfo {
+    /// Frames in which its vertices move; 1 of most.
+    frames: usize,
     vertices: usize,
     /// Polygons.
     faces: usize,
@@ -74,12 +78,8 @@ fn built_in(mesh: &TriMesh) -> Option<Rig> {
 
 impl MeshInfo {
     pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
-        let (file, note) = if is_rig(path) {
-            let shown = read_shown_mesh(path, &RigOptions::default())?;
-            (shown.file, shown.note)
-        } else {
-            (ObjFile::read(path)?, None)
-        };
+        let moving = Moving::read(path, &RigOptions::default(), UpAxis::Y)?;
+        let (file, note) = (moving.file(), moving.note());
         let parts = note.iter().flat_map(|note| &note.parts);
         let left_out = parts.filter(|part| part.left_out.is_some());
         let mesh = file.mesh();
@@ -94,7 +94,8 @@ impl MeshInfo {
             left_out: left_out.map(PartInfo::new).collect(),
             tape_cm: rig.as_ref().and_then(tape),
             is_inside_out: is_inside_out(mesh.positions(), mesh.faces()),
-            ..Self::new(&file, &diagnose(&mesh))
+            frames: moving.num_frames(),
+            ..Self::new(file, &diagnose(&mesh))
         })
     }
 
@@ -104,6 +105,7 @@ impl MeshInfo {
         let mut boundary_lengths: Vec<usize> = found.boundary_loops.iter().map(Vec::len).collect();
         boundary_lengths.sort_unstable_by(|a, b| b.cmp(a));
         Self {
+            frames: 1,
             vertices: found.num_vertices,
             faces: file.num_polygons(),
             triangles: found.num_faces,
@@ -139,6 +141,9 @@ impl MeshInfo {
 
     pub(crate) fn fill(&self, table: &mut Table) {
         table.row("kind", "mesh");
+        if self.frames > 1 {
+            table.row("frames", self.frames);
+        }
         table.row("vertices", self.vertices);
         table.row(
             "faces",

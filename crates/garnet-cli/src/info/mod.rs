@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use garnet::{
-    io::{FileProblem, GltfProblem, RigOptions},
+    io::{FileProblem, GltfProblem, NpzFile, RigOptions},
     package::GarmentPackage,
 };
 use serde::Serialize;
@@ -132,10 +132,14 @@ fn content(path: &Path, options: &RigOptions) -> anyhow::Result<Content> {
             Ok(rig) => Content::Rig(rig),
             Err(error) => match MotionInfo::read(path) {
                 Ok(motion) => Content::Motion(motion),
-                Err(_) if has_no_skin(&error) && options.meshes.is_empty() => {
-                    Content::Mesh(MeshInfo::read(path)?)
-                }
-                Err(_) => return Err(error),
+                Err(of_motion) => match kind_of_npz(path) {
+                    Some(Kind::Motion) => return Err(of_motion),
+                    Some(_) => Content::Mesh(MeshInfo::read(path)?),
+                    None if has_no_skin(&error) && options.meshes.is_empty() => {
+                        Content::Mesh(MeshInfo::read(path)?)
+                    }
+                    None => return Err(error),
+                },
             },
         },
         Kind::Motion => Content::Motion(MotionInfo::read(path)?),
@@ -144,6 +148,20 @@ fn content(path: &Path, options: &RigOptions) -> anyhow::Result<Content> {
         Kind::Package => Content::Package(PackageInfo::read(path)?),
         Kind::Dataset => Content::Dataset(DatasetInfo::read(path)?),
     })
+}
+
+/// What an archive is that is no rig: a motion of poses, or the frames of a mesh.
+fn kind_of_npz(path: &Path) -> Option<Kind> {
+    let keys = NpzFile::open(path).ok()?.keys();
+    let has = |key: &str| keys.iter().any(|other| other == key);
+    if ["poses", "body_pose", "pose_body", "trans"]
+        .into_iter()
+        .any(has)
+    {
+        return Some(Kind::Motion);
+    }
+    let is_rig = has("blend_weights") || has("weights");
+    (has("vertices") && has("faces") && !is_rig).then_some(Kind::Mesh)
 }
 
 /// Whether a file is no rig because its meshes have no skin.

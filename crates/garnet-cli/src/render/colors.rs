@@ -126,6 +126,15 @@ impl Scale {
         }
     }
 
+    /// Of how a garment fits.
+    pub(crate) fn fit() -> Self {
+        Self {
+            label: "fit".to_owned(),
+            map: ColorMap::Fit,
+            range: None,
+        }
+    }
+
     /// Of what is wrong.
     pub(crate) fn problems() -> Self {
         Self {
@@ -172,6 +181,15 @@ impl Skin {
         let skin = self.surface.moved(scaled(self.surface.positions()))?;
         problems(&scaled(positions), faces, &skin)
     }
+}
+
+/// What a mesh is colored by.
+#[derive(Debug)]
+pub(crate) struct Values {
+    /// `[vertex]`
+    pub(crate) of_vertices: Vec<f32>,
+    /// What is doubtful about them.
+    pub(crate) note: Option<String>,
 }
 
 /// What meshes are colored by, read once.
@@ -221,11 +239,7 @@ impl Measure {
             Self::Stretch(_) => Scale::stretch(),
             Self::Distance(..) | Self::ToSkin => Scale::distance(),
             Self::Problems => Scale::problems(),
-            Self::Fit(..) => Scale {
-                label: "fit".to_owned(),
-                map: ColorMap::Fit,
-                range: None,
-            },
+            Self::Fit(..) => Scale::fit(),
             Self::Displacement(_) => viridis("displacement (mm)".to_owned()),
             Self::Numbers(path) => {
                 let stem = path.file_stem().unwrap_or_default();
@@ -239,6 +253,11 @@ impl Measure {
         matches!(self, Self::ToSkin | Self::Problems | Self::Fit(..))
     }
 
+    /// Whether it is the same in all frames: a wearer has one girth.
+    pub(crate) fn is_of_wearer(&self) -> bool {
+        matches!(self, Self::Fit(..))
+    }
+
     /// A value for each vertex of a mesh that is at `positions`, in the unit of its file, on a
     /// body.
     pub(crate) fn values(
@@ -246,7 +265,7 @@ impl Measure {
         file: &ObjFile,
         positions: &[Point3],
         skin: Option<&Skin>,
-    ) -> anyhow::Result<Vec<f32>> {
+    ) -> anyhow::Result<Values> {
         let on_body = || {
             skin.ok_or_else(|| {
                 refused(
@@ -256,7 +275,8 @@ impl Measure {
                 )
             })
         };
-        Ok(match self {
+        let mut note = None;
+        let of_vertices = match self {
             Self::ToSkin => {
                 let skin = on_body()?;
                 distances(positions, &skin.surface, 1e3 * skin.metres)
@@ -275,17 +295,20 @@ impl Measure {
             }
             Self::Fit(package, size) => {
                 let body = skin.map(|skin| (skin.path.as_path(), skin.in_metres()));
-                fit::levels((package, *size), file, body)?
+                let (levels, found) = fit::levels((package, *size), file, body)?;
+                note = found;
+                levels
             }
             Self::Numbers(path) => numbers(path, file.num_vertices())?,
-        })
+        };
+        Ok(Values { of_vertices, note })
     }
 }
 
 /// Values `[vertex]` and how they are shown.
 #[derive(Debug)]
 pub(crate) struct Heatmap {
-    values: Vec<f32>,
+    values: Values,
     scale: Scale,
 }
 
@@ -309,11 +332,16 @@ impl Heatmap {
         }))
     }
 
+    /// What is doubtful about the colors.
+    pub(crate) fn note(&self) -> Option<&str> {
+        self.values.note.as_deref()
+    }
+
     pub(crate) fn heat(&self, range: Option<[f32; 2]>) -> Heat<'_> {
         Heat {
             map: self.scale.map,
             range: range.or(self.scale.range),
-            ..Heat::new(&self.values, &self.scale.label)
+            ..Heat::new(&self.values.of_vertices, &self.scale.label)
         }
     }
 }

@@ -10,6 +10,7 @@ use garnet::{
     drape::{fit_map, wearer_tape},
     io::ObjFile,
     package::GarmentPackage,
+    pattern::Size,
 };
 
 use crate::{
@@ -18,10 +19,21 @@ use crate::{
     wearer_rig::wearer_of_rig,
 };
 
-/// Cloth that is draped in the size of its package has faces within these shares of its own: drapes
-/// stretch and crumple by a few per cent, two sizes differ by ten. A narrower range refuses drapes
-/// of people who sit.
+/// Cloth that is draped in the size of its package mostly has faces within these shares of its own:
+/// drapes stretch and crumple by a few per cent, two sizes differ by ten. Beyond a note says so: it
+/// may be stretched that far, or of another size. A narrower range notes drapes of people who sit.
 const SAME_SIZE: RangeInclusive<f64> = 0.94..=1.06;
+
+/// Cloth that is draped without physics stretches so far on larger people. What lies beyond has
+/// another size.
+const ANY_STRETCH: RangeInclusive<f64> = 0.85..=1.18;
+
+/// A size is likelier than another one if its cloth is nearer by this, as the logarithm of areas:
+/// neighbouring sizes are 0.07 apart. More notes fewer drapes.
+const CLEARLY: f64 = 0.015;
+
+/// How much the chests of neighbouring sizes differ at least, in metres.
+const STEP: f64 = 0.04;
 
 /// Areas that differ by more are in other units.
 const ANY_UNIT: RangeInclusive<f64> = 0.3..=3.0;
@@ -43,12 +55,12 @@ fn times_as_large(positions: &[Point3], rest: &[Point3], faces: &[[u32; 3]]) -> 
 }
 
 /// The levels of a drape of the garment of a package, in a size, `[vertex]`, on the body of the
-/// picture: its file, and its vertices in metres.
+/// picture: its file, and its vertices in metres. A note tells if the drape may have another size.
 pub(super) fn levels(
     (folder, size): (&Path, Option<SizeChoice>),
     file: &ObjFile,
     body: Option<(&Path, Vec<Point3>)>,
-) -> anyhow::Result<Vec<f32>> {
+) -> anyhow::Result<(Vec<f32>, Option<String>)> {
     let shown = folder.display();
     let cannot = || format!("cannot tell whether `{}` fits", file.path().display());
     let Some((path, positions)) = body else {
@@ -79,19 +91,39 @@ pub(super) fn levels(
         Some(wearer) => Some(wearer.clone()),
         None => unposed(&package.body, &positions).ok().flatten(),
     };
+    let own = package.clone();
     let package = worn((folder, size), package, wearer).with_context(cannot)?;
     let (found, rest) = (file.positions(), package.mesh.positions());
     let larger = times_as_large(found, rest, package.mesh.faces());
     // Files in other units are as large in other ways.
-    if ANY_UNIT.contains(&larger) && !SAME_SIZE.contains(&larger) {
+    let is_far = |from: RangeInclusive<f64>| ANY_UNIT.contains(&larger) && !from.contains(&larger);
+    if is_far(ANY_STRETCH) {
         return Err(refused(
             cannot(),
             format!(
                 "its cloth is {larger:.2} times as large as that of `{shown}`: it has another size"
             ),
-            format!("name the size that was draped, as `--color-by fit={shown}@l`, or `@auto`"),
+            "name the size that was draped after an `@`, as the report of the drape tells it",
         ));
     }
+    let drape = file.path().display();
+    let likelier = if ANY_UNIT.contains(&larger) {
+        likelier_size((folder, &own), &package, found, larger).with_context(cannot)?
+    } else {
+        None
+    };
+    let note = match likelier {
+        Some(size) => Some(format!(
+            "the cloth of `{drape}` is rather as large as that of `{shown}` in size {size}: if it \
+             was draped in that, name it, as `--color-by fit={shown}@{size}`"
+        )),
+        None => is_far(SAME_SIZE).then(|| {
+            format!(
+                "the cloth of `{drape}` is {larger:.2} times as large as that of `{shown}`: if it \
+                 was draped in another size, name it"
+            )
+        }),
+    };
     let fitted = package.body.fitted(&positions);
     let not_built_in =
         || "the girths of the built-in body alone are known: a body of `garnet body`".to_owned();
@@ -101,7 +133,45 @@ pub(super) fn levels(
     let tape = tape.with_context(|| format!("the body of `{shown}` is not the built-in one"));
     let tape = tape.with_context(cannot).hint(not_built_in)?;
     let garment = Garment::new(package.mesh.clone()).bind(&package.body)?;
-    fit_map(&garment, Some(&package.rest), &tape).with_context(cannot)
+    let levels = fit_map(&garment, Some(&package.rest), &tape).with_context(cannot)?;
+    Ok((levels, note))
+}
+
+/// A size that the drape of a package is likelier to have than the one that is `worn`: of the next
+/// smaller and the next larger one, whose cloth is as large. None of what is made to measure.
+fn likelier_size(
+    (folder, own): (&Path, &GarmentPackage),
+    worn: &GarmentPackage,
+    drape: &[Point3],
+    larger: f64,
+) -> anyhow::Result<Option<Size>> {
+    let Some(tailor) = Tailor::of_package(own)?.filter(|_| !own.manifest.is_made_to_measure())
+    else {
+        return Ok(None);
+    };
+    let cut = Tailor::of_package(worn)?.and_then(|tailor| tailor.size());
+    let chest = match cut {
+        Some(size) => size.measures().chest,
+        None => match wearer_of(&own.body).transpose()? {
+            Some(wearer) => wearer.measures.chest,
+            None => return Ok(None),
+        },
+    };
+    let sizes = tailor.parameters().sizes().into_iter();
+    let apart = |size: &Size| size.measures().chest - chest;
+    let others: Vec<Size> = sizes
+        .filter(|size| apart(size).abs() > 0.5 * STEP)
+        .collect();
+    let smaller = others.iter().rfind(|size| apart(size) < 0.0);
+    let next = others.iter().find(|size| apart(size) > 0.0);
+    for size in smaller.into_iter().chain(next) {
+        let other = in_size(own, folder, *size)?;
+        let ratio = times_as_large(drape, other.mesh.positions(), other.mesh.faces());
+        if ratio.ln().abs() + CLEARLY < larger.ln().abs() {
+            return Ok(Some(*size));
+        }
+    }
+    Ok(None)
 }
 
 /// The package as `wearer` at rest wears it, the body of the package without one: in a size, or cut

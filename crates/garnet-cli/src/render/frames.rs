@@ -28,6 +28,8 @@ pub(super) struct Drawn {
     pub(super) size: [u32; 2],
     /// How many frames there are, and how many are shown.
     pub(super) frames: [usize; 2],
+    /// What is doubtful about its colors.
+    pub(super) note: Option<String>,
 }
 
 /// All frames one after the other, as GIF. The camera keeps still.
@@ -74,6 +76,7 @@ pub(super) fn animation(
         bytes,
         size,
         frames: [names.len(); 2],
+        note: None,
     })
 }
 
@@ -118,6 +121,7 @@ pub(super) fn sheet(
         bytes: image.to_png_bytes()?,
         size,
         frames: [names.len(), count],
+        note: None,
     })
 }
 

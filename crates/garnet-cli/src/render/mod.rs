@@ -36,7 +36,7 @@ use words::ViewName;
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
     /// Meshes, as OBJ, GLB, glTF or npz: garments, and the body last. Motions are folders of OBJ,
-    /// or npz with the vertices of all frames. An OBJ whose materials have pictures (`map_Kd`) is
+    /// npz with the vertices of all frames, or GLB whose meshes change their shapes. An OBJ whose materials have pictures (`map_Kd`) is
     /// drawn with them.
     #[arg(value_name = "MESH", required = true)]
     meshes: Vec<PathBuf>,
@@ -141,7 +141,8 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
     };
     output::write(&args.output, &drawn.bytes)?;
     let mut notes = told_notes(&moving, console);
-    for note in looks.into_iter().filter_map(|look| look.note) {
+    let of_looks = looks.into_iter().filter_map(|look| look.note);
+    for note in of_looks.chain(drawn.note) {
         console.summary(&format_args!("note: {note}"));
         notes.push(note);
     }
@@ -209,7 +210,9 @@ fn still(moving: &[Moving], looks: &[Look], args: &RenderArgs) -> anyhow::Result
         ..Picture::new(size[0], size[1])
     })
     .with_context(|| format!("cannot draw `{}`", args.output.display()))?;
+    let note = heat.as_ref().and_then(Heatmap::note);
     Ok(Drawn {
+        note: note.map(str::to_owned),
         bytes: image.to_png_bytes()?,
         size,
         frames: [1, 1],

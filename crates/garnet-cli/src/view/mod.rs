@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use garnet::{Point3, TriMesh};
-use garnet_view::{Coloring, Page, PageMesh, PagePane, PagePart, palette};
+use garnet_view::{Coloring, Page, PageMesh, PagePane, PagePart, Rgb, palette};
 use rayon::prelude::*;
 
 use crate::{
@@ -15,7 +15,7 @@ use crate::{
     output,
     render::{
         UpName,
-        colors::{ColorBy, Measure, Scale, Skin, color_by},
+        colors::{ColorBy, Measure, Scale, Skin, Values, color_by},
     },
     rig_args::RigArgs,
 };
@@ -25,7 +25,8 @@ use crate::{
 #[command(after_long_help = LONG_HELP)]
 pub(crate) struct ViewArgs {
     /// Meshes, as OBJ, GLB, glTF or npz: garments, each in a pane of its own, and the body last. A
-    /// folder with an OBJ for each frame, or an npz of all frames, is a motion.
+    /// folder with an OBJ for each frame, an npz of all frames or a GLB whose meshes change their
+    /// shapes is a motion.
     #[arg(value_name = "MESH", required = true)]
     meshes: Vec<PathBuf>,
     /// Where the page goes, as HTML.
@@ -40,9 +41,10 @@ pub(crate) struct ViewArgs {
     /// What the garments are called, with commas [default: their files].
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     names: Vec<String>,
-    /// A coloring to choose: stretch=REST.obj, distance=BODY.obj, displacement=OTHER.obj or
-    /// file=VALUES.txt (one number for each vertex); several by naming it again. On a body there
-    /// are its distance and problems, too; none leaves them out.
+    /// A coloring to choose: stretch=REST.obj, distance=BODY.obj, displacement=OTHER.obj,
+    /// fit=PACKAGE or fit=PACKAGE@SIZE (of its garment, for the body) or file=VALUES.txt (one
+    /// number for each vertex); several by naming it again. On a body there are its distance and
+    /// problems, too; none leaves them out.
     #[arg(long, value_name = "WHAT", value_parser = color_by)]
     color_by: Vec<ColorBy>,
     /// Frames a second of a motion [default: those of an npz, else 30].
@@ -82,13 +84,9 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
     let read = garments.iter().chain(bodies).map(PathBuf::as_path);
     let read: Vec<&Path> = read.chain(files).collect();
     output::check_apart(&[&args.output], &read)?;
-    let up = args.up.axis();
-    let options = args.rig.clone().options();
     let paths: Vec<&PathBuf> = garments.iter().chain(bodies).collect();
-    let moving: Vec<anyhow::Result<Moving>> = (paths.par_iter())
-        .map(|path| Moving::read(path, &options, up))
-        .collect();
-    let moving = moving.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    let (moving, bodies) = read_all(args, &paths, bodies)?;
+    let bodies = &bodies[..];
     let frames = frames_of(&moving)?;
     check_fps(args, frames.len())?;
     let (of_garments, of_bodies) = moving.split_at(garments.len());
@@ -100,7 +98,10 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
     let measures = measures(&args.color_by, !bodies.is_empty())?;
     let colorings = |(index, garment): (usize, &Moving)| -> anyhow::Result<Vec<Coloring>> {
         let all = measures.iter().map(|(measure, scale)| {
-            let values = values_of(measure, garment, body_of(index))?;
+            let (values, note) = values_of(measure, garment, body_of(index))?;
+            if let Some(note) = note {
+                console.summary(&format_args!("note: {note}"));
+            }
             Ok(Coloring {
                 label: scale.label.clone(),
                 map: scale.map,
@@ -132,14 +133,12 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
     };
     let bytes = write_page(&args.output, &page, console)?;
     let notes = told_notes(&moving, console);
-    let (num_meshes, num_frames) = (page.meshes.len(), page.frames.len().max(1));
-    console.summary(&format_args!(
-        "wrote `{}`: {num_meshes} {}, {num_frames} {}, {:.2} MB",
-        args.output.display(),
-        if num_meshes == 1 { "mesh" } else { "meshes" },
-        if num_frames == 1 { "frame" } else { "frames" },
-        1e-6 * bytes as f64
-    ));
+    let num_frames = page.frames.len().max(1);
+    tell_written(
+        &args.output,
+        [page.meshes.len(), num_frames, bytes],
+        console,
+    );
     if console.is_json() {
         print_document(&serde_json::json!({
             "schema": "garnet.view/1",
@@ -151,6 +150,35 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
         }))?;
     }
     Ok(ExitStatus::Done)
+}
+
+/// Reads all meshes. A file that holds a drape and its body has a body of its own.
+fn read_all(
+    args: &ViewArgs,
+    paths: &[&PathBuf],
+    bodies: &[PathBuf],
+) -> anyhow::Result<(Vec<Moving>, Vec<PathBuf>)> {
+    let (options, up) = (args.rig.clone().options(), args.up.axis());
+    let moving: Vec<anyhow::Result<Moving>> = (paths.par_iter())
+        .map(|path| Moving::read(path, &options, up))
+        .collect();
+    let mut moving = moving.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    let mut bodies = bodies.to_vec();
+    if moving.len() == 1 {
+        moving = moving.remove(0).apart()?;
+        bodies.extend((1..moving.len()).map(|_| PathBuf::from("body")));
+    }
+    Ok((moving, bodies))
+}
+
+fn tell_written(path: &Path, [meshes, frames, bytes]: [usize; 3], console: &Console) {
+    console.summary(&format_args!(
+        "wrote `{}`: {meshes} {}, {frames} {}, {:.2} MB",
+        path.display(),
+        if meshes == 1 { "mesh" } else { "meshes" },
+        if frames == 1 { "frame" } else { "frames" },
+        1e-6 * bytes as f64
+    ));
 }
 
 /// Garments and bodies: the last of several meshes is the body, unless it is named as such.
@@ -203,21 +231,26 @@ fn measures(color_by: &[ColorBy], is_on_body: bool) -> anyhow::Result<Vec<(Measu
     Ok(measures)
 }
 
-/// Values `[frame][vertex]` of a garment, in each frame in which they may differ.
+/// Values `[frame][vertex]` of a garment, in each frame in which they may differ, and what is
+/// doubtful about them.
 fn values_of(
     measure: &Measure,
     garment: &Moving,
     body: Option<&Moving>,
-) -> anyhow::Result<Vec<Vec<f32>>> {
+) -> anyhow::Result<(Vec<Vec<f32>>, Option<String>)> {
     let body = body.filter(|_| measure.needs_skin());
-    let count = garment.num_frames().max(body.map_or(1, Moving::num_frames));
+    let frames = garment.num_frames().max(body.map_or(1, Moving::num_frames));
+    let count = if measure.is_of_wearer() { 1 } else { frames };
     let values = (0..count).into_par_iter().map(|frame| {
         let skin = body.map(|body| Skin::new(body.file(), body.positions(frame)));
         let skin = skin.transpose()?;
         measure.values(garment.file(), garment.positions(frame), skin.as_ref())
     });
-    let values: Vec<anyhow::Result<Vec<f32>>> = values.collect();
-    values.into_iter().collect()
+    let values: Vec<anyhow::Result<Values>> = values.collect();
+    let values = values.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    let note = values.iter().find_map(|values| values.note.clone());
+    let values = values.into_iter().map(|values| values.of_vertices);
+    Ok((values.collect(), note))
 }
 
 /// What the garments are called: as asked for, or by their files, with folders where those alone
@@ -260,6 +293,9 @@ fn title_of(names: &[String], bodies: &[PathBuf]) -> String {
     }
 }
 
+/// Colors of garments, in their order.
+const STRONG: [Rgb; 3] = [palette::GARMENT, palette::REFERENCE, palette::THIRD];
+
 /// Garments in strong colors, in their order, and then bodies in that of skin.
 fn page_meshes<'a>(
     names: &[String],
@@ -268,7 +304,6 @@ fn page_meshes<'a>(
     meshes: &'a [TriMesh],
     colorings: Vec<Vec<Coloring>>,
 ) -> Vec<PageMesh<'a>> {
-    let strong = [palette::GARMENT, palette::REFERENCE, palette::THIRD];
     let bodies = bodies.iter().map(|path| (stem_of(path), PagePart::Body));
     let garments = names.iter().map(|name| (name.clone(), PagePart::Garment));
     let mut colorings = colorings.into_iter();
@@ -279,7 +314,7 @@ fn page_meshes<'a>(
             name,
             part,
             match part {
-                PagePart::Garment => strong[index % strong.len()],
+                PagePart::Garment => STRONG[index % STRONG.len()],
                 PagePart::Body => palette::SKIN,
             },
             &meshes[index],
@@ -322,43 +357,51 @@ pub(crate) struct Drapes<'a> {
     pub(crate) fps: f64,
 }
 
-impl Drapes<'_> {
-    /// Writes a page of them.
-    pub(crate) fn write(self, path: &Path, console: &Console) -> anyhow::Result<()> {
-        let (mut cloth, mut skin) = (self.cloth.into_iter(), self.skin.into_iter());
-        let first = |frames: &mut std::vec::IntoIter<Vec<Point3>>, faces: &[[u32; 3]]| {
-            let positions = frames.next().context("there is no drape to show")?;
-            anyhow::Ok(TriMesh::new(positions, faces.to_vec())?)
-        };
-        let garment = first(&mut cloth, self.garment)?;
-        let body = first(&mut skin, self.body)?;
-        let page = Page {
-            meshes: vec![
-                PageMesh {
-                    later: cloth.collect(),
-                    colorings: self.colorings,
-                    ..PageMesh::new(&self.name, PagePart::Garment, palette::GARMENT, &garment)
-                },
-                PageMesh {
-                    later: skin.collect(),
-                    ..PageMesh::new("body", PagePart::Body, palette::SKIN, &body)
-                },
-            ],
-            panes: vec![PagePane {
-                name: self.name.clone(),
-                meshes: vec![0, 1],
-            }],
-            frames: if self.frames.len() > 1 {
-                self.frames
-            } else {
-                Vec::new()
-            },
-            fps: self.fps,
-            ..Page::new(&self.name)
-        };
-        write_page(path, &page, console)?;
-        Ok(())
+/// Writes a page of drapes on one body, the inner first.
+pub(crate) fn write_drapes(
+    all: Vec<Drapes<'_>>,
+    path: &Path,
+    console: &Console,
+) -> anyhow::Result<()> {
+    let shapes = |frames: &[Vec<Point3>], faces: &[[u32; 3]]| {
+        let first = frames.first().context("there is no drape to show")?;
+        anyhow::Ok(TriMesh::new(first.clone(), faces.to_vec())?)
+    };
+    let inner = all.first().context("there is no drape to show")?;
+    let body = shapes(&inner.skin, inner.body)?;
+    let skin = inner.skin[1..].to_vec();
+    let (frames, fps) = (inner.frames.clone(), inner.fps);
+    let garments = all
+        .iter()
+        .map(|drapes| shapes(&drapes.cloth, drapes.garment));
+    let garments = garments.collect::<anyhow::Result<Vec<_>>>()?;
+    let names: Vec<String> = all.iter().map(|drapes| drapes.name.clone()).collect();
+    let mut meshes = Vec::with_capacity(all.len() + 1);
+    for (place, (drapes, garment)) in all.into_iter().zip(&garments).enumerate() {
+        let color = STRONG[place % STRONG.len()];
+        meshes.push(PageMesh {
+            later: drapes.cloth.into_iter().skip(1).collect(),
+            colorings: drapes.colorings,
+            ..PageMesh::new(drapes.name, PagePart::Garment, color, garment)
+        });
     }
+    meshes.push(PageMesh {
+        later: skin,
+        ..PageMesh::new("body", PagePart::Body, palette::SKIN, &body)
+    });
+    let name = names.join(", ");
+    let page = Page {
+        panes: vec![PagePane {
+            name: name.clone(),
+            meshes: (0..meshes.len()).collect(),
+        }],
+        meshes,
+        frames: if frames.len() > 1 { frames } else { Vec::new() },
+        fps,
+        ..Page::new(&name)
+    };
+    write_page(path, &page, console)?;
+    Ok(())
 }
 
 /// Writes a page, and tells how many bytes it has.

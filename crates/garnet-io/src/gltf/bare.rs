@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use garnet_mesh::{Point3, TriMesh};
-use gltf::json::animation::Property;
-use gltf::json::validation::Checked;
-use gltf::json::{Index, Root};
+use gltf::json::{Index, Root, mesh::Primitive};
+use nalgebra::Matrix4;
 
 use super::{
     GltfProblem, LeftOut, RigPart, container, modes,
     nodes::{self, Nodes},
     rig::{MOST_ELEMENTS, Reader, opened},
+    shapes::{self, MeshFrames, Shapes},
 };
 use crate::{FileError, FileProblem, json};
 
@@ -27,14 +27,74 @@ pub(crate) fn read_bare(path: &Path) -> Result<(TriMesh, Vec<RigPart>), FileErro
     })
 }
 
-/// Whether an animation changes the shape of the mesh of a node.
-fn changes_shape(root: &Root, node: usize) -> bool {
-    let channels = root.animations.iter().flat_map(|clip| &clip.channels);
-    let mut targets = channels.map(|channel| &channel.target);
-    targets.any(|target| {
-        let is_shape = matches!(target.path, Checked::Valid(Property::MorphTargetWeights));
-        is_shape && target.node.value() == node
+/// Reads the frames of an animation that changes the shapes of meshes without a skin: positions
+/// `[vertex]` of the mesh of [`read_bare`] at each key; none if nothing does.
+///
+/// # Errors
+///
+/// Those of [`read_bare`], and keys that make no sense.
+pub(crate) fn read_frames(path: &Path) -> Result<Option<MeshFrames>, FileError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    json::read_with(path, |bytes| {
+        opened(bytes, |root, _, binary| frames(root, binary, folder))
     })
+}
+
+fn frames(
+    root: &Root,
+    binary: Option<&[u8]>,
+    folder: &Path,
+) -> Result<Option<MeshFrames>, FileProblem> {
+    let file = Reader {
+        root,
+        buffers: container::buffers(root, binary, folder)?,
+    };
+    let Some(shapes) = Shapes::read(&file)? else {
+        return Ok(None);
+    };
+    let nodes = Nodes::new(root)?;
+    let mut positions: Vec<Vec<Point3>> = Vec::with_capacity(shapes.times().len());
+    for &time in shapes.times() {
+        let mut frame = Vec::new();
+        for (node, content) in root.nodes.iter().enumerate() {
+            let mesh = content.mesh.and_then(|mesh| root.meshes.get(mesh.value()));
+            let Some(mesh) = mesh else { continue };
+            let moved = shapes.weights(node, time);
+            let still = content.weights.as_ref().or(mesh.weights.as_ref());
+            let morph = moved.as_deref().or(still.map(Vec::as_slice));
+            let world = &nodes.world_from_node[node];
+            let shown = mesh.primitives.iter().enumerate();
+            for (place, primitive) in shown.filter(|(_, primitive)| !modes::is_faceless(primitive))
+            {
+                frame.extend(placed(&file, (place, primitive), morph, world)?);
+            }
+            // All frames have as many.
+            if frame.len().saturating_mul(shapes.times().len()) > shapes::MOST_POINTS {
+                return Err(GltfProblem::TooLarge {
+                    most: shapes::MOST_POINTS,
+                }
+                .into());
+            }
+        }
+        positions.push(frame);
+    }
+    Ok(Some(MeshFrames {
+        positions,
+        fps: shapes.fps(),
+    }))
+}
+
+/// The vertices of a primitive in the world, with these weights of its morph targets.
+fn placed(
+    file: &Reader<'_>,
+    (place, primitive): (usize, &Primitive),
+    morph: Option<&[f32]>,
+    world: &Matrix4<f64>,
+) -> Result<Vec<Point3>, FileProblem> {
+    let source = Reader::bare_source(place, primitive, morph.unwrap_or_default())?;
+    let vertices = file.vertices(place, &source)?.positions;
+    let placed = vertices.iter().map(|point| world.transform_point(point));
+    Ok(placed.map(|point| -> Point3 { point.cast() }).collect())
 }
 
 fn joined(
@@ -65,10 +125,10 @@ fn joined(
         let world = &nodes.world_from_node[node];
         let is_mirrored = world.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
         let morph = content.weights.as_ref().or(mesh.weights.as_ref());
-        let morph = morph.map_or(&[][..], Vec::as_slice);
+        let morph = morph.map(Vec::as_slice);
         let name = nodes::name(root, node);
         let num_before = faces.len();
-        if changes_shape(root, node) {
+        if shapes::changes_shape(root, node) {
             RigPart::add_left_out(&mut faceless, Some(&name), LeftOut::LaterShapes);
         }
         for (place, primitive) in mesh.primitives.iter().enumerate() {
@@ -82,15 +142,13 @@ fn joined(
                 RigPart::add_faceless(&mut faceless, Some(&name));
                 continue;
             }
-            let source = Reader::bare_source(place, primitive, morph)?;
-            let vertices = file.vertices(place, &source)?.positions;
+            let vertices = placed(&file, (place, primitive), morph, world)?;
             let first = positions.len() as u32;
             for [a, b, c] in file.faces(place, primitive, vertices.len())? {
                 let face = if is_mirrored { [a, c, b] } else { [a, b, c] };
                 faces.push(face.map(|corner| first + corner));
             }
-            let placed = vertices.iter().map(|point| world.transform_point(point));
-            positions.extend(placed.map(|point| -> Point3 { point.cast() }));
+            positions.extend(vertices);
         }
         if faces.len() > num_before {
             parts.push(RigPart {

@@ -15,14 +15,16 @@ mod parts;
 mod problem;
 mod rest;
 mod rig;
+mod shapes;
 mod skeletons;
 mod vertices;
 mod vrm;
 
 pub(super) use animation::read_clip;
-pub(crate) use bare::read_bare;
+pub(crate) use bare::{read_bare, read_frames};
 pub(super) use container::MAGIC;
 pub use parts::{LeftOut, RigPart};
 pub use problem::GltfProblem;
 pub(crate) use rig::read_gltf;
 pub use rig::read_rig_gltf;
+pub use shapes::MeshFrames;

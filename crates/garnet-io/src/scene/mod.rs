@@ -30,7 +30,9 @@ pub use files::{SceneFiles, SceneUnits};
 pub use frame::Frame;
 pub use own_body::OwnBody;
 pub use pose::{MotionOptions, NamedPose, PoseError, PoseNote, PoseProblem, PoseSource, Posing};
-pub use read_mesh::{ShownMesh, is_rig, read_mesh, read_mesh_of, read_shown_mesh};
+pub use read_mesh::{
+    ShownMesh, is_rig, read_mesh, read_mesh_frames, read_mesh_of, read_shown_mesh,
+};
 pub use rest_body::largest_distance;
 pub use rig_search::rig_beside;
 

@@ -7,7 +7,8 @@ use garnet_skin::skin_linear;
 
 use super::{SceneError, SceneProblem};
 use crate::{
-    FileError, FileProblem, GltfProblem, ObjFile, PartsNote, RigOptions, gltf::read_bare,
+    FileError, FileProblem, GltfProblem, MeshFrames, ObjFile, PartsNote, RigOptions,
+    gltf::{read_bare, read_frames},
     read_rig_with,
 };
 
@@ -81,7 +82,7 @@ pub fn read_shown_mesh(
             return Ok(ShownMesh {
                 file: ObjFile::of_mesh(&mesh, path)?,
                 at_rest: None,
-                note: PartsNote::of(path, parts),
+                note: PartsNote::of_bare(path, parts),
                 rig_note: None,
             });
         }
@@ -121,6 +122,22 @@ pub fn read_shown_mesh(
         note: None,
         rig_note,
     })
+}
+
+/// Reads the frames of a glTF without a skin whose animation changes the shapes of its meshes, as
+/// motions are written into a GLB: positions of the vertices of [`read_mesh`]. None of any other
+/// file.
+///
+/// # Errors
+///
+/// [`SceneError`] if the file cannot be read, or if its frames make no sense or are too many.
+pub fn read_mesh_frames(path: impl AsRef<Path>) -> Result<Option<MeshFrames>, SceneError> {
+    let path = path.as_ref();
+    let extension = path.extension().unwrap_or_default();
+    if !is_rig(path) || extension.eq_ignore_ascii_case("npz") {
+        return Ok(None);
+    }
+    Ok(read_frames(path)?)
 }
 
 /// Whether the name is that of a rig that may hold a mesh: npz, GLB, glTF or VRM.
