@@ -363,3 +363,58 @@ fn scenes_of_a_size_are_of_the_package_in_that_size() {
         assert!(!fixture.path("none").exists(), "{arguments}");
     }
 }
+
+#[test]
+fn whom_a_named_size_does_not_fit_is_told_for_each() {
+    let fixture = shirt_and_bodies();
+    let drape = |arguments: &str| {
+        let command = format!("drape tee {arguments} --method warp --report report.json");
+        let output = fixture.garnet(&command);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (report(&fixture), stderr(&output))
+    };
+    let misfit = |body: &str| format!("; size 2xl fits best (`{body}`)");
+    let (_, told) = drape("thin.obj big.obj -o worn/ --size s");
+    assert!(told.contains(&misfit("big.obj")), "{told}");
+    assert!(!told.contains("(`thin.obj`)"), "{told}");
+    // The rest body is a wearer as any other.
+    let (found, told) = drape("--rest-body big.obj big.obj -o worn.obj --size s");
+    assert!(told.contains(&misfit("big.obj")), "{told}");
+    let measured = found["cuts"][0]["chest_m"].as_f64().unwrap();
+    let girth = |report: &Value| {
+        let regions = report["drapes"][0]["fit"].as_array().unwrap();
+        let chest = regions.iter().find(|region| region["region"] == "chest");
+        chest.unwrap()["body_m"].as_f64().unwrap()
+    };
+    assert!((girth(&found) - measured).abs() < 2e-3);
+    for size in ["xs", "3xl"] {
+        let (found, _) = drape(&format!("big.obj -o worn.obj --size {size}"));
+        assert!((girth(&found) - measured).abs() < 2e-3, "{size}");
+        let regions = found["drapes"][0]["fit"].as_array().unwrap().len();
+        assert!(regions >= 3, "{size}: {regions}");
+    }
+    // The ease is that of the package's body, not of this one.
+    let (_, told) = drape("big.obj -o worn.obj --ease 25");
+    assert!(
+        told.contains("does not fit: its chest has an ease of -"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_dress_without_sleeves_is_placed_as_it_is() {
+    let fixture = Fixture::new();
+    done(&fixture, "body --sex female --stature 168 -o woman.obj -q");
+    done(
+        &fixture,
+        "garment dress --body woman.obj --vertices 1000 -o dress -q",
+    );
+    let larger = |point: &garnet::Point3| {
+        garnet::Point3::new(1.08 * point.x, 1.08 * point.y + 0.1, 1.08 * point.z)
+    };
+    fixture.moved("dress/template.obj", "large.obj", larger);
+    let drape = "drape large.obj --rig woman.rig.npz --pose stand -o worn.obj --report report.json";
+    let output = fixture.garnet(&format!("{drape} --place"));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(!stderr(&output).contains("sleeves"), "{}", stderr(&output));
+}

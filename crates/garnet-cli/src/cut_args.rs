@@ -46,7 +46,8 @@ pub(crate) struct CutArgs {
         allow_negative_numbers = true
     )]
     length: Option<f64>,
-    /// How much wider it is than the chest, or of jeans than the hip, in per cent.
+    /// How much wider it is than the chest, or of jeans than the hip, of the body that it is cut for
+    /// (that of its size or its package), in per cent.
     #[arg(
         long,
         hide_short_help = true,
@@ -146,13 +147,14 @@ pub(crate) fn chosen_size(
     Some(([first, second], text))
 }
 
-/// Where a garment, cut in a size or to the measures of its wearer, is too tight or too wide.
+/// Where a garment, cut in a size or else to the measures `cut_to`, is too tight or too wide for its
+/// wearer.
 pub(crate) fn misfit(
     parameters: &Parameters,
-    size: Option<Size>,
+    (size, cut_to): (Option<Size>, &Measures),
     wearer: &Measures,
 ) -> Option<String> {
-    let fit = parameters.fit(&size.map_or(*wearer, Size::measures), wearer);
+    let fit = parameters.fit(&size.map_or(*cut_to, Size::measures), wearer);
     let bad = fit.eases.iter().filter(|ease| !ease.is_allowed());
     let bad: Vec<String> = bad.map(shown).collect();
     if bad.is_empty() {

@@ -61,6 +61,9 @@ pub fn finished_girths(
         parameters.garment(),
         GarmentKind::Tshirt | GarmentKind::Sweater
     );
+    let length = is_shirt
+        .then(|| parameters.length_from_neck(&cut))
+        .flatten();
     let finished = parameters.finished(&cut).into_iter();
     let girths = finished.filter_map(|found| {
         let mut regions = Region::ALL.into_iter();
@@ -68,7 +71,7 @@ pub fn finished_girths(
         Some(FinishedGirth {
             region,
             girth: found.girth,
-            is_reached: !(is_shirt && region == Region::Hip),
+            from_neck: length.filter(|_| region == Region::Hip),
             band: found.band.map(|band| [band.above_hip, band.widest]),
         })
     });

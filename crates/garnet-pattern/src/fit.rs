@@ -149,7 +149,7 @@ impl Parameters {
                     place("chest", girth("chest"), wearer.chest, low, high),
                     place("waist", girth("waist"), wearer.waist, -0.02, ANY),
                 ];
-                let length = self.at("length") * cut.stature / REFERENCE.measures.stature;
+                let length = self.length_from_neck(cut).unwrap_or(0.0);
                 if wearer.neck_height - length < wearer.hip_height {
                     eases.push(place("hip", girth("hip"), wearer.hip, -0.02, ANY));
                 }
@@ -175,6 +175,21 @@ impl Parameters {
             }
         };
         Fit { eases }
+    }
+
+    /// How far below the neck a shirt, cut to the measures `cut`, ends, in metres; none of other
+    /// garments.
+    pub fn length_from_neck(&self, cut: &Measures) -> Option<f64> {
+        let is_shirt = matches!(self.garment(), GarmentKind::Tshirt | GarmentKind::Sweater);
+        is_shirt.then(|| self.at("length") * cut.stature / REFERENCE.measures.stature)
+    }
+
+    /// How much longer the legs of jeans, cut to the measures `cut`, are than those of a wearer, from
+    /// the crotch to the soles, in metres; none of other garments.
+    pub fn legs_below_soles(&self, cut: &Measures, wearer: &Measures) -> Option<f64> {
+        let is_jeans = self.garment() == GarmentKind::Jeans;
+        let scale = cut.inseam / REFERENCE.measures.inseam;
+        is_jeans.then(|| self.at("inseam") * scale - wearer.inseam)
     }
 
     /// Sizes, the one that fits a wearer best first: those that fit before the others, and of these

@@ -9,6 +9,7 @@ use nalgebra::{Isometry3, Point3 as Point, Translation3, UnitQuaternion};
 use super::body::shared;
 use super::primitives::Vec3;
 use super::recognize::at_rest;
+use super::skeleton::JOINT_NAMES;
 use super::tape::{self, TapePlane};
 use super::template::Template;
 use super::{Measure, NUM_JOINTS};
@@ -202,6 +203,16 @@ impl Tape {
     /// The height at which a girth of the trunk is taken, in metres; none of other girths.
     pub fn height(&self, measure: Measure) -> Option<f64> {
         tape::height_of(&self.joints, self.stature, measure)
+    }
+
+    /// How high the lower end of the neck is, in metres.
+    ///
+    /// # Panics
+    ///
+    /// Never: the built-in body has a neck.
+    pub fn neck_height(&self) -> f64 {
+        let neck = JOINT_NAMES.iter().position(|name| *name == "neck");
+        self.joints[neck.expect("the built-in body has a neck")].y
     }
 
     /// Which share of its bone lies above the girth of a limb.

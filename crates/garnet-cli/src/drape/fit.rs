@@ -1,10 +1,10 @@
 //! Whether the garment fits, in reports and as a line for people.
 
 use garnet::{
-    Point3, PosedBody,
-    body::shape::Tape,
+    BoundGarment, Point3, PosedBody,
+    body::shape::{Tape, unposed},
     data::finished_girths,
-    drape::{FitLines, NoFit, RegionFit, wearer_tape},
+    drape::{FitLines, NoFit, RegionFit, fit_map, wearer_tape},
     io::Target,
     package::GarmentPackage,
     sim::RestShape,
@@ -18,6 +18,8 @@ use crate::wearer_rig::wearer_of_rig;
 pub(super) struct Fitting {
     lines: FitLines,
     at_rest: Tape,
+    /// The cloth as it was cut.
+    rest: Option<RestShape>,
 }
 
 /// How a garment fits in one region. SI units.
@@ -61,7 +63,7 @@ impl Fitting {
     ///
     /// Why it cannot be told, in words.
     pub(super) fn new(bound: &Bound, source: &Source) -> Result<Self, String> {
-        let garment = (bound.refit.as_ref()).map_or(&*bound.garment, |refit| refit.garment());
+        let garment = garment(bound);
         if Tape::around(garment.body()).is_none() {
             return Err(NoFit::Stranger.to_string());
         }
@@ -87,43 +89,71 @@ impl Fitting {
         let lines = FitLines::new(garment, rest.as_ref(), finished.unwrap_or_default());
         let lines = lines.map_err(|error| told(&error))?;
         let at_rest = match &bound.refit {
-            Some(refit) => {
+            Some(refit) if Tape::around(bound.garment.body()).is_none() => {
                 let skin = bound.garment.body().rest().positions();
                 let stand_in = refit.stand_in(skin).map_err(|error| told(&error))?;
                 wearer_tape(refit.own(), &stand_in)
             }
-            None => Tape::around(garment.body()),
+            _ => Tape::around(bound.garment.body()),
         };
         let at_rest = at_rest.ok_or_else(|| NoFit::Stranger.to_string())?;
-        Ok(Self { lines, at_rest })
+        Ok(Self {
+            lines,
+            at_rest,
+            rest,
+        })
+    }
+
+    /// The girths of a body at rest; none where they cannot be found.
+    fn wearer(&self, (bound, target): (&Bound, &Target), body: &PosedBody) -> Option<Tape> {
+        let of_rig = || {
+            let wearer = wearer_of_rig(&target.path, body.skin().positions());
+            wearer.as_ref().and_then(Tape::around)
+        };
+        let cut = bound.cut.as_ref();
+        if let Some(known) = cut.and_then(|cut| cut.wearers.get(&target.path)) {
+            return Some((**known).clone());
+        }
+        let unposed = || {
+            let wearer = unposed(bound.garment.body(), body.skin().positions()).ok()??;
+            Tape::around(&wearer)
+        };
+        match (body.shape_offsets(), &bound.refit) {
+            (None, _) => Some(self.at_rest.clone()),
+            (Some(_), None) => {
+                (of_rig().or_else(unposed)).or_else(|| wearer_tape(bound.garment.body(), body))
+            }
+            (Some(_), Some(refit)) => {
+                let stand_in = refit.stand_in(body.skin().positions()).ok()?;
+                wearer_tape(refit.own(), &stand_in)
+            }
+        }
     }
 
     /// How the garment fits on a body, with its vertices at `positions` `[vertex]`, in metres; none
     /// where the girths of that body cannot be found.
     pub(super) fn of(
         &self,
-        (bound, target): (&Bound, &Target),
+        on: (&Bound, &Target),
         positions: &[Point3],
         body: &PosedBody,
     ) -> Option<Vec<RegionReport>> {
-        let of_rig = || {
-            let wearer = wearer_of_rig(&target.path, body.skin().positions());
-            wearer.as_ref().and_then(Tape::around)
-        };
-        let own = match (body.shape_offsets(), &bound.refit) {
-            (None, _) => None,
-            (Some(_), None) => Some(of_rig().or_else(|| wearer_tape(bound.garment.body(), body))?),
-            (Some(_), Some(refit)) => {
-                let stand_in = refit.stand_in(body.skin().positions()).ok()?;
-                Some(wearer_tape(refit.own(), &stand_in)?)
-            }
-        };
-        let wearer = own.as_ref().unwrap_or(&self.at_rest);
-        let garment = (bound.refit.as_ref()).map_or(&*bound.garment, |refit| refit.garment());
-        let nodes = garment.cloth().weld().gather(positions);
-        let fits = self.lines.fit(wearer, &nodes);
+        let wearer = self.wearer(on, body)?;
+        let nodes = garment(on.0).cloth().weld().gather(positions);
+        let fits = self.lines.fit(&wearer, &nodes);
         Some(fits.into_iter().map(RegionReport::from).collect())
     }
+
+    /// The same at each vertex `[vertex]`, as a heat map.
+    pub(super) fn levels(&self, on: (&Bound, &Target), body: &PosedBody) -> Option<Vec<f32>> {
+        let wearer = self.wearer(on, body)?;
+        fit_map(garment(on.0), self.rest.as_ref(), &wearer).ok()
+    }
+}
+
+/// The garment on the body that its girths are measured on.
+fn garment(bound: &Bound) -> &BoundGarment {
+    (bound.refit.as_ref()).map_or(&*bound.garment, |refit| refit.garment())
 }
 
 /// One line for all regions.

@@ -11,6 +11,8 @@ use garnet::{
     package::GarmentPackage,
 };
 
+use crate::input;
+
 use super::{
     args::{Source, SourceFiles},
     tailored::{Cut, Tailoring, stand_in_at_rest},
@@ -59,6 +61,9 @@ impl Prepared {
                 MotionOptions::default(),
             )),
             Source::Files(source) => {
+                if source.package.is_some() {
+                    input::check_regular(&source.scene.garment)?;
+                }
                 let mut scene = Scene::load(&source.scene)?;
                 if let Some(folder) = &source.package {
                     check_template(folder, &scene)?;
@@ -74,7 +79,9 @@ impl Prepared {
                     let asked = tailoring
                         .take_if(|tailoring| tailoring.is_asked_for() || tailoring.is_to_measure());
                     if let Some(mut asked) = asked {
-                        let wearer = if asked.is_chosen() || asked.is_to_measure() {
+                        let wearer = if tape_measures(&scene.body).is_some() {
+                            Some(scene.body.clone())
+                        } else if asked.is_chosen() || asked.is_to_measure() {
                             let fitted = refitted(source, &scene, &own)?;
                             Some(stand_in_at_rest(&fitted, &scene.body)?)
                         } else {
@@ -90,9 +97,10 @@ impl Prepared {
                     refit = Some(fitted);
                 }
                 let files = &source.scene;
+                let path = scene.rest.path.clone();
                 let mut prepared = Self::of(scene, refit, files.pose.clone(), files.motion);
                 if let Some(cut) = &cut {
-                    prepared.warn_of_misfit(cut);
+                    prepared.warn_of_misfit(cut.misfit.clone(), &path);
                 }
                 Ok(Self {
                     tailoring,

@@ -2,6 +2,7 @@
 //! know them so, and as the user asks for.
 
 use std::{
+    collections::BTreeMap,
     ops::RangeInclusive,
     path::{Path, PathBuf},
     sync::Arc,
@@ -10,7 +11,7 @@ use std::{
 use anyhow::Context;
 use garnet::{
     Body,
-    body::shape::{tape_measures, unposed},
+    body::shape::{Tape, tape_measures, unposed},
     data::{CutOptions, Tailor, wearer_of},
     drape::Refit,
     io::{Target, TargetSource, largest_distance},
@@ -43,6 +44,9 @@ const NEAR_GIRTHS: RangeInclusive<f64> = 0.82..=1.2;
 /// And if they are longer or shorter by no more than this, in metres.
 const NEAR_LENGTH: f64 = 0.1;
 
+/// Legs of jeans that reach farther below the soles are told, in metres: there is no floor.
+const LEGS_BELOW: f64 = 0.01;
+
 /// A garment that was cut for a wearer.
 #[derive(Debug)]
 pub(crate) struct Cut {
@@ -51,6 +55,8 @@ pub(crate) struct Cut {
     pub(super) report: CutReport,
     /// Where what was asked for does not fit the wearer.
     pub(super) misfit: Option<String>,
+    /// The girths of those who wear it, by the files of their bodies, where they are known.
+    pub(super) wearers: BTreeMap<PathBuf, Arc<Tape>>,
     /// Whether variants have learned another cut.
     pub(super) is_unknown: bool,
     /// Whether that is because of its size alone.
@@ -207,6 +213,21 @@ impl Tailoring {
         Ok(self.cut(package, report, size, wearer))
     }
 
+    /// The garment on `wearer`, in a size or to measure; none if the wearer has no measures.
+    fn cut_to(&self, wearer: Body, target: &Path) -> anyhow::Result<Option<Cut>> {
+        if tape_measures(&wearer).is_none() {
+            return Ok(None);
+        }
+        let chosen = self.chosen_for(&wearer)?;
+        let size = chosen.as_ref().map(|chosen| chosen.size).or(self.named());
+        let (package, seconds) = self.cut_on(wearer, size)?;
+        let is_chosen = chosen.is_some();
+        let report = self.report(target, Some(&package.body), (size, chosen), seconds);
+        let wearer = package.body.clone();
+        let wearer = (!is_chosen).then_some(&wearer);
+        Ok(Some(self.cut(package, report, size, wearer)))
+    }
+
     /// What was cut; `wearer` has not been asked for the size.
     fn cut(
         &self,
@@ -215,17 +236,38 @@ impl Tailoring {
         size: Option<Size>,
         wearer: Option<&Body>,
     ) -> Cut {
-        let measured = wearer.filter(|_| self.is_asked_for()).and_then(wearer_of);
-        let measured = measured.and_then(Result::ok);
-        let misfit = measured.and_then(|wearer| misfit(&self.parameters, size, &wearer.measures));
+        let misfit = wearer.and_then(|wearer| self.misfit(size, wearer));
         let is_other = size.is_some() || !self.changed().is_empty();
         Cut {
             package,
             report,
             misfit,
+            wearers: BTreeMap::new(),
             is_unknown: is_other,
             is_size: size.is_some() && self.changed().is_empty() && !self.is_to_measure(),
             is_far: is_other && self.is_far(size),
+        }
+    }
+
+    /// Where what was asked for does not fit a wearer.
+    fn misfit(&self, size: Option<Size>, wearer: &Body) -> Option<String> {
+        let measured = |body: &Body| Some(wearer_of(body)?.ok()?.measures);
+        let wearer = measured(wearer).filter(|_| self.is_asked_for())?;
+        let cut_to = if self.is_to_measure() {
+            wearer
+        } else {
+            measured(&self.package.body)?
+        };
+        let girths = misfit(&self.parameters, (size, &cut_to), &wearer);
+        let cut_to = size.map_or(cut_to, Size::measures);
+        let longer = self.parameters.legs_below_soles(&cut_to, &wearer);
+        let legs = longer.filter(|longer| *longer > LEGS_BELOW).map(|longer| {
+            let centimetres = 100.0 * longer;
+            format!("its legs reach {centimetres:.0} cm below the soles of the body, where nothing holds them")
+        });
+        match (girths, legs) {
+            (Some(girths), Some(legs)) => Some(format!("{girths}; {legs}")),
+            (girths, legs) => girths.or(legs),
         }
     }
 
@@ -318,17 +360,10 @@ pub(super) fn by_wearer(
         return Ok(vec![(prepared, part)]);
     }
     if !tailoring.is_to_measure() && !tailoring.is_chosen() {
-        // Of whatever shape they are, all wear the same.
-        if let Some(first) = prepared.targets.first() {
-            let wearer = Wearer::of(first, &prepared.body)?;
-            prepared.dress(wearer, &mut tailoring)?;
-        }
+        prepared.dress_all(&mut tailoring)?;
         return Ok(vec![(prepared, part)]);
     }
-    let wearers = prepared.targets.iter();
-    let wearers: Vec<Wearer> = wearers
-        .map(|target| Wearer::of(target, &prepared.body))
-        .collect::<anyhow::Result<_>>()?;
+    let wearers = prepared.wearers()?;
     let starts: Vec<usize> = (0..wearers.len())
         .filter(|&at| at == 0 || !wearers[at].is_like(&wearers[at - 1]))
         .collect();
@@ -428,28 +463,68 @@ impl Prepared {
         });
     }
 
-    /// Warns where what was asked for does not fit.
-    pub(super) fn warn_of_misfit(&mut self, cut: &Cut) {
-        self.warnings.extend(cut.misfit.clone().map(|text| Warning {
-            path: self.garment_file.path().to_path_buf(),
+    /// Warns where what was asked for does not fit who wears it.
+    pub(super) fn warn_of_misfit(&mut self, misfit: Option<String>, wearer: &Path) {
+        self.warnings.extend(misfit.map(|text| Warning {
+            path: wearer.to_path_buf(),
             problem: Problem::Misfit(text),
         }));
+    }
+
+    /// Who stands in each target.
+    fn wearers(&self) -> anyhow::Result<Vec<Wearer>> {
+        let targets = self.targets.iter();
+        targets
+            .map(|target| Wearer::of(target, &self.body))
+            .collect()
+    }
+
+    /// Cuts the garment once for all targets, of whatever shape they are.
+    fn dress_all(&mut self, tailoring: &mut Tailoring) -> anyhow::Result<()> {
+        let wearers = self.wearers()?;
+        let bodies: Vec<Option<Body>> = (wearers.iter())
+            .map(|wearer| match wearer {
+                Wearer::Own => Some(self.body.clone()),
+                Wearer::Other(body) => Some((**body).clone()),
+                Wearer::Unknown => None,
+            })
+            .collect();
+        let mut last: Option<usize> = None;
+        let mut tapes: BTreeMap<PathBuf, Arc<Tape>> = BTreeMap::new();
+        let paths: Vec<PathBuf> = self.targets.iter().map(|it| it.path.clone()).collect();
+        for (at, (wearer, path)) in wearers.iter().zip(&paths).enumerate() {
+            let Some(body) = &bodies[at] else { continue };
+            let before = last.filter(|&last| wearers[last].is_like(wearer));
+            let known = before.and_then(|last| tapes.get(&paths[last]).cloned());
+            if before.is_none() && at > 0 {
+                let misfit = tailoring.misfit(tailoring.named(), body);
+                self.warn_of_misfit(misfit, path);
+            }
+            let tape = known.or_else(|| Tape::around(body).map(Arc::new));
+            tapes.extend(tape.map(|tape| (path.clone(), tape)));
+            last = Some(at);
+        }
+        if let Some(first) = wearers.into_iter().next() {
+            self.dress(first, tailoring)?;
+        }
+        if let Some(cut) = self.cut.as_mut().and_then(Arc::get_mut) {
+            cut.wearers = tapes;
+        }
+        Ok(())
     }
 
     /// Cuts the garment for a wearer of all targets.
     fn dress(&mut self, wearer: Wearer, tailoring: &mut Tailoring) -> anyhow::Result<()> {
         let wearer = match wearer {
-            Wearer::Unknown if tailoring.is_asked_for() && !tailoring.is_chosen() => {
-                self.body.clone()
-            }
+            Wearer::Unknown if tailoring.is_asked_for() && !tailoring.is_chosen() => None,
             Wearer::Unknown => {
                 self.warn_of_cut("the shape of the body is none that has measures".to_owned());
                 return Ok(());
             }
             // It lies there already.
             Wearer::Own if !self.is_on_other && !tailoring.is_asked_for() => return Ok(()),
-            Wearer::Own => self.body.clone(),
-            Wearer::Other(body) => *body,
+            Wearer::Own => Some(self.body.clone()),
+            Wearer::Other(body) => Some(*body),
         };
         let Some(target) = self.targets.first() else {
             return Ok(());
@@ -459,32 +534,27 @@ impl Prepared {
             let garment = self.garment_file.path().display();
             format!("cannot cut `{garment}` for `{}`", path.display())
         };
-        if !tailoring.is_to_measure() {
-            let cut = tailoring
-                .cut_for(Some(&wearer), &path)
-                .with_context(cannot)?;
-            return self.put_on(cut);
-        }
-        if tape_measures(&wearer).is_none() {
-            return Ok(());
-        }
-        let chosen = tailoring.chosen_for(&wearer).with_context(cannot)?;
-        let size = chosen
-            .as_ref()
-            .map(|chosen| chosen.size)
-            .or(tailoring.named());
-        let (package, seconds) = tailoring.cut_on(wearer, size).with_context(cannot)?;
-        let is_chosen = chosen.is_some();
-        let report = tailoring.report(&path, Some(&package.body), (size, chosen), seconds);
-        let wearer = package.body.clone();
-        let wearer = (!is_chosen).then_some(&wearer);
-        let cut = tailoring.cut(package, report, size, wearer);
+        let tape = wearer.as_ref().and_then(Tape::around).map(Arc::new);
+        let mut cut = if tailoring.is_to_measure() {
+            let wearer = wearer.unwrap_or_else(|| self.body.clone());
+            let Some(cut) = tailoring.cut_to(wearer, &path).with_context(cannot)? else {
+                return Ok(());
+            };
+            cut
+        } else {
+            let cut = tailoring.cut_for(wearer.as_ref(), &path);
+            cut.with_context(cannot)?
+        };
+        let paths = self.targets.iter().map(|target| target.path.clone());
+        let worn = paths.filter_map(|path| Some((path, Arc::clone(tape.as_ref()?))));
+        cut.wearers = worn.collect();
         self.put_on(cut)
     }
 
     /// Takes a garment that was cut, and the body that it lies on.
     fn put_on(&mut self, cut: Cut) -> anyhow::Result<()> {
-        self.warn_of_misfit(&cut);
+        let path = self.targets.first().map(|target| target.path.clone());
+        self.warn_of_misfit(cut.misfit.clone(), &path.unwrap_or_default());
         self.garment = cut.package.mesh.clone();
         let before = std::mem::replace(&mut self.body, cut.package.body.clone());
         let apart = largest_distance(before.rest().positions(), self.body.rest().positions());

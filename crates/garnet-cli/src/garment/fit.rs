@@ -40,7 +40,11 @@ pub(super) fn warnings(
         let text = format!("the garment hangs {below:.0} cm lower than the soles of the body");
         ("below_floor", text)
     });
-    let misfit = misfit(tailor.parameters(), tailor.size(), &wearer.measures);
+    let misfit = misfit(
+        tailor.parameters(),
+        (tailor.size(), &wearer.measures),
+        &wearer.measures,
+    );
     let misfit = misfit.map(|text| ("misfit", text));
     let found = [misfit, strained, fallen].into_iter().flatten();
     let path = GarmentPackage::template_at(folder).display().to_string();

@@ -28,8 +28,9 @@ const NEIGHBORS: usize = 12;
 const SUDDENLY_SHORTER: f64 = 0.98;
 
 /// Lines longer than so many times the girth of the body that the garment lies on go round more
-/// than one limb, or along a fold.
-const LONGEST: f64 = 1.75;
+/// than one limb, or along a fold. The sleeves of the largest sizes are 2.1 times as wide as the arms
+/// of a mean body; a higher value takes folds at the armhole for sleeves.
+const LONGEST: f64 = 2.25;
 
 /// Sleeves and legs are measured no farther along the bone than these shares.
 const LOWEST_ON_ARM: f64 = 0.9;
@@ -98,14 +99,15 @@ impl FitLines {
         })
     }
 
-    /// The regions that the garment goes round.
-    pub fn regions(&self) -> impl Iterator<Item = Region> + '_ {
-        let of = |region: Region| {
-            let line = self.lines.iter().find(|line| line.region == region);
-            let finished = self.finished.iter().find(|girth| girth.region == region);
-            line.is_some() || finished.is_some_and(|girth| girth.is_reached)
+    /// The regions that the garment goes round on a wearer.
+    pub fn regions(&self, wearer: &Tape) -> impl Iterator<Item = Region> {
+        let of = |region: &Region| {
+            let line = self.lines.iter().find(|line| line.region == *region);
+            let finished = self.finished.iter().find(|girth| girth.region == *region);
+            line.is_some() || finished.is_some_and(|girth| girth.is_reached(wearer))
         };
-        Region::ALL.into_iter().filter(move |&region| of(region))
+        let regions: Vec<Region> = Region::ALL.into_iter().filter(of).collect();
+        regions.into_iter()
     }
 
     /// How the garment fits who has these girths, draped with its nodes at `nodes` `[node]`, in
@@ -140,7 +142,7 @@ impl FitLines {
                 strain,
             })
         };
-        self.regions().filter_map(fit).collect()
+        self.regions(wearer).filter_map(fit).collect()
     }
 
     /// How much longer the longest of the lines of a region is than as it was cut, as a share.
@@ -162,15 +164,24 @@ pub struct FinishedGirth {
     pub region: Region,
     /// In metres, without stretch.
     pub girth: f64,
-    /// Whether the garment goes round the region whatever its wearer is like: shirts end above or
-    /// below the hip.
-    pub is_reached: bool,
+    /// How far below the neck the garment ends, in metres, where it goes round the region of some
+    /// wearers alone: the hip in a shirt.
+    pub from_neck: Option<f64>,
     /// Of a waistband: its share of the way from the hip up to the waist, and the share of the hip
     /// that it is cut for at most.
     pub band: Option<[f64; 2]>,
 }
 
 impl FinishedGirth {
+    /// Whether the garment goes round the region of a wearer.
+    fn is_reached(&self, wearer: &Tape) -> bool {
+        let height = wearer.height(self.region.measure());
+        match (self.from_neck, height) {
+            (Some(length), Some(height)) => wearer.neck_height() - length < height + ON_HIP,
+            _ => true,
+        }
+    }
+
     /// The girth of the wearer that it is held against.
     fn of_wearer(&self, wearer: &Tape, of_line: Place) -> f64 {
         if let Some([above_hip, widest]) = self.band {
@@ -387,11 +398,11 @@ mod tests {
         let built = ParametricBody::build(&BodyParameters::new(0.5)).unwrap();
         let garment = worn(&built);
         let lines = FitLines::new(&garment, None, Vec::new()).unwrap();
+        let tape = Tape::around(built.body()).unwrap();
         assert_eq!(
-            lines.regions().collect::<Vec<_>>(),
+            lines.regions(&tape).collect::<Vec<_>>(),
             [Region::Waist, Region::Hip]
         );
-        let tape = Tape::around(built.body()).unwrap();
         for stretch in [1.0_f32, 1.05] {
             let nodes = garment.cloth().rest_nodes().iter();
             let nodes = nodes.map(|p| Point3::new(stretch * p.x, p.y, stretch * p.z));
@@ -481,7 +492,7 @@ mod tests {
             let around = shifted(&around, [0.0, middle as f32, center.z as f32]);
             let garment = Garment::new(around).bind(built.body()).unwrap();
             let lines = FitLines::new(&garment, None, Vec::new()).unwrap();
-            let found = lines.regions().any(|region| region == Region::Chest);
+            let found = lines.regions(&tape).any(|region| region == Region::Chest);
             assert_eq!(found, has_chest);
         }
     }
@@ -500,7 +511,7 @@ mod tests {
         let sleeve = sleeve.with_positions(places.collect()).unwrap();
         let garment = Garment::new(sleeve).bind(built.body()).unwrap();
         let lines = FitLines::new(&garment, None, Vec::new()).unwrap();
-        assert_eq!(lines.regions().collect::<Vec<_>>(), [Region::UpperArm]);
+        assert_eq!(lines.regions(&tape).collect::<Vec<_>>(), [Region::UpperArm]);
         let fit = lines.fit(&tape, garment.cloth().rest_nodes())[0];
         let arm = built.measures()[Measure::UpperArm];
         assert!((fit.body - arm).abs() < 1e-6);
