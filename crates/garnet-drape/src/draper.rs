@@ -15,6 +15,7 @@ use tracing::{debug, info};
 use crate::blending::{REACHES, blended, worse};
 #[cfg(feature = "package")]
 use crate::predicted::Learned;
+use crate::stiff::StiffPieces;
 use crate::{BoundGarment, Error};
 
 /// How a garment is draped.
@@ -501,6 +502,9 @@ impl Draper {
             });
         };
         let (cloth, binding) = (self.garment.cloth(), self.garment.binding());
+        let pieces = StiffPieces::of(cloth);
+        let mut nodes = nodes;
+        pieces.stiffen(cloth, &mut nodes);
         let freed = |nodes: &[Point3], by: PlacedBy| {
             let options = match by {
                 PlacedBy::Warp => *options,
@@ -529,6 +533,7 @@ impl Draper {
                 }
             }
         }
+        pieces.stiffen_outside(cloth, &mut untangled.positions_nodes, home.body().skin());
         let positions = weld.scatter(&untangled.positions_nodes);
         let is_trapped = weld.scatter(&untangled.is_trapped);
         seconds.untangle = start.elapsed().as_secs_f64();

@@ -16,6 +16,7 @@ mod outfit;
 mod penetration;
 mod refit;
 mod smoothing;
+mod stiff;
 mod take;
 
 mod blending;

@@ -2,7 +2,7 @@
 //! its sleeve. No vertex is inside the body then, and yet the garment is not worn.
 
 use garnet_knn::Surface;
-use garnet_mesh::Point3;
+use garnet_mesh::{Point3, TriMesh};
 use garnet_skin::PosedBody;
 use rayon::prelude::*;
 
@@ -47,6 +47,9 @@ pub struct LimbOutside {
 /// The skin that lies in the cloth of a garment at rest.
 #[derive(Debug, Clone)]
 pub struct Tubes {
+    /// The cloth at rest with all faces turned outwards, if some look to another side than most:
+    /// a lining, whose turns about a limb would cancel those of its shell.
+    turned: Option<Surface>,
     /// Joints, and vertices of the body whose skin follows them most.
     joints: Vec<(usize, Vec<u32>)>,
 }
@@ -76,7 +79,8 @@ impl Tubes {
         }
         let asked: Vec<(usize, Vec<u32>)> = of_joints.into_iter().enumerate().collect();
         let rest = garment.mesh().positions();
-        let cloth = Cloth::at(garment, rest)?;
+        let turned = turned_outwards(garment);
+        let cloth = Cloth::at(garment, turned.as_ref(), rest)?;
         let skin = body.skin().positions();
         let joints = asked.into_par_iter().filter_map(|(joint, mut vertices)| {
             let count = vertices.len();
@@ -88,9 +92,8 @@ impl Tubes {
                 vertices.len() >= MIN_IN && vertices.len() as f32 >= IN_SHARE * count as f32;
             is_worn.then_some((joint, vertices))
         });
-        Ok(Self {
-            joints: joints.collect(),
-        })
+        let joints = joints.collect();
+        Ok(Self { turned, joints })
     }
 
     /// The limbs that are out of the cloth where the garment's vertices are at `positions`
@@ -108,7 +111,7 @@ impl Tubes {
         if self.joints.is_empty() {
             return Ok(Vec::new());
         }
-        let cloth = Cloth::at(garment, positions)?;
+        let cloth = Cloth::at(garment, self.turned.as_ref(), positions)?;
         let skin = body.skin().positions();
         let outside = self.joints.par_iter().map(|(joint, vertices)| {
             let places = vertices.iter();
@@ -135,6 +138,31 @@ impl Tubes {
     }
 }
 
+/// Of faces that look inwards, a smaller share is turned by folds, and a larger one is a garment
+/// inside out.
+const MIXED: std::ops::Range<f32> = 0.15..0.85;
+
+/// The cloth at rest with all faces looking away from the skin, if they do not look to one side.
+fn turned_outwards(garment: &BoundGarment) -> Option<Surface> {
+    let cloth = garment.cloth();
+    let (nodes, skin) = (cloth.rest_nodes(), garment.body().skin());
+    let normal = |[a, b, c]: [Point3; 3]| (b - a).cross(&(c - a));
+    let mut faces = cloth.faces().to_vec();
+    let mut turned = 0;
+    for face in &mut faces {
+        let [first, ..] = *face;
+        let under = skin.faces()[cloth.skin()[first as usize].face as usize];
+        let under = normal(under.map(|vertex| skin.positions()[vertex as usize]));
+        if normal(face.map(|node| nodes[node as usize])).dot(&under) < 0.0 {
+            face.swap(1, 2);
+            turned += 1;
+        }
+    }
+    let share = turned as f32 / faces.len().max(1) as f32;
+    let mesh = TriMesh::new(nodes.to_vec(), faces).ok()?;
+    MIXED.contains(&share).then(|| Surface::new(&mesh))
+}
+
 /// The cloth of a garment in some place.
 struct Cloth<'a> {
     garment: &'a BoundGarment,
@@ -142,9 +170,16 @@ struct Cloth<'a> {
 }
 
 impl<'a> Cloth<'a> {
-    fn at(garment: &'a BoundGarment, positions: &[Point3]) -> Result<Self, Error> {
+    fn at(
+        garment: &'a BoundGarment,
+        turned: Option<&Surface>,
+        positions: &[Point3],
+    ) -> Result<Self, Error> {
         let nodes = garment.cloth().weld().gather(positions);
-        let surface = garment.binding().surface_at(nodes)?;
+        let surface = match turned {
+            Some(turned) => turned.moved(nodes)?,
+            None => garment.binding().surface_at(nodes)?,
+        };
         Ok(Self { garment, surface })
     }
 
@@ -202,5 +237,33 @@ mod tests {
         let outside = |by| tubes.limbs_outside(&sleeve, &slid(by), &posed).unwrap();
         assert_eq!(outside(0.6), []);
         assert_eq!(outside(1.5).len(), 1);
+    }
+
+    #[test]
+    fn a_lining_that_looks_inwards_hides_nothing() {
+        let limb = capsule(0.05, 0.6, 24, 24);
+        let joint = Joint {
+            name: "limb".to_owned(),
+            parent: None,
+            rest_position: Point3::origin(),
+        };
+        let weights = SkinWeights::from_dense(1, &vec![1.0; limb.num_vertices()]).unwrap();
+        let body = Body::new(limb, Skeleton::new(vec![joint]).unwrap(), weights).unwrap();
+        let [shell, lining] = [0.064, 0.06].map(|radius| tube(radius, 0.9, 32, 24));
+        let count = shell.num_vertices() as u32;
+        let places = [shell.positions(), lining.positions()].concat();
+        let turned = lining.faces().iter();
+        let turned = turned.map(|&[a, b, c]| [a + count, c + count, b + count]);
+        let faces = shell.faces().iter().copied().chain(turned);
+        let lined = TriMesh::new(places, faces.collect()).unwrap();
+        let sleeve = Garment::new(lined).bind(&body).unwrap();
+        let tubes = Tubes::new(&sleeve).unwrap();
+        let posed = body.posed(&Pose::rest(1)).unwrap();
+        for (by, expected) in [(0.0, 0), (0.2, 1)] {
+            let rest = sleeve.mesh().positions().iter();
+            let moved: Vec<Point3> = rest.map(|p| Point3::new(p.x + by, p.y, p.z)).collect();
+            let outside = tubes.limbs_outside(&sleeve, &moved, &posed).unwrap();
+            assert_eq!(outside.len(), expected);
+        }
     }
 }

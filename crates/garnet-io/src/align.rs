@@ -48,6 +48,11 @@ const SAME_SIZE: f32 = 0.04;
 /// Another size than that of the unit has to fit so much better.
 const CLEARLY: f32 = 1.5;
 
+/// Cloth of which 1 % of the edges grow by more than this when its arms are brought to those of the
+/// body has no sleeves in that pose. Sleeves that are brought from `t_pose` to hanging arms grow by
+/// half at the armpits; a dress without sleeves, by twice. A lower value refuses the former.
+const PULLED_APART: f32 = 1.75;
+
 /// Poses of the library whose arms are tried.
 const ARMS: [&str; 3] = ["t_pose", "a_pose", "stand"];
 
@@ -252,18 +257,24 @@ pub fn aligned(garment: &TriMesh, body: &Body) -> Result<Option<(TriMesh, Alignm
     });
     let mut fitted: Vec<(f32, usize, Guess)> = fitted.collect();
     fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some(&(_, wearer, guess)) = fitted.first() else {
-        return Ok(None);
-    };
-    let wearer = &wearers[wearer];
     let center = cloth.center;
-    let placed = garment.positions().iter().map(|p| guess.at(*p, center));
-    let mesh = garment.with_positions(placed.collect()).ok();
-    let mesh = match (mesh, &wearer.transforms) {
-        (Some(mesh), Some(transforms)) => brought_back(&mesh, body, wearer, transforms)?,
-        (mesh, _) => mesh,
-    };
-    let Some(mesh) = mesh else {
+    let mut best = None;
+    for (_, wearer, guess) in fitted {
+        let placed = garment.positions().iter().map(|p| guess.at(*p, center));
+        let Ok(placed) = garment.with_positions(placed.collect()) else {
+            continue;
+        };
+        let wearer = &wearers[wearer];
+        let mesh = match &wearer.transforms {
+            Some(transforms) => brought_back(&placed, body, wearer, transforms)?,
+            None => Some(placed),
+        };
+        if let Some(mesh) = mesh {
+            best = Some((mesh, wearer, guess));
+            break;
+        }
+    }
+    let Some((mesh, wearer, guess)) = best else {
         return Ok(None);
     };
     // What is best may be no place to be bound at.
@@ -313,7 +324,8 @@ fn turned_center(guess: &Guess, center: Point3) -> Point3 {
     Point3::from(guess.turn * (center.coords * guess.scale))
 }
 
-/// Cloth on the body in another pose, brought to its rest with the arms.
+/// Cloth on the body in another pose, brought to its rest with the arms; none if that pulls it
+/// apart, as what has armholes and no sleeves.
 fn brought_back(
     cloth: &TriMesh,
     body: &Body,
@@ -330,7 +342,23 @@ fn brought_back(
     let back = transforms.iter().map(Isometry3::inverse).collect();
     let at_rest = posed.fitted_by(body.rest().positions(), back)?;
     let nodes = bound.warped_nodes(&at_rest, Warp::Shape)?;
-    Ok(cloth.with_positions(bound.weld().scatter(&nodes)).ok())
+    let Ok(brought) = cloth.with_positions(bound.weld().scatter(&nodes)) else {
+        return Ok(None);
+    };
+    let lengths = |mesh: &TriMesh| -> Vec<f32> {
+        let nodes = bound.weld().gather(mesh.positions());
+        let edges = bound.topology().edges().iter();
+        let edges = edges.map(|edge| edge.map(|node| nodes[node as usize]));
+        edges.map(|[a, b]| (b - a).norm()).collect()
+    };
+    let pairs = lengths(&brought).into_iter().zip(lengths(cloth));
+    let mut stretches: Vec<f32> = pairs.map(|(now, before)| now / before.max(1e-9)).collect();
+    let at = stretches.len() * 99 / 100;
+    if stretches.len() <= at {
+        return Ok(Some(brought));
+    }
+    let (_, &mut high, _) = stretches.select_nth_unstable_by(at, f32::total_cmp);
+    Ok((high < PULLED_APART).then_some(brought))
 }
 
 impl Cloth {

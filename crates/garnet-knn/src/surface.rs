@@ -43,11 +43,19 @@ pub struct Surface {
 struct Connectivity {
     faces: Vec<[u32; 3]>,
     adjacency: Adjacency,
+    /// How many of the faces, the last ones, close holes.
+    num_caps: usize,
 }
 
 impl Surface {
     /// Builds the hierarchy over the faces of `mesh`.
     pub fn new(mesh: &TriMesh) -> Self {
+        Self::with_caps(mesh, 0)
+    }
+
+    /// The same of a mesh of which the last `num_caps` faces close holes: they are counted where it
+    /// is asked what is inside, and are no skin that cloth could run through.
+    pub fn with_caps(mesh: &TriMesh, num_caps: usize) -> Self {
         let faces = mesh.faces().to_vec();
         let positions = mesh.positions().to_vec();
         let (bvh, adjacency) = rayon::join(
@@ -55,11 +63,25 @@ impl Surface {
             || Adjacency::new(positions.len(), &faces),
         );
         Self {
-            connectivity: Arc::new(Connectivity { faces, adjacency }),
+            connectivity: Arc::new(Connectivity {
+                faces,
+                adjacency,
+                num_caps,
+            }),
             positions,
             bvh,
             far_field: OnceLock::new(),
         }
+    }
+
+    /// Whether a face closes a hole.
+    pub fn is_cap(&self, face: u32) -> bool {
+        face as usize + self.connectivity.num_caps >= self.connectivity.faces.len()
+    }
+
+    /// Whether any face closes a hole.
+    pub fn has_caps(&self) -> bool {
+        self.connectivity.num_caps > 0
     }
 
     /// The same faces at other positions `[vertex]`: the hierarchy keeps its shape and is fitted

@@ -93,22 +93,35 @@ fn skin_of(rest: &TriMesh, doubles: &[u32], weights: &SkinWeights) -> (Surface, 
         faces[double as usize] = [corner; 3];
     }
     let caps = Caps::of(rest.positions(), &faces);
+    let num_caps = caps.faces.len();
     faces.extend(caps.faces);
     let closed = TriMesh::new(rest.positions().to_vec(), faces);
-    let skin = closed.map_or(skin, |mesh| Surface::new(&mesh));
+    let skin = closed.map_or(skin, |mesh| Surface::with_caps(&mesh, num_caps));
     (skin, caps.num_rims)
 }
 
-/// The faces with one vertex for all that lie at a place and move alike.
+/// The largest sum of the differences of their weights with which vertices at a place move alike:
+/// meshes of one body are rounded apart.
+const SAME_WEIGHTS: f32 = 0.01;
+
+/// The faces with one vertex for all that lie at a place, or on rims as near to each other as
+/// rounding leaves them, and move alike.
 fn sewn_faces(rest: &TriMesh, weights: &SkinWeights) -> Vec<[u32; 3]> {
-    let weld = Weld::new(rest.positions());
+    let weld = Weld::sewn(rest);
     let mut at_node: Vec<Vec<u32>> = vec![Vec::new(); weld.num_nodes()];
     let same: Vec<u32> = (0_u32..)
         .zip(weld.node_of_vertex())
         .map(|(vertex, &node)| {
             let others = &mut at_node[node as usize];
-            let own = || weights.vertex(vertex as usize);
-            let moves_alike = |&&other: &&u32| weights.vertex(other as usize).eq(own());
+            let row = |vertex: u32| weights.vertex(vertex as usize);
+            let more = |a: u32, b: u32| -> f32 {
+                let of_b = |joint| row(b).find(|(other, _)| *other == joint);
+                let more =
+                    row(a).map(|(joint, weight)| weight - of_b(joint).map_or(0.0, |it| it.1));
+                more.filter(|more| *more > 0.0).sum()
+            };
+            let moves_alike =
+                |&&other: &&u32| more(vertex, other) + more(other, vertex) <= SAME_WEIGHTS;
             let first = others.iter().find(moves_alike).copied();
             first.unwrap_or_else(|| {
                 others.push(vertex);
@@ -502,6 +515,46 @@ mod tests {
             assert_eq!(is_whole, is_alike);
             assert_eq!(body.rest(), &split);
         }
+    }
+
+    #[test]
+    fn seams_between_meshes_are_closed_within_rounding() {
+        let ball = icosphere(3, 0.5);
+        let is_upper = |face: &&[u32; 3]| {
+            let places = face
+                .iter()
+                .map(|&corner| ball.positions()[corner as usize].y);
+            places.sum::<f32>() > 0.0
+        };
+        let (upper, lower): (Vec<[u32; 3]>, Vec<[u32; 3]>) =
+            ball.faces().iter().partition(is_upper);
+        let count = ball.num_vertices() as u32;
+        let off = ball.positions().iter();
+        let off = off.map(|p| p + Vector3::new(3e-7, -4e-7, 2e-7));
+        let positions: Vec<Point3> = ball.positions().iter().copied().chain(off).collect();
+        let shifted = lower.iter().map(|face| face.map(|corner| corner + count));
+        let faces: Vec<[u32; 3]> = upper.iter().copied().chain(shifted).collect();
+        let rows = (0..positions.len()).map(|vertex| {
+            let more = if vertex < ball.num_vertices() {
+                0.0
+            } else {
+                1e-3
+            };
+            vec![(0, 0.6 + more), (1, 0.4 - more)]
+        });
+        let weights = SkinWeights::from_influences(2, rows).unwrap();
+        let joint = |parent| Joint {
+            name: format!("joint {parent:?}"),
+            parent,
+            rest_position: Point3::origin(),
+        };
+        let skeleton = Skeleton::new(vec![joint(None), joint(Some(0))]).unwrap();
+        let mesh = TriMesh::new(positions, faces).unwrap();
+        let body = Body::new(mesh, skeleton, weights).unwrap();
+        assert_eq!(
+            (body.num_rims(), body.skin().faces().len()),
+            (0, ball.num_faces())
+        );
     }
 
     #[test]

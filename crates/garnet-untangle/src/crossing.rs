@@ -41,6 +41,18 @@ impl Crossing {
         Ok(Self { surface, faces })
     }
 
+    /// Those that cross the skin itself, and not what closes its holes alone.
+    pub(crate) fn of_skin(&self, skin: &Surface) -> Vec<u32> {
+        if !skin.has_caps() {
+            return self.faces.clone();
+        }
+        let pairs = self.surface.faces_crossing(skin, &self.faces).into_iter();
+        let of_skin = pairs.filter(|&[_, face]| !skin.is_cap(face));
+        let mut faces: Vec<u32> = of_skin.map(|[face, _]| face).collect();
+        faces.dedup();
+        faces
+    }
+
     /// Tests the faces of `moved` nodes, and those that crossed before, once these nodes were
     /// moved.
     pub(crate) fn refresh(
@@ -75,9 +87,10 @@ pub(crate) fn crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
 }
 
 /// The faces of a garment that cross skin with room before it, which lies in no other part of the
-/// body and no slit, sorted.
+/// body and no slit, sorted. What closes holes is no skin.
 pub fn free_crossing_faces(garment: &Surface, skin: &Surface) -> Vec<u32> {
     let pairs = garment.intersections(skin).into_iter();
+    let pairs = pairs.filter(|&[_, face]| !skin.is_cap(face));
     let free = pairs.filter(|&[_, face]| skin.room_before_face(face) == Room::Free);
     let mut faces: Vec<u32> = free.map(|[face, _]| face).collect();
     faces.sort_unstable();
@@ -157,4 +170,33 @@ fn deepest_sample(
         }
     }
     deepest
+}
+
+#[cfg(test)]
+mod tests {
+    use garnet_mesh::{TriMesh, primitives::cuboid};
+
+    use super::*;
+
+    #[test]
+    fn what_closes_a_hole_is_no_skin() {
+        let cube = cuboid([1.0; 3]);
+        let last = cube.faces()[cube.num_faces() - 1];
+        let corners = last.map(|corner| cube.positions()[corner as usize]);
+        let middle = Point3::from(corners.iter().map(|p| p.coords).sum::<Vector3>() / 3.0);
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(&(c - a)).normalize();
+        let along = (b - a).normalize();
+        let corners = vec![
+            middle + 0.1 * normal,
+            middle - 0.1 * normal,
+            middle + 0.1 * normal + 0.05 * along,
+        ];
+        let cloth = Surface::new(&TriMesh::new(corners, vec![[0, 1, 2]]).unwrap());
+        assert_eq!(free_crossing_faces(&cloth, &Surface::new(&cube)), [0]);
+        assert_eq!(
+            free_crossing_faces(&cloth, &Surface::with_caps(&cube, 2)),
+            [0; 0]
+        );
+    }
 }

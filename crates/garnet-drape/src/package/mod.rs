@@ -11,7 +11,7 @@ mod together;
 use std::path::{Path, PathBuf};
 
 use garnet_io::{ObjFile, read_rig, rig_npz};
-use garnet_mesh::{Fingerprint, RestEdge, StagedFile, TriMesh, read_bounded};
+use garnet_mesh::{Fingerprint, RestEdge, StagedFile, TriMesh, read_text};
 use garnet_sim::{Cloth, RestShape};
 use garnet_skin::{Body, Rig};
 
@@ -156,7 +156,7 @@ impl GarmentPackage {
     /// not belong to the template.
     pub fn read(folder: &Path) -> Result<Self, PackageError> {
         let manifest = Self::read_manifest(folder)?;
-        let template = ObjFile::read(folder.join(TEMPLATE_FILE))?;
+        let template = ObjFile::read_regular(folder.join(TEMPLATE_FILE))?;
         let mesh = template.mesh()?;
         manifest.check_template(&folder.join(TEMPLATE_FILE), &mesh)?;
         let rest = match &manifest.pattern {
@@ -202,8 +202,7 @@ impl GarmentPackage {
     /// another version, or [`PackageError::Fabric`].
     pub fn read_manifest(folder: &Path) -> Result<Manifest, PackageError> {
         let path = folder.join(MANIFEST_FILE);
-        let bytes = read_bounded(&path, MOST_TEXT);
-        let text = bytes.and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other));
+        let text = read_text(&path, MOST_TEXT);
         let text = text.map_err(|source| PackageError::read(&path, source))?;
         let manifest: Manifest =
             toml::from_str(&text).map_err(|source| PackageError::toml(&path, &text, &source))?;

@@ -63,7 +63,7 @@ pub(crate) fn verify(
             }
         }
     }
-    for &face in &crossing.faces {
+    for face in crossing.of_skin(finder.skin) {
         let corners = garment.faces()[face as usize];
         if corners.iter().any(|&node| is_trapped[node as usize]) {
             report.crossing_faces_trapped += 1;
