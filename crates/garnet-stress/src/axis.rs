@@ -47,6 +47,7 @@ pub(crate) enum Kind {
     Smaller,
     Doll,
     Giant,
+    Child,
     FinerGarment,
     FinerBody,
     CoarserGarment,
@@ -102,6 +103,7 @@ impl Kind {
             self,
             Self::Doll
                 | Self::Giant
+                | Self::Child
                 | Self::FinerGarment
                 | Self::FinerBody
                 | Self::CoarserGarment
@@ -313,6 +315,17 @@ pub const AXES: &[Axis] = &[
         10.0,
         SIZES,
         &[1.0, 10.0],
+    ),
+    axis(
+        [
+            "child",
+            "from an adult to a child of four, with the garment",
+            "of 1",
+        ],
+        Kind::Child,
+        1.0,
+        &[0.0, 0.25, 0.5, 0.75, 1.0],
+        &[0.0, 1.0],
     ),
     axis(
         ["finer-garment", "faces of the garment", "times"],

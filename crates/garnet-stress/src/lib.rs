@@ -7,6 +7,7 @@
 //! these breaks.
 
 mod axis;
+mod child;
 mod damage;
 mod error;
 mod method;

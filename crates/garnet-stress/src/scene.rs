@@ -16,6 +16,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::StressError;
 use crate::axis::{Axis, Kind};
+use crate::child::child;
 use crate::damage::{
     coarser_body, finer, finer_body, flipped, in_pieces, lined, resized_body, slivers, split,
     turned_in_patches, with_balls, with_fins, with_holes,
@@ -122,6 +123,13 @@ impl<'a> Scenes<'a> {
             Kind::Smaller => self.scaled(1.0 / level as f32)?,
             Kind::Doll => self.resized(1.0 / level as f32)?,
             Kind::Giant => self.resized(level as f32)?,
+            Kind::Child => match child(self.package.garment(), level)? {
+                Some((body, mesh)) => Scene {
+                    garment: Arc::new(Garment::new(mesh).bind(&body)?),
+                    ..self.on(body.posed(&self.usual_pose())?)
+                },
+                None => return Ok(None),
+            },
             Kind::FinerGarment => self.with_garment(finer(self.mesh(), level)?)?,
             Kind::FinerBody => self.with_body(&finer_body(self.package.body(), level)?)?,
             Kind::CoarserGarment => match self.coarser(level)? {
