@@ -6,6 +6,7 @@ use std::fs;
 use garnet::mesh::primitives::capsule;
 
 use crate::fixtures::{Fixture, refused_with_hint as refused, stderr, stdout};
+use crate::train::done;
 
 #[test]
 fn missing_and_unreadable_files() {
@@ -653,4 +654,33 @@ fn vertices_that_no_face_names_are_no_cloth() {
     fixture.text("strays.obj", &(sleeve + &strays));
     let output = fixture.garnet("drape strays.obj body.obj --pose bend.json -o out.obj");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+}
+
+#[test]
+#[cfg(unix)]
+fn pipes_that_a_folder_or_a_list_names_are_not_waited_for() {
+    let fixture = Fixture::new();
+    done(
+        &fixture,
+        "garment from-obj sleeve.obj --rest-body body.obj -o pack -q",
+    );
+    fs::remove_file(fixture.path("pack/template.obj")).unwrap();
+    let made = std::process::Command::new("mkfifo")
+        .arg(fixture.path("pack/template.obj"))
+        .status();
+    assert!(made.unwrap().success());
+    fixture.text(
+        "jobs.json",
+        r#"[{"garment": "sleeve.obj", "body": "/dev/zero", "output": "o.obj"}]"#,
+    );
+    for arguments in [
+        "drape pack bent.obj -o o.obj",
+        "info pack",
+        "drape --batch jobs.json",
+    ] {
+        let output = fixture.garnet(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}");
+        let told = stderr(&output) + &stdout(&output);
+        assert!(told.contains("a pipe or a device"), "{arguments}: {told}");
+    }
 }

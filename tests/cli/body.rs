@@ -368,3 +368,35 @@ fn numbers_that_are_no_angles_are_refused_with_frame_and_joint() {
     assert!(told.contains("frame 1, joint"), "{told}");
     assert!(!fixture.path("frames").exists());
 }
+
+#[test]
+fn a_rig_that_is_not_its_own_is_not_overwritten() {
+    let fixture = Fixture::new();
+    fixture.text("kept.rig.npz", "precious");
+    for name in ["kept.obj", "body.obj"] {
+        // That beside `body.obj` has other joints.
+        let rig = name.replace(".obj", ".rig.npz");
+        let before = fixture.read(&rig);
+        let output = fixture.garnet(&format!("body -o {name}"));
+        assert_eq!(output.status.code(), Some(2), "{name}");
+        assert!(
+            stderr(&output).contains("it would be lost"),
+            "{}",
+            stderr(&output)
+        );
+        assert_eq!(fixture.read(&rig), before);
+    }
+    fixture.text("people/measures.csv", "name,phone\n");
+    let output = fixture.garnet("body --sample 1 -o people");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).contains("no such table"),
+        "{}",
+        stderr(&output)
+    );
+    // Its own are.
+    for _ in 0..2 {
+        let output = fixture.garnet("body -o own.obj -q");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
+}

@@ -143,13 +143,26 @@ impl Console {
         }
     }
 
-    /// Tells that a limit of the user is exceeded.
-    pub(crate) fn exceeded(&self, text: &impl Display) {
+    /// Another one that tells the same in the same form, for another thread.
+    pub(crate) fn other(&self) -> Self {
+        Self {
+            is_json: self.is_json,
+            loudness: self.loudness,
+            draws_progress: self.draws_progress,
+            is_colored: self.is_colored,
+            told: Mutex::default(),
+        }
+    }
+
+    /// Tells that limits of the user are exceeded, one or several.
+    pub(crate) fn exceeded(&self, limits: &[String]) {
         if self.is_json {
-            tell_json(&Failure::without_cause(text.to_string()));
+            tell_json(&Failure::without_cause(limits.join("; ")));
             return;
         }
-        tell(&format_args!("{} {text}", self.label("error:", RED)));
+        for text in limits {
+            tell(&format_args!("{} {text}", self.label("error:", RED)));
+        }
     }
 
     /// Tells why something was not done.

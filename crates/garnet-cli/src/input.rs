@@ -30,6 +30,14 @@ pub(crate) fn start(path: &Path, most: u64) -> anyhow::Result<Vec<u8>> {
     read_start(path, most).with_context(|| cannot(path))
 }
 
+/// Refuses a pipe or a device that a file or a folder names, and not the user.
+pub(crate) fn check_regular(path: &Path) -> anyhow::Result<()> {
+    if !path.exists() {
+        return Ok(());
+    }
+    garnet::mesh::check_regular(path).with_context(|| cannot(path))
+}
+
 fn cannot(path: &Path) -> String {
     format!("cannot read `{}`", path.display())
 }

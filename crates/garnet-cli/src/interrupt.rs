@@ -1,11 +1,20 @@
 //! Ctrl-C, where something has to be put in order before the command ends.
 
 use std::{
-    fmt,
-    sync::{Arc, atomic::AtomicBool},
+    fmt, fs,
+    path::PathBuf,
+    process,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread,
+    time::Duration,
 };
 
 use anyhow::Context;
+
+use crate::{console::Console, failure::ExitStatus};
 
 /// The command was told to stop.
 #[derive(Debug)]
@@ -21,6 +30,36 @@ impl fmt::Display for Interrupted {
 }
 
 impl std::error::Error for Interrupted {}
+
+/// How often a signal is looked for that ends the command.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(30);
+
+/// Ends the command on the first signal to end with what is left of it, where all outputs appear
+/// whole or not at all; `folders` are removed if they are empty.
+#[expect(
+    clippy::exit,
+    reason = "a thread that waits for signals cannot return for the others"
+)]
+pub(crate) fn tell_on_interrupt(
+    told: String,
+    folders: Vec<PathBuf>,
+    console: &Console,
+) -> anyhow::Result<()> {
+    let stop = stop_flag()?;
+    let console = console.other();
+    thread::spawn(move || {
+        while !stop.load(Ordering::Relaxed) {
+            thread::sleep(BETWEEN_LOOKS);
+        }
+        console.failure(&anyhow::Error::new(Interrupted { told }));
+        for folder in &folders {
+            // One that holds something stays.
+            let _ = fs::remove_dir(folder);
+        }
+        process::exit(ExitStatus::Interrupted.code().into())
+    });
+    Ok(())
+}
 
 /// A flag that the first signal to end sets; the second one ends the command at once.
 pub(crate) fn stop_flag() -> anyhow::Result<Arc<AtomicBool>> {
@@ -45,7 +84,7 @@ pub(crate) fn stop_flag() -> anyhow::Result<Arc<AtomicBool>> {
 /// not tell, a closed terminal ends it at once.
 #[cfg(unix)]
 fn ignores_hangups() -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
     // The first bit is the first signal, which is this one.

@@ -8,8 +8,9 @@ use std::{
 
 use anyhow::Context;
 use garnet::{
-    io::{WriteError, remove_stale_temporaries, write_atomically},
-    mesh::{MOST_BYTES, read_bounded},
+    Skeleton,
+    io::{WriteError, read_rig, remove_stale_temporaries, write_atomically},
+    mesh::{MOST_BYTES, read_bounded, read_start},
     package::{FileLock, GarmentPackage, Manifest},
 };
 use serde::Deserialize;
@@ -81,6 +82,32 @@ pub(crate) fn check_hidden(path: &Path) -> anyhow::Result<()> {
     }
     let what = "a file is there that lists no hidden faces";
     Err(would_be_lost(path, what))
+}
+
+/// Refuses a table that would take the place of a file that does not begin as it does.
+pub(crate) fn check_table(path: &Path, beginning: &str) -> anyhow::Result<()> {
+    let start = read_start(path, beginning.len() as u64).unwrap_or_default();
+    if !path.is_file() || start.is_empty() || start == beginning.as_bytes() {
+        return Ok(());
+    }
+    Err(would_be_lost(path, "a file is there that is no such table"))
+}
+
+/// Refuses a rig beside a body, which the user has not named, that would take the place of a file
+/// that is none, or of the rig of another skeleton.
+pub(crate) fn check_sidecar(path: &Path, skeleton: &Skeleton) -> anyhow::Result<()> {
+    if !path.is_file() {
+        return Ok(());
+    }
+    let names = |skeleton: &Skeleton| -> Vec<String> {
+        let joints = skeleton.joints().iter();
+        joints.map(|joint| joint.name.clone()).collect()
+    };
+    match read_rig(path) {
+        Ok(rig) if names(&rig.skeleton) == names(skeleton) => Ok(()),
+        Ok(_) => Err(would_be_lost(path, "the rig of another skeleton is there")),
+        Err(_) => Err(would_be_lost(path, "a file is there that is no rig")),
+    }
 }
 
 fn would_be_lost(path: &Path, what: &str) -> anyhow::Error {

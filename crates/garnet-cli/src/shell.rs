@@ -6,7 +6,7 @@ use clap::{Args, Command};
 use clap_complete::Shell;
 
 use crate::{
-    console::{Console, print_data},
+    console::{Console, print_data, print_document},
     failure::ExitStatus,
     output,
 };
@@ -56,6 +56,13 @@ pub(crate) fn man(
         "{count} pages are in `{}`",
         args.output.display()
     ));
+    if console.is_json() {
+        print_document(&serde_json::json!({
+            "schema": "garnet.man/1",
+            "output": args.output.display().to_string(),
+            "pages": count,
+        }))?;
+    }
     Ok(ExitStatus::Done)
 }
 

@@ -8,7 +8,7 @@ use std::{
 use garnet_body::{motion::RetargetError, shape::ShapeError};
 use garnet_drape::PackageError;
 use garnet_io::{FileError, ObjError};
-use garnet_mesh::{Fingerprint, MOST_BYTES, MeshDifference, MeshError, WriteError, read_bounded};
+use garnet_mesh::{Fingerprint, MOST_BYTES, MeshDifference, MeshError, WriteError, read_text};
 use garnet_pattern::PatternError;
 use garnet_sim::SimError;
 use garnet_skin::SkinError;
@@ -253,9 +253,7 @@ fn of_package(difference: MeshDifference, of: &str) -> String {
 ///
 /// [`DataError::Read`].
 pub(crate) fn text_of(path: &Path) -> Result<String, DataError> {
-    let text = read_bounded(path, MOST_BYTES).and_then(|bytes| {
-        String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
-    });
+    let text = read_text(path, MOST_BYTES);
     text.map_err(|source| DataError::read(path, source))
 }
 

@@ -291,6 +291,16 @@ fn pose_of(json: PoseJson, skeleton: &Skeleton, metres: f64) -> Result<Pose, Fil
         return Err(FileProblem::NoPose);
     }
     let shift = json.root_translation.unwrap_or_default();
+    if let Some(far) = shift
+        .iter()
+        .find(|value| (*value * metres).abs() > FARTHEST)
+    {
+        return Err(FileProblem::Field {
+            field: "root_translation".to_owned(),
+            found: far.to_string(),
+            expected: "a place within 900 km of the origin",
+        });
+    }
     let root_translation = Vector3::from(shift.map(|value| (value * metres) as f32));
     pose.root_translation = root_translation;
     // Values beyond f32 become infinite in the cast above.
@@ -303,6 +313,9 @@ fn pose_of(json: PoseJson, skeleton: &Skeleton, metres: f64) -> Result<Pose, Fil
         name: skeleton.joints()[root].name.clone(),
     }))
 }
+
+/// Bodies farther from the origin than this are beyond all coordinates, in metres.
+pub(super) const FARTHEST: f64 = 0.9 * garnet_mesh::MAX_COORDINATE as f64;
 
 /// A rotation out of a file; `joint` is for the error.
 pub(super) fn unit_quaternion(

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use garnet_mesh::TriMesh;
+use garnet_mesh::{TriMesh, check_regular};
 use garnet_skin::{Point3, Rig};
 use serde::Deserialize;
 
@@ -57,12 +57,15 @@ pub(super) fn existing(
     if path.is_file() {
         return Ok(path);
     }
+    if path.exists() {
+        check_regular(&path)?;
+    }
     Err(FileProblem::MissingFile { role, path })
 }
 
 /// Reads an OBJ and scales it to metres.
 pub(super) fn read_mesh(path: &Path, metres: f64) -> Result<TriMesh, FileProblem> {
-    let mesh = ObjFile::read(path)?.mesh()?;
+    let mesh = ObjFile::read_regular(path)?.mesh()?;
     if (metres - 1.0).abs() < f64::EPSILON {
         return Ok(mesh);
     }

@@ -43,7 +43,11 @@ pub fn read_start(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 }
 
 /// Refuses pipes and devices before they are opened: to open a pipe may take for ever.
-fn check_regular(path: &Path) -> io::Result<()> {
+///
+/// # Errors
+///
+/// Those of the system, and [`ErrorKind::InvalidInput`] for what is refused.
+pub fn check_regular(path: &Path) -> io::Result<()> {
     let data = fs::metadata(path)?;
     if data.is_file() || data.is_dir() {
         return Ok(());
@@ -85,6 +89,31 @@ pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return Err(too_large(bytes.len() as u64));
     }
     Ok(bytes)
+}
+
+/// The text of a file that another file names, as [`read_bounded`] reads it.
+///
+/// # Errors
+///
+/// Those of [`read_bounded`], and [`ErrorKind::InvalidData`] with the line that is no UTF-8.
+///
+/// # Examples
+///
+/// ```
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("a.toml");
+/// std::fs::write(&path, b"a = 1\nb = \xff")?;
+/// let error = garnet_mesh::read_text(&path, 99).unwrap_err();
+/// assert_eq!(error.to_string(), "line 2 is no text in UTF-8: save it as UTF-8");
+/// # Ok::<(), std::io::Error>(())
+/// ```
+pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
+    String::from_utf8(read_bounded(path, most)?).map_err(|error| {
+        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = before.split(|byte| *byte == b'\n').count();
+        let why = format!("line {line} is no text in UTF-8: save it as UTF-8");
+        io::Error::new(ErrorKind::InvalidData, why)
+    })
 }
 
 /// Whether a name in a file stays in the folder of that file: it is not absolute and never goes up.

@@ -39,7 +39,9 @@ mod tri_mesh;
 mod units;
 
 pub use atomic::{OpenFile, StagedFile, WriteError, remove_stale_temporaries, write_atomically};
-pub use bounded::{MOST_BYTES, read_at_most, read_bounded, read_start, stays_inside};
+pub use bounded::{
+    MOST_BYTES, check_regular, read_at_most, read_bounded, read_start, read_text, stays_inside,
+};
 pub use compare::{
     RestEdge, Spread, StretchSummary, distance_error, edge_stretch, edge_stretches, normal_angles,
     normal_error, pattern_stretches, share_below, vertex_distances,

@@ -57,6 +57,7 @@ pub(crate) fn run(args: &BodyArgs, console: &Console) -> anyhow::Result<ExitStat
         seconds: 0.0,
     };
     if let Some(count) = args.sample {
+        output::check_table(&args.output.join("measures.csv"), "file,sex,mass_kg,bmi")?;
         sample(count, args, source.as_ref(), console, &mut report)?;
         let table = report::table_of(&report.bodies);
         output::write(&args.output.join("measures.csv"), table.as_bytes())?;
@@ -264,11 +265,12 @@ fn write_subject(
         }
     }
     outputs.check_apart(&poses)?;
+    let rig_path = outputs.rig();
+    output::check_sidecar(&rig_path, subject.body.skeleton())?;
     // That of a sample is open.
     if outputs.is_folder && outputs.number.is_none() {
         output::open_folder(outputs.path)?;
     }
-    let rig_path = outputs.rig();
     let rig = if outputs.coarse {
         coarse_rig(&subject.body)?
     } else {

@@ -101,7 +101,8 @@ const FILES: [&str; 5] = [
 impl ChartArgs {
     /// Refuses an output that cannot be written.
     pub(crate) fn check(&self) -> anyhow::Result<()> {
-        output::check_folder(&self.output)
+        output::check_folder(&self.output)?;
+        output::check_table(&self.output.join("chart.csv"), "method,kind,")
     }
 
     /// Refuses outputs that would take the place of what is read.

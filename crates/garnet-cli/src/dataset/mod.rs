@@ -26,6 +26,7 @@ use crate::{
     cut_args::{check_size, in_size},
     failure::{ExitStatus, refused, with_hint},
     hints::Hinting,
+    interrupt::tell_on_interrupt,
     output,
 };
 
@@ -42,6 +43,14 @@ pub(crate) fn run(args: &DatasetArgs, console: &Console) -> anyhow::Result<ExitS
             "name another folder with `-o`",
         ));
     }
+    let told = match &args.import {
+        Some(_) => format!("`{}` is as it was, or has all", args.output.display()),
+        None => format!(
+            "`{}` keeps the scenes that are there: the same command goes on",
+            args.output.display()
+        ),
+    };
+    tell_on_interrupt(told, vec![args.output.clone()], console)?;
     let tried = match &args.import {
         Some(manifest) => {
             take(manifest, args, &package, console)?;

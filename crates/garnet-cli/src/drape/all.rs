@@ -198,7 +198,8 @@ pub(super) fn drape_all(
             hiding.see(bound, &drape, &posed);
         }
         if let Some(viewing) = &mut viewing {
-            viewing.see(bound, target, &drape, &posed)?;
+            let fitting = ready.fitting.as_ref().ok();
+            viewing.see((bound, target), fitting, &drape, &posed)?;
         }
         let (pushed, seconds) = timed(|| sink.push(&drape.positions, &posed));
         pushed?;
@@ -351,8 +352,8 @@ pub(super) struct Draped {
 
 /// A drape with all that is told of it.
 pub(super) struct Finished {
-    posed: PosedBody,
-    drape: Drape,
+    pub(super) posed: PosedBody,
+    pub(super) drape: Drape,
     pub(super) output: DrapeOutput,
     pub(super) problems: Vec<Problem>,
 }
@@ -567,6 +568,11 @@ impl Frame<'_> {
             Some(found)
         };
         let cloth_crossings = bound.garment.cloth_crossings(&drape.positions)?;
+        let crossed = cloth_crossings.saturating_sub(bound.crossings_at_rest);
+        let few = MOST_CROSSED * bound.garment.mesh().num_faces() as f64;
+        if bound.garment.num_layered() > 0 && crossed as f64 > few {
+            problems.push(Problem::LayersCross(crossed));
+        }
         let limbs = (bound.tubes).limbs_outside(&bound.garment, &drape.positions, &posed)?;
         let joints = bound.garment.body().skeleton().joints();
         let limbs = limbs.into_iter().map(|limb| LimbReport {
@@ -624,6 +630,10 @@ impl Frame<'_> {
         })
     }
 }
+
+/// Of garments with layers more pairs of faces through each other than this, for each of their
+/// faces, are warned of. Layers that keep their order have half as many in wide poses.
+const MOST_CROSSED: f64 = 0.04;
 
 /// Whether a vertex is caught where the body runs through itself.
 fn is_trapped(drape: &Drape, vertex: u32) -> bool {

@@ -294,7 +294,7 @@ impl DrapeArgs {
         let (over, bodies) = self.input.bodies.split_at(others);
         let inner = std::iter::once(first).chain(over);
         let garments: Vec<&PathBuf> = inner.chain(&self.layers).collect();
-        let one = "an outfit is draped on one body in one pose";
+        let one = "an outfit is draped once, on one body in one pose";
         let what = "leave it out, or drape the garments one by one";
         let refused_options = [
             (bodies.len() > 1, "a second body"),

@@ -51,7 +51,7 @@ use warning::{Problem, Warning};
 use crate::{
     console::{Console, print_document},
     failure::ExitStatus,
-    interrupt::Interrupted,
+    interrupt::{Interrupted, tell_on_interrupt},
     machine, output,
 };
 
@@ -71,6 +71,19 @@ pub(crate) fn do_job(
     make: impl FnOnce() -> anyhow::Result<Job>,
     console: &Console,
 ) -> anyhow::Result<ExitStatus> {
+    let make = || {
+        let job = make()?;
+        let is_streamed = job.cache.is_some() || job.body_cache.is_some() || job.follows;
+        if let Some(folder) = job.folder.as_ref().filter(|_| !is_streamed) {
+            let told = format!(
+                "`{}` has the drapes that are done; begin anew",
+                folder.display()
+            );
+            let made = job.new_folders.iter().chain([folder]);
+            tell_on_interrupt(told, made.cloned().collect(), console)?;
+        }
+        Ok(job)
+    };
     let (report, job) = match done(make, console) {
         Err(error) if error.downcast_ref::<Interrupted>().is_some() => {
             console.failure(&error);
@@ -250,6 +263,14 @@ impl Bound {
         let made = (self.refit.as_ref()).map_or(&*self.garment, |refit| refit.garment());
         made.mesh().positions()
     }
+
+    /// The faces of the body, as its file has them: without those that close holes of the skin.
+    fn rest_faces(&self) -> Vec<[u32; 3]> {
+        match &self.rest.file {
+            Some(file) => file.triangles(),
+            None => self.garment.body().rest().faces().to_vec(),
+        }
+    }
 }
 
 /// What is unusual about the two meshes.
@@ -368,7 +389,7 @@ fn publish(report: &DrapeReport, job: &Job, console: &Console) -> anyhow::Result
 /// Whether the result is within the limits that the user set.
 fn judge(report: &DrapeReport, job: &Job, console: &Console) -> ExitStatus {
     if let Some(choice) = report.choice.as_ref().filter(|choice| !choice.is_met) {
-        console.exceeded(&choice.text);
+        console.exceeded(std::slice::from_ref(&choice.text));
         return ExitStatus::LimitExceeded;
     }
     let depth = |drape: &DrapeOutput| match (&drape.untangle, &drape.penetration) {
@@ -381,33 +402,35 @@ fn judge(report: &DrapeReport, job: &Job, console: &Console) -> ExitStatus {
         (None, Some(found)) => found.crossing_faces,
         (None, None) => 0,
     };
-    let mut status = ExitStatus::Done;
+    let mut exceeded = Vec::new();
     let of = report.drapes.len();
     let drapes = || report.drapes.iter();
     let worst = drapes().max_by(|a, b| depth(a).total_cmp(&depth(b)));
     if let (Some(limit), Some(worst)) = (job.max_penetration, worst)
         && depth(worst) > limit
     {
-        console.exceeded(&format_args!(
+        exceeded.push(format!(
             "{} of {of} drapes end deeper than {} mm in the body, the worst {:.1} mm (`{}`)",
             drapes().filter(|drape| depth(drape) > limit).count(),
             1e3 * limit,
             1e3 * depth(worst),
             worst.output
         ));
-        status = ExitStatus::LimitExceeded;
     }
     let worst = drapes().max_by_key(|drape| crossing(drape));
     if let (Some(limit), Some(worst)) = (job.max_crossing, worst)
         && crossing(worst) > limit
     {
-        console.exceeded(&format_args!(
+        exceeded.push(format!(
             "{} of {of} drapes cross the skin with more than {limit} faces, the worst with {} (`{}`)",
             drapes().filter(|drape| crossing(drape) > limit).count(),
             crossing(worst),
             worst.output
         ));
-        status = ExitStatus::LimitExceeded;
     }
-    status
+    if exceeded.is_empty() {
+        return ExitStatus::Done;
+    }
+    console.exceeded(&exceeded);
+    ExitStatus::LimitExceeded
 }

@@ -70,6 +70,8 @@ pub(crate) enum Problem {
     },
     /// So many openings of the garment have no limb through them, of how many.
     Unthreaded(usize, usize),
+    /// So many more pairs of faces of a garment with layers run through each other than at rest.
+    LayersCross(usize),
     /// No limb goes through a sleeve: the joint nearest to its opening, and its middle, in metres.
     EmptySleeve(String, Point3),
     /// Faces of the garment that cross the skin of the rest body.
@@ -134,6 +136,7 @@ impl Problem {
             Self::Tight(_) => "tight",
             Self::StartsInside { .. } => "starts_inside",
             Self::Unthreaded(..) => "unthreaded",
+            Self::LayersCross(_) => "layers_cross",
             Self::EmptySleeve(..) => "empty_sleeve",
             Self::CrossingAtRest(_) => "crossing_at_rest",
             Self::Trapped(_) => "trapped",
@@ -176,6 +179,7 @@ impl Problem {
             | Self::Unthreaded(count, _)
             | Self::CrossingAtRest(count)
             | Self::Trapped(count)
+            | Self::LayersCross(count)
             | Self::Squeezed(count)
             | Self::BelowClearance(count, _)
             | Self::CrossingFaces(count)
@@ -298,6 +302,10 @@ impl fmt::Display for Warning {
                 "no limb of the body goes through {count} of the {openings} openings of `{path}`: it may \
                  lie elsewhere than on the body; `--place` brings it there"
             ),
+            Problem::LayersCross(count) => format!(
+                "cloth of `{path}` runs through cloth that lies on it: {count} pairs of faces more \
+                 than at rest (`garnet render --color-by problems` shows where)"
+            ),
             Problem::EmptySleeve(ref joint, center) => empty_sleeve(&self.path, joint, center),
             Problem::CrossingAtRest(count) => faces(count, ["crosses", "cross"]) + AT_REST,
             Problem::Trapped(count) => {
@@ -324,7 +332,7 @@ impl fmt::Display for Warning {
                 "`{variant}` has learned the garment of `{path}` as it is, not in this cut, which \
                  it drapes less exactly; `--method sim` simulates it"
             ),
-            Problem::Misfit(ref reason) => reason.clone(),
+            Problem::Misfit(ref reason) => format!("{reason} (`{path}`)"),
             Problem::NotCut(ref reason) => {
                 format!("`{path}` is not cut for its wearer, as it should be: {reason}")
             }

@@ -74,7 +74,11 @@ impl EvalArgs {
         self.report
             .as_deref()
             .map_or(Ok(()), output::check_report)?;
-        self.curves.as_deref().map_or(Ok(()), output::check_folder)
+        let Some(folder) = &self.curves else {
+            return Ok(());
+        };
+        output::check_folder(folder)?;
+        output::check_table(&folder.join("ap.csv"), "curve,threshold,")
     }
 
     /// Refuses outputs that would take the place of a file of the package or the data set, or of

@@ -80,11 +80,11 @@ fn judge(report: &EvalReport, args: &EvalArgs, console: &Console) -> ExitStatus 
     let Some(worst) = beyond.max_by(|a, b| a.scores.distance.total_cmp(&b.scores.distance)) else {
         return ExitStatus::Done;
     };
-    console.exceeded(&format_args!(
+    console.exceeded(&[format!(
         "`{}` is {:.2} mm from the simulation in the mean, more than {} mm",
         worst.name,
         1e3 * worst.scores.distance,
         1e3 * limit
-    ));
+    )]);
     ExitStatus::LimitExceeded
 }

@@ -6,7 +6,7 @@ mod report;
 
 use std::{
     path::{Path, PathBuf},
-    sync::atomic::AtomicBool,
+    sync::atomic::Ordering,
 };
 
 use garnet::{
@@ -27,6 +27,7 @@ use crate::{
     dataset::read_package,
     failure::ExitStatus,
     garment::{check_free, package_of_scene},
+    interrupt::{Interrupted, stop_flag},
     output,
 };
 
@@ -75,6 +76,7 @@ pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitSt
     let progress = console.progress(levels.sum::<usize>() * options.methods.len());
     let known = keeper.cells().to_vec();
     let mut unwritten = Ok(());
+    let stop = stop_flag()?;
     let found = stress(
         &package,
         &options,
@@ -86,26 +88,25 @@ pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitSt
                 unwritten = keeper.keep(cell);
             }
         },
-        &AtomicBool::new(false),
+        &stop,
     );
     progress.finish_and_clear();
     unwritten?;
     keeper.write()?;
+    if stop.load(Ordering::Relaxed) {
+        let told = format!(
+            "`{}` keeps what was found: the same command goes on from there",
+            args.output.display()
+        );
+        console.failure(&anyhow::Error::new(Interrupted { told }));
+        return Ok(ExitStatus::Interrupted);
+    }
     let cells = found?;
 
     let holds = holds(&options, &cells);
     let report = StressReport::new(&content.manifest.name, &options, &holds, &cells);
     let again = again(args, &folder);
-    let table = report::table(&report, &options, &again);
-    let mut text = serde_json::to_string_pretty(&report)?;
-    text.push('\n');
-    output::write(&args.output.join("stress.json"), text.as_bytes())?;
-    output::write(&args.output.join("stress.md"), table.as_bytes())?;
-    if let Some(chart) = report::picture(&report, &options) {
-        let png = chart.to_image()?.to_png_bytes()?;
-        output::write(&args.output.join("stress.svg"), chart.to_svg()?.as_bytes())?;
-        output::write(&args.output.join("stress.png"), &png)?;
-    }
+    let table = written(&report, &options, &again, &args.output)?;
     if console.is_json() {
         print_document(&report)?;
     } else {
@@ -113,12 +114,30 @@ pub(crate) fn run(args: &StressArgs, console: &Console) -> anyhow::Result<ExitSt
     }
     if report.failures > 0 {
         let failures = report.failures;
-        console.exceeded(&format_args!(
-            "{failures} of ours break at their bar or before"
-        ));
+        console.exceeded(&[format!("{failures} of ours break at their bar or before")]);
         return Ok(ExitStatus::LimitExceeded);
     }
     Ok(ExitStatus::Done)
+}
+
+/// Writes the report, the table and the picture, and gives the table.
+fn written(
+    report: &StressReport,
+    options: &StressOptions,
+    again: &str,
+    folder: &Path,
+) -> anyhow::Result<String> {
+    let table = report::table(report, options, again);
+    let mut text = serde_json::to_string_pretty(report)?;
+    text.push('\n');
+    output::write(&folder.join("stress.json"), text.as_bytes())?;
+    output::write(&folder.join("stress.md"), table.as_bytes())?;
+    if let Some(chart) = report::picture(report, options) {
+        let png = chart.to_image()?.to_png_bytes()?;
+        output::write(&folder.join("stress.svg"), chart.to_svg()?.as_bytes())?;
+        output::write(&folder.join("stress.png"), &png)?;
+    }
+    Ok(table)
 }
 
 /// The garment in the output folder: that of a scene, or the T-shirt, cut if it is not there.

@@ -27,6 +27,7 @@ use crate::{
     dataset::read_package,
     failure::{ExitStatus, Hint},
     hints::{advised, advised_on},
+    interrupt::tell_on_interrupt,
     output,
 };
 
@@ -42,6 +43,11 @@ pub(crate) fn run(args: &TrainArgs, console: &Console) -> anyhow::Result<ExitSta
     for folder in [&job.package, &folder] {
         remove_stale_temporaries(folder);
     }
+    let told = format!(
+        "`{}` keeps what was learned up to the last epochs: `--resume` goes on",
+        folder.display()
+    );
+    tell_on_interrupt(told, vec![folder.clone()], console)?;
     let mut progress = Progress::new(console, &job, &folder);
     let trained = train(
         &job,

@@ -80,6 +80,16 @@ pub enum MotionProblem {
         /// The key.
         key: &'static str,
     },
+    /// A body is beyond all coordinates.
+    #[error("frame {frame}: `{key}` has {value}, which is farther than 900 km from the origin")]
+    TooFar {
+        /// The frame, from 0.
+        frame: usize,
+        /// The key.
+        key: &'static str,
+        /// What it has, in metres.
+        value: f32,
+    },
     /// A matrix is no rotation.
     #[error(
         "frame {frame}, joint {joint}: what `{key}` has is no rotation: columns that are not unit \

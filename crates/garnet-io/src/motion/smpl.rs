@@ -19,7 +19,7 @@ use super::{
     MotionProblem,
     turns::{Kind, turns},
 };
-use crate::{ArrayProblem, FileError, FileProblem, NpzFile};
+use crate::{ArrayProblem, FileError, FileProblem, NpzFile, pose_json::FARTHEST};
 
 /// Joints of the body; those of the hands follow them in the file.
 const NUM_BODY_JOINTS: usize = 22;
@@ -396,9 +396,14 @@ fn shifts(
     let shift = |(frame, row): (usize, &[f64])| {
         let shift = Vector3::new(row[0] as f32, row[1] as f32, row[2] as f32);
         let is_finite = shift.iter().all(|value| value.is_finite());
-        is_finite
-            .then_some(shift)
-            .ok_or(MotionProblem::NonFinite { frame, key })
+        if !is_finite {
+            return Err(MotionProblem::NonFinite { frame, key });
+        }
+        let far = shift.iter().find(|value| value.abs() > FARTHEST as f32);
+        match far {
+            Some(&value) => Err(MotionProblem::TooFar { frame, key, value }),
+            None => Ok(shift),
+        }
     };
     rows.map(shift).collect()
 }

@@ -9,7 +9,7 @@ use std::{
 use super::error::{ObjError, ObjParseError};
 use super::output::write_plain;
 use super::parse::{Parsed, parse};
-use garnet_mesh::{MeshError, Point3, TriMesh};
+use garnet_mesh::{MeshError, Point3, TriMesh, check_regular};
 
 /// An OBJ file: its vertices and polygons in the numbering of the file, and all of its text.
 ///
@@ -49,6 +49,21 @@ impl ObjFile {
         let path = path.as_ref();
         let source = read_limited(path)?;
         Self::parse(source, path)
+    }
+
+    /// Reads a file that another one names, or that stands in a folder of a known form: pipes and
+    /// devices, which may never end, are refused.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`ObjFile::read`].
+    pub fn read_regular(path: impl AsRef<Path>) -> Result<Self, ObjError> {
+        let path = path.as_ref();
+        check_regular(path).map_err(|source| ObjError::Read {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        Self::read(path)
     }
 
     /// The file that [`write_obj`](crate::write_obj) would write for a mesh, under the name `path`.

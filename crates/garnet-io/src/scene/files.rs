@@ -280,8 +280,8 @@ impl NamedFiles {
         let scene = SceneJson::read(path)?;
         let meshes = || {
             rayon::join(
-                || ObjFile::read(&scene.garment),
-                || ObjFile::read(&scene.target_body),
+                || ObjFile::read_regular(&scene.garment),
+                || ObjFile::read_regular(&scene.target_body),
             )
         };
         let ((garment, target), rig) = rayon::join(meshes, || scene.rig());

@@ -116,6 +116,11 @@ impl Options {
                     return Err(Problem::new(cause, "name a file, or leave it out"));
                 }
                 _ => match value {
+                    Value::String(text) if self.0.get(key) == Some(&Takes::Nothing) => {
+                        return Err(with_keys(format!(
+                            "`{key}` is true or false, and not `{text}`"
+                        )));
+                    }
                     Value::Bool(true) => options.push(format!("--{key}")),
                     Value::Bool(false) | Value::Null => {}
                     Value::Number(number) => options.push(format!("--{key}={number}")),
@@ -126,6 +131,12 @@ impl Options {
                         )));
                     }
                 },
+            }
+        }
+        for path in garments.iter().chain(&bodies) {
+            if let Err(error) = input::check_regular(Path::new(path)) {
+                let hint = "save what comes from there in a file, and name that";
+                return Err(Problem::new(format!("{error:#}"), hint));
             }
         }
         options.push("--".to_owned());

@@ -144,7 +144,7 @@ impl<'a> Reader<'a> {
         if is_npz {
             return Ok((self.read_npz(path)?, Vec::new()));
         }
-        let file = ObjFile::read(path)?;
+        let file = ObjFile::read_regular(path)?;
         Ok((file.positions().to_vec(), file.polygon_edges()))
     }
 
