@@ -386,6 +386,7 @@ fn a_rig_that_is_not_its_own_is_not_overwritten() {
         );
         assert_eq!(fixture.read(&rig), before);
     }
+    fs::create_dir(fixture.path("people")).unwrap();
     fixture.text("people/measures.csv", "name,phone\n");
     let output = fixture.garnet("body --sample 1 -o people");
     assert_eq!(output.status.code(), Some(2));

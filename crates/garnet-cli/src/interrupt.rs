@@ -34,8 +34,9 @@ impl std::error::Error for Interrupted {}
 /// How often a signal is looked for that ends the command.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(30);
 
-/// Ends the command on the first signal to end with what is left of it, where all outputs appear
-/// whole or not at all; `folders` are removed if they are empty.
+/// Ends the command on the first signal to end, where all outputs appear whole or not at all, and
+/// tells what is left in the last of `folders`. Those that are not there yet are removed again if
+/// they are empty.
 #[expect(
     clippy::exit,
     reason = "a thread that waits for signals cannot return for the others"
@@ -47,15 +48,29 @@ pub(crate) fn tell_on_interrupt(
 ) -> anyhow::Result<()> {
     let stop = stop_flag()?;
     let console = console.other();
+    let is_new: Vec<bool> = folders.iter().map(|folder| !folder.exists()).collect();
     thread::spawn(move || {
         while !stop.load(Ordering::Relaxed) {
             thread::sleep(BETWEEN_LOOKS);
         }
-        console.failure(&anyhow::Error::new(Interrupted { told }));
-        for folder in &folders {
+        let holds = |folder: &PathBuf| {
+            let entries = fs::read_dir(folder);
+            entries.is_ok_and(|mut entries| entries.next().is_some())
+        };
+        let told = match folders.last() {
+            Some(folder) if !holds(folder) => "nothing was written".to_owned(),
+            _ => told,
+        };
+        for (folder, _) in folders
+            .iter()
+            .zip(is_new)
+            .rev()
+            .filter(|(_, is_new)| *is_new)
+        {
             // One that holds something stays.
             let _ = fs::remove_dir(folder);
         }
+        console.failure(&anyhow::Error::new(Interrupted { told }));
         process::exit(ExitStatus::Interrupted.code().into())
     });
     Ok(())

@@ -10,8 +10,8 @@ use anyhow::{Context, ensure};
 use garnet::{
     Point3, TriMesh,
     io::{
-        ArrayProblem, FileProblem, Frame, LeftOut, NpzFile, ObjFile, PartsNote, RigOptions,
-        RigPart, is_rig, read_mesh_frames, read_shown_mesh,
+        ArrayProblem, FileProblem, Frame, LeftOut, MeshFrames, NpzFile, ObjFile, PartsNote,
+        RigOptions, RigPart, is_rig, read_mesh_frames, read_shown_mesh,
     },
     mesh::{Unit, UpAxis},
 };
@@ -30,6 +30,8 @@ pub(crate) struct Moving {
     note: Option<PartsNote>,
     /// Faces of the meshes that a file without a skin was joined from.
     parts: Vec<usize>,
+    /// Whether the last of them is the body of a drape.
+    has_body: bool,
 }
 
 impl Moving {
@@ -49,35 +51,39 @@ impl Moving {
         let parts = joined.map_or(&[][..], |note| &note.parts).iter();
         let parts = parts.filter(|part| part.left_out.is_none());
         let parts = parts.map(|part| part.num_faces).collect();
+        let has_body = shown.is_drape;
         let mut note = shown.note.or(shown.rig_note);
         let mut moving = Self {
             parts,
+            has_body,
             ..Self::still(path, shown.file, up)
         };
         let is_later = |part: &RigPart| part.left_out == Some(LeftOut::LaterShapes);
         if let Some(note) = note.as_mut().filter(|note| note.parts.iter().any(is_later)) {
-            moving.play(path)?;
-            note.parts.retain(|part| !is_later(part));
+            // What cannot be played is shown as it is at first, which the note tells.
+            let played = read_mesh_frames(path).ok().flatten();
+            if let Some(frames) = played.filter(|frames| frames.positions.len() > 1) {
+                let is_played = |part: &RigPart| frames.nodes.contains(&part.name);
+                note.parts
+                    .retain(|part| !is_later(part) || !is_played(part));
+                moving.play(path, frames)?;
+            }
         }
         moving.note = note.filter(PartsNote::leaves_out);
         Ok(moving)
     }
 
     /// Takes the frames of an animation that changes the shapes of the meshes of a GLB.
-    fn play(&mut self, path: &Path) -> anyhow::Result<()> {
-        let Some(frames) = read_mesh_frames(path)? else {
-            return Ok(());
-        };
+    fn play(&mut self, path: &Path, frames: MeshFrames) -> anyhow::Result<()> {
         let mut positions = frames.positions.into_iter();
-        if let Some(first) = positions.next().filter(|_| positions.len() > 0) {
-            let first = self.file.mesh()?.with_positions(first);
-            let first = first.with_context(|| format!("cannot read `{}`", path.display()))?;
-            self.file = ObjFile::of_mesh(&first, path)?;
-            self.later = positions.collect();
-            self.fps = frames.fps;
-            let count = 1 + self.later.len();
-            self.names = (0..count).map(|frame| format!("frame {frame}")).collect();
-        }
+        let first = positions.next().unwrap_or_default();
+        let first = self.file.mesh()?.with_positions(first);
+        let first = first.with_context(|| format!("cannot read `{}`", path.display()))?;
+        self.file = ObjFile::of_mesh(&first, path)?;
+        self.later = positions.collect();
+        self.fps = frames.fps;
+        let count = 1 + self.later.len();
+        self.names = (0..count).map(|frame| format!("frame {frame}")).collect();
         Ok(())
     }
 
@@ -94,6 +100,7 @@ impl Moving {
             },
             note: None,
             parts: Vec::new(),
+            has_body: false,
         }
     }
 
@@ -104,7 +111,7 @@ impl Moving {
         let &[garment, body] = &self.parts[..] else {
             return Ok(vec![self]);
         };
-        if garment + body != faces.len() {
+        if garment + body != faces.len() || !self.has_body {
             return Ok(vec![self]);
         }
         let cannot = || format!("cannot read `{}`", self.path.display());

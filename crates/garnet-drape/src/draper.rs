@@ -9,13 +9,12 @@ use garnet_mesh::{Point3, edge_stretch};
 #[cfg(feature = "package")]
 use garnet_sim::Moment;
 use garnet_skin::{BodyAtHome, PosedBody, Warp};
-use garnet_untangle::{UntangleError, UntangleOptions, UntangleReport, Untangled, untangle};
+use garnet_untangle::{UntangleError, UntangleOptions, UntangleReport, Untangled};
 use tracing::{debug, info};
 
 use crate::blending::{REACHES, blended, worse};
 #[cfg(feature = "package")]
 use crate::predicted::Learned;
-use crate::stiff::StiffPieces;
 use crate::{BoundGarment, Error};
 
 /// How a garment is draped.
@@ -501,17 +500,13 @@ impl Draper {
                 seconds,
             });
         };
-        let (cloth, binding) = (self.garment.cloth(), self.garment.binding());
-        let pieces = StiffPieces::of(cloth);
-        let mut nodes = nodes;
-        pieces.stiffen(cloth, &mut nodes);
         let freed = |nodes: &[Point3], by: PlacedBy| {
             let options = match by {
                 PlacedBy::Warp => *options,
                 PlacedBy::Network => options.for_drapes(),
                 PlacedBy::Simulation => options.for_simulated(),
             };
-            untangle(cloth, binding, home.body(), nodes, &options)
+            self.garment.freed(home.body(), nodes, &options)
         };
         let start = Instant::now();
         let mut untangled = freed(&nodes, by)?;
@@ -533,7 +528,6 @@ impl Draper {
                 }
             }
         }
-        pieces.stiffen_outside(cloth, &mut untangled.positions_nodes, home.body().skin());
         let positions = weld.scatter(&untangled.positions_nodes);
         let is_trapped = weld.scatter(&untangled.is_trapped);
         seconds.untangle = start.elapsed().as_secs_f64();

@@ -6,9 +6,12 @@ use garnet_io::{Frame, check_offsets, check_sizes};
 use garnet_knn::ClosestPoint;
 use garnet_mesh::{Bounds, MeshError, Point3, TriMesh};
 use garnet_skin::{Body, PosedBody, TransferOptions, Warp};
-use garnet_untangle::Binding;
+use garnet_untangle::{
+    Binding, UntangleError, UntangleOptions, Untangled, counted_again, untangle,
+};
 
 use crate::Error;
+use crate::stiff::StiffPieces;
 
 /// A garment that lies on a body in its rest pose.
 #[derive(Debug, Clone)]
@@ -84,6 +87,7 @@ impl Garment {
 pub struct BoundGarment {
     cloth: Arc<garnet_skin::BoundGarment>,
     binding: Binding,
+    pieces: StiffPieces,
     body: Arc<Body>,
 }
 
@@ -106,6 +110,7 @@ impl BoundGarment {
         let cloth = cloth.into();
         let binding = Binding::new(&cloth)?;
         Ok(Self {
+            pieces: StiffPieces::of(&cloth),
             cloth,
             binding,
             body,
@@ -134,6 +139,30 @@ impl BoundGarment {
 
     pub(crate) fn binding(&self) -> &Binding {
         &self.binding
+    }
+
+    /// Cloth with its nodes at `nodes` `[node]` freed of penetrations. Small loose pieces keep their
+    /// shape where there is room.
+    pub(crate) fn freed(
+        &self,
+        body: &PosedBody,
+        nodes: &[Point3],
+        options: &UntangleOptions,
+    ) -> Result<Untangled, UntangleError> {
+        let (cloth, binding) = (&*self.cloth, &self.binding);
+        if self.pieces.is_empty() {
+            return untangle(cloth, binding, body, nodes, options);
+        }
+        let mut stiff = nodes.to_vec();
+        self.pieces.stiffen(cloth, &mut stiff);
+        let mut untangled = untangle(cloth, binding, body, &stiff, options)?;
+        let room = (body.skin(), options.clearance);
+        let pieces = &self.pieces;
+        if !pieces.stiffen_outside(cloth, &mut untangled.positions_nodes, room) {
+            return Ok(untangled);
+        }
+        let moved = (&stiff[..], untangled.positions_nodes);
+        counted_again(cloth, binding, body, moved, (&untangled.report, options))
     }
 
     /// How many nodes lie on other cloth of the garment and follow it.

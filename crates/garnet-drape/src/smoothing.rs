@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use garnet_mesh::{Point3, Vector3};
 use garnet_skin::PosedBody;
-use garnet_untangle::{UntangleOptions, Untangled, untangle};
+use garnet_untangle::{UntangleOptions, Untangled};
 
 use crate::take::{Carrier, FAR, farthest};
 use crate::{Draper, Error, TakeFrame};
@@ -185,8 +185,7 @@ impl<'a> Smoothing<'a> {
         options: &UntangleOptions,
     ) -> Result<Untangled, Error> {
         let garment = self.draper.garment();
-        let freed = untangle(garment.cloth(), garment.binding(), body, goal, options)?;
-        Ok(freed)
+        Ok(garment.freed(body, goal, options)?)
     }
 }
 

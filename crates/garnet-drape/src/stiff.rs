@@ -9,12 +9,16 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion};
 /// metres. More keeps patches and zips stiff.
 const LARGEST: f32 = 0.045;
 
-/// A piece that is in the skin is lifted out of it so often, each time to this height in metres.
-/// Where the body runs through itself there may be no room.
-const LIFTS: usize = 4;
-const LIFTED_TO: f32 = 5e-4;
+/// How often a piece is lifted that is too near to the skin or in the cloth, and by how much off
+/// cloth, in metres. More lifts, and longer ones, keep more pieces stiff, and leave them farther off.
+const LIFTS: usize = 6;
+const STEP: f32 = 5e-4;
+
+/// A piece keeps the clearance if less than this share of it is missing.
+const ROUNDING: f32 = 0.01;
 
 /// A loose piece that keeps its shape.
+#[derive(Debug, Clone)]
 struct Piece {
     nodes: Vec<u32>,
     /// Between its own nodes.
@@ -22,6 +26,7 @@ struct Piece {
 }
 
 /// The small loose pieces of a garment.
+#[derive(Debug, Clone)]
 pub(crate) struct StiffPieces(Vec<Piece>);
 
 impl StiffPieces {
@@ -31,13 +36,21 @@ impl StiffPieces {
             return Self(Vec::new());
         }
         let components = cloth.topology().components();
-        let mut nodes_of = vec![Vec::new(); cloth.topology().num_components()];
+        let num_components = cloth.topology().num_components();
+        let mut nodes_of: Vec<Vec<u32>> = vec![Vec::new(); num_components];
         let mut own_of_node = vec![0_u32; components.len()];
         for (node, &component) in components.iter().enumerate() {
-            let nodes: &mut Vec<u32> = &mut nodes_of[component as usize];
+            let nodes = &mut nodes_of[component as usize];
             if cloth.is_piece()[node] {
                 own_of_node[node] = nodes.len() as u32;
                 nodes.push(node as u32);
+            }
+        }
+        let mut faces_of: Vec<Vec<[u32; 3]>> = vec![Vec::new(); num_components];
+        for face in cloth.faces() {
+            if cloth.is_piece()[face[0] as usize] {
+                let own = face.map(|node| own_of_node[node as usize]);
+                faces_of[components[face[0] as usize] as usize].push(own);
             }
         }
         let largest = cloth.scale() * LARGEST;
@@ -45,18 +58,14 @@ impl StiffPieces {
             let places: Vec<Point3> = places(cloth.rest_nodes(), nodes);
             Bounds::of(&places).is_some_and(|bounds| bounds.diagonal() <= largest)
         };
-        let pieces = nodes_of.into_iter().enumerate();
-        let pieces = pieces.filter(|(_, nodes)| nodes.len() > 3 && is_small(nodes));
-        let pieces = pieces.map(|(component, nodes)| {
-            let faces = cloth.faces().iter();
-            let own = faces.filter(|face| components[face[0] as usize] as usize == component);
-            let faces = own.map(|face| face.map(|node| own_of_node[node as usize]));
-            Piece {
-                faces: faces.collect(),
-                nodes,
-            }
-        });
+        let pieces = nodes_of.into_iter().zip(faces_of);
+        let pieces = pieces.filter(|(nodes, _)| nodes.len() > 3 && is_small(nodes));
+        let pieces = pieces.map(|(nodes, faces)| Piece { nodes, faces });
         Self(pieces.collect())
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// Gives each piece its shape at rest back, where it is now.
@@ -66,30 +75,50 @@ impl StiffPieces {
         }
     }
 
-    /// The same for pieces that come to lie outside of `skin` so.
+    /// The same where it lies `clearance` outside of `skin`, which it is lifted to, and runs through
+    /// the cloth no more than before; whether any piece was moved. Others are left as they are: where
+    /// the body runs through itself there may be no room.
     pub(crate) fn stiffen_outside(
         &self,
         cloth: &BoundGarment,
         nodes: &mut [Point3],
-        skin: &Surface,
-    ) {
+        (skin, clearance): (&Surface, f32),
+    ) -> bool {
+        let rest = cloth.faces().iter();
+        let rest = rest.filter(|face| !cloth.is_piece()[face[0] as usize]);
+        let Ok(mesh) = TriMesh::new(nodes.to_vec(), rest.copied().collect()) else {
+            return false;
+        };
+        let around = Surface::new(&mesh);
+        let mut is_moved = false;
         for piece in &self.0 {
+            let crossing = |places: &[Point3], other: &Surface| {
+                let mesh = TriMesh::new(places.to_vec(), piece.faces.clone());
+                mesh.map_or(usize::MAX, |mesh| {
+                    Surface::new(&mesh).intersections(other).len()
+                })
+            };
+            let most = crossing(&places(nodes, &piece.nodes), &around);
             let mut stiff = piece.stiff(cloth, nodes);
             for _ in 0..LIFTS {
-                let Some(deepest) = deepest(&stiff, skin) else {
+                let lift = lift(&stiff, (skin, clearance));
+                let is_free = lift.is_none() && crossing(&stiff, skin) == 0;
+                if is_free && crossing(&stiff, &around) <= most {
+                    piece.put(nodes, &stiff);
+                    is_moved = true;
                     break;
-                };
-                let lift = deepest + LIFTED_TO * cloth.scale() * deepest.normalize();
+                }
+                let lift = lift.unwrap_or_else(|| {
+                    let middle = middle(&stiff);
+                    let near = skin.closest(middle).point;
+                    STEP * cloth.scale() * (middle - near).normalize()
+                });
                 for place in &mut stiff {
                     *place += lift;
                 }
             }
-            let mesh = TriMesh::new(stiff.clone(), piece.faces.clone());
-            let crosses = mesh.map(|mesh| !Surface::new(&mesh).intersections(skin).is_empty());
-            if deepest(&stiff, skin).is_none() && crosses == Ok(false) {
-                piece.put(nodes, &stiff);
-            }
         }
+        is_moved
     }
 }
 
@@ -108,13 +137,27 @@ impl Piece {
     }
 }
 
-/// From the deepest of the points inside to the skin; none if all are outside.
-fn deepest(points: &[Point3], skin: &Surface) -> Option<Vector3> {
-    let inside = points.iter().zip(skin.contains_all(points));
-    let ways = inside.filter(|(_, inside)| *inside);
-    let ways = ways.map(|(point, _)| skin.closest(*point).point - point);
-    let ways = ways.filter(|way| way.norm() > f32::EPSILON);
-    ways.max_by(|a, b| a.norm().total_cmp(&b.norm()))
+/// What brings the points, moved together, to a clearance from the skin: that of the one that needs
+/// most; none if all keep it.
+fn lift(points: &[Point3], (skin, clearance): (&Surface, f32)) -> Option<Vector3> {
+    let signed = points.iter().zip(skin.contains_all(points));
+    let needs = signed.filter_map(|(point, is_inside)| {
+        let way = point - skin.closest(*point).point;
+        let distance = way.norm();
+        let (outward, missing) = if is_inside {
+            (-way, clearance + distance)
+        } else {
+            (way, clearance - distance)
+        };
+        let outward = outward.try_normalize(f32::EPSILON)?;
+        (missing > ROUNDING * clearance).then_some(missing * outward)
+    });
+    needs.max_by(|a, b| a.norm().total_cmp(&b.norm()))
+}
+
+fn middle(points: &[Point3]) -> Point3 {
+    let sum: Vector3 = points.iter().map(|point| point.coords).sum();
+    Point3::from(sum / points.len().max(1) as f32)
 }
 
 fn places(positions: &[Point3], nodes: &[u32]) -> Vec<Point3> {
@@ -124,10 +167,7 @@ fn places(positions: &[Point3], nodes: &[u32]) -> Vec<Point3> {
 
 /// The rigid motion that brings points nearest to others, in the mean of squares (Kabsch 1976).
 fn rigid(from: &[Point3], to: &[Point3]) -> Isometry3<f32> {
-    let middle = |points: &[Point3]| -> Vector3 {
-        points.iter().map(|point| point.coords).sum::<Vector3>() / points.len() as f32
-    };
-    let (start, end) = (middle(from), middle(to));
+    let [start, end] = [from, to].map(|points| middle(points).coords);
     let mut covariance = Matrix3::zeros();
     for (a, b) in from.iter().zip(to) {
         covariance += (b.coords - end) * (a.coords - start).transpose();

@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use garnet_mesh::{Point3, Vector3};
 use garnet_skin::{BodyAtHome, PosedBody, Warp, Weld, blended_transforms};
-use garnet_untangle::{UntangleOptions, UntangleReport, untangle};
+use garnet_untangle::{UntangleOptions, UntangleReport};
 use nalgebra::{Isometry3, UnitQuaternion};
 use rayon::prelude::*;
 
@@ -300,9 +300,7 @@ impl<'a> Take<'a> {
         };
         let garment = self.draper.garment();
         let body = home.body();
-        let untangled = |options: &UntangleOptions| {
-            untangle(garment.cloth(), garment.binding(), body, &reached, options)
-        };
+        let untangled = |options: &UntangleOptions| garment.freed(body, &reached, options);
         let carried = options.for_simulated();
         let nearest = untangled(&carried)?;
         let thrown = farthest(&reached, &nearest.positions_nodes);

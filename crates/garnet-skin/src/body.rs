@@ -101,7 +101,8 @@ fn skin_of(rest: &TriMesh, doubles: &[u32], weights: &SkinWeights) -> (Surface, 
 }
 
 /// The largest sum of the differences of their weights with which vertices at a place move alike:
-/// meshes of one body are rounded apart.
+/// meshes of one body are rounded apart. More sews parts that come apart where joints bend; less
+/// leaves seams of rounded weights open.
 const SAME_WEIGHTS: f32 = 0.01;
 
 /// The faces with one vertex for all that lie at a place, or on rims as near to each other as

@@ -49,4 +49,4 @@ pub use binding::{Binding, UntangleError};
 pub use crossing::free_crossing_faces;
 pub use options::UntangleOptions;
 pub use report::UntangleReport;
-pub use untangle::{Untangled, untangle};
+pub use untangle::{Untangled, counted_again, untangle};

@@ -6,6 +6,7 @@ use garnet_skin::{BoundGarment, PosedBody};
 
 use crate::cloth::{Cloth, Scene};
 use crate::contact::ContactFinder;
+use crate::crossing::Crossing;
 use crate::passes;
 use crate::skin_normals::SkinNormals;
 use crate::sweep::Sweeper;
@@ -136,10 +137,56 @@ fn untangled(
     })
 }
 
+/// Counts again what is left of cloth that was moved after it was untangled: `moved_nodes` are its
+/// positions `[node]` now.
+///
+/// # Errors
+///
+/// Those of [`untangle`].
+pub fn counted_again(
+    garment: &BoundGarment,
+    binding: &Binding,
+    body: &PosedBody,
+    (warped_nodes, moved_nodes): (&[Point3], Vec<Point3>),
+    (before, options): (&UntangleReport, &UntangleOptions),
+) -> Result<Untangled, UntangleError> {
+    let traps = Traps::near(body.skin(), warped_nodes, binding.scale)?;
+    let skin_normals = SkinNormals::new(body.skin());
+    let finder = ContactFinder {
+        binding,
+        skin: body.skin(),
+        traps: &traps,
+        normals: &skin_normals,
+        keeps_sides: options.keeps_sides,
+        clearance: options.clearance,
+    };
+    let sweeper = Sweeper::new(garment.graph(), &moved_nodes, options);
+    let mut cloth = Cloth::new(Scene {
+        garment,
+        finder: &finder,
+        sweeper: &sweeper,
+        options,
+    });
+    cloth.report = UntangleReport {
+        inside_before: before.inside_before,
+        deepest_before: before.deepest_before,
+        contact_rounds: before.contact_rounds,
+        crossing_rounds: before.crossing_rounds,
+        ..UntangleReport::default()
+    };
+    let crossing = Crossing::of(&cloth)?;
+    let (report, is_trapped) = passes::verify(&cloth, warped_nodes, &crossing);
+    drop(cloth);
+    Ok(Untangled {
+        positions_nodes: moved_nodes,
+        is_trapped,
+        report,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crossing::Crossing;
     use garnet_knn::Surface;
     use garnet_mesh::primitives::icosphere;
     use garnet_mesh::{TriMesh, Vector3};

@@ -43,20 +43,16 @@ pub(crate) fn run(args: &DatasetArgs, console: &Console) -> anyhow::Result<ExitS
             "name another folder with `-o`",
         ));
     }
-    let told = match &args.import {
-        Some(_) => format!("`{}` is as it was, or has all", args.output.display()),
-        None => format!(
+    let tried = if let Some(manifest) = &args.import {
+        take(manifest, args, &package, console)?;
+        None
+    } else {
+        let told = format!(
             "`{}` keeps the scenes that are there: the same command goes on",
             args.output.display()
-        ),
-    };
-    tell_on_interrupt(told, vec![args.output.clone()], console)?;
-    let tried = match &args.import {
-        Some(manifest) => {
-            take(manifest, args, &package, console)?;
-            None
-        }
-        None => Some(make(args, &package, console)?),
+        );
+        tell_on_interrupt(told, vec![args.output.clone()], console)?;
+        Some(make(args, &package, console)?)
     };
     let dataset = Dataset::open(&args.output).hinting()?;
     let report = DatasetReport::new(&dataset, &args.output, tried, start.elapsed())?;

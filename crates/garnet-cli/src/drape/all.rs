@@ -116,6 +116,11 @@ fn is_take(is_posed: bool, num_targets: usize, job: &Job) -> bool {
     is_posed && num_targets > 1 && !job.frames_alone
 }
 
+/// Of garments with layers more pairs of faces through each other than this, for each of their
+/// faces, are warned of. Layers that keep their order have half as many in wide poses; a higher value
+/// warns of fewer.
+const MOST_PAIRS: f64 = 0.04;
+
 /// What came of all drapes.
 pub(super) struct All {
     pub(super) drapes: Vec<DrapeOutput>,
@@ -569,7 +574,7 @@ impl Frame<'_> {
         };
         let cloth_crossings = bound.garment.cloth_crossings(&drape.positions)?;
         let crossed = cloth_crossings.saturating_sub(bound.crossings_at_rest);
-        let few = MOST_CROSSED * bound.garment.mesh().num_faces() as f64;
+        let few = MOST_PAIRS * bound.garment.mesh().num_faces() as f64;
         if bound.garment.num_layered() > 0 && crossed as f64 > few {
             problems.push(Problem::LayersCross(crossed));
         }
@@ -630,10 +635,6 @@ impl Frame<'_> {
         })
     }
 }
-
-/// Of garments with layers more pairs of faces through each other than this, for each of their
-/// faces, are warned of. Layers that keep their order have half as many in wide poses.
-const MOST_CROSSED: f64 = 0.04;
 
 /// Whether a vertex is caught where the body runs through itself.
 fn is_trapped(drape: &Drape, vertex: u32) -> bool {

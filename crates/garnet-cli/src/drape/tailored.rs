@@ -19,6 +19,8 @@ use garnet::{
     pattern::{GarmentKind, Measures, Parameters, PatternError, Size},
 };
 
+use rayon::prelude::*;
+
 use super::{
     all::Part,
     args::{Job, Source, SourceFiles},
@@ -44,7 +46,7 @@ const NEAR_GIRTHS: RangeInclusive<f64> = 0.82..=1.2;
 /// And if they are longer or shorter by no more than this, in metres.
 const NEAR_LENGTH: f64 = 0.1;
 
-/// Legs of jeans that reach farther below the soles are told, in metres: there is no floor.
+/// Legs of jeans that reach farther below the soles are told, in metres. More tells of fewer.
 const LEGS_BELOW: f64 = 0.01;
 
 /// A garment that was cut for a wearer.
@@ -209,8 +211,8 @@ impl Tailoring {
         };
         let is_chosen = chosen.is_some();
         let report = self.report(target, wearer, (size, chosen), seconds);
-        let wearer = wearer.filter(|_| !is_chosen);
-        Ok(self.cut(package, report, size, wearer))
+        let misfit = wearer.and_then(|wearer| self.misfit(size, wearer, is_chosen));
+        Ok(self.cut(package, report, size, misfit))
     }
 
     /// The garment on `wearer`, in a size or to measure; none if the wearer has no measures.
@@ -223,20 +225,18 @@ impl Tailoring {
         let (package, seconds) = self.cut_on(wearer, size)?;
         let is_chosen = chosen.is_some();
         let report = self.report(target, Some(&package.body), (size, chosen), seconds);
-        let wearer = package.body.clone();
-        let wearer = (!is_chosen).then_some(&wearer);
-        Ok(Some(self.cut(package, report, size, wearer)))
+        let misfit = self.misfit(size, &package.body, is_chosen);
+        Ok(Some(self.cut(package, report, size, misfit)))
     }
 
-    /// What was cut; `wearer` has not been asked for the size.
+    /// What was cut, and where it does not fit its wearer.
     fn cut(
         &self,
         package: GarmentPackage,
         report: CutReport,
         size: Option<Size>,
-        wearer: Option<&Body>,
+        misfit: Option<String>,
     ) -> Cut {
-        let misfit = wearer.and_then(|wearer| self.misfit(size, wearer));
         let is_other = size.is_some() || !self.changed().is_empty();
         Cut {
             package,
@@ -249,8 +249,9 @@ impl Tailoring {
         }
     }
 
-    /// Where what was asked for does not fit a wearer.
-    fn misfit(&self, size: Option<Size>, wearer: &Body) -> Option<String> {
+    /// Where what was asked for does not fit a wearer; of a size that was chosen for the wearer, the
+    /// choice has told of its girths.
+    fn misfit(&self, size: Option<Size>, wearer: &Body, is_chosen: bool) -> Option<String> {
         let measured = |body: &Body| Some(wearer_of(body)?.ok()?.measures);
         let wearer = measured(wearer).filter(|_| self.is_asked_for())?;
         let cut_to = if self.is_to_measure() {
@@ -259,11 +260,14 @@ impl Tailoring {
             measured(&self.package.body)?
         };
         let girths = misfit(&self.parameters, (size, &cut_to), &wearer);
+        let girths = girths.filter(|_| !is_chosen);
         let cut_to = size.map_or(cut_to, Size::measures);
         let longer = self.parameters.legs_below_soles(&cut_to, &wearer);
         let legs = longer.filter(|longer| *longer > LEGS_BELOW).map(|longer| {
             let centimetres = 100.0 * longer;
-            format!("its legs reach {centimetres:.0} cm below the soles of the body, where nothing holds them")
+            format!(
+                "its legs reach {centimetres:.0} cm below the soles of the body: there is no floor"
+            )
         });
         match (girths, legs) {
             (Some(girths), Some(legs)) => Some(format!("{girths}; {legs}")),
@@ -473,36 +477,56 @@ impl Prepared {
 
     /// Who stands in each target.
     fn wearers(&self) -> anyhow::Result<Vec<Wearer>> {
-        let targets = self.targets.iter();
-        targets
+        let targets = self.targets.par_iter();
+        let wearers: Vec<anyhow::Result<Wearer>> = targets
             .map(|target| Wearer::of(target, &self.body))
-            .collect()
+            .collect();
+        wearers.into_iter().collect()
+    }
+
+    /// The body of a wearer; none whose measures cannot be told.
+    fn body_of<'a>(&'a self, wearer: &'a Wearer) -> Option<&'a Body> {
+        match wearer {
+            Wearer::Own => Some(&self.body),
+            Wearer::Other(body) => Some(body),
+            Wearer::Unknown => None,
+        }
+    }
+
+    /// The file of who wears the garment in a target.
+    fn path_of(&self, wearer: &Wearer, target: &Target) -> PathBuf {
+        match wearer {
+            // The target is a pose of it.
+            Wearer::Own => self.rest.path.clone(),
+            Wearer::Other(_) | Wearer::Unknown => target.path.clone(),
+        }
     }
 
     /// Cuts the garment once for all targets, of whatever shape they are.
     fn dress_all(&mut self, tailoring: &mut Tailoring) -> anyhow::Result<()> {
         let wearers = self.wearers()?;
-        let bodies: Vec<Option<Body>> = (wearers.iter())
-            .map(|wearer| match wearer {
-                Wearer::Own => Some(self.body.clone()),
-                Wearer::Other(body) => Some((**body).clone()),
-                Wearer::Unknown => None,
-            })
-            .collect();
-        let mut last: Option<usize> = None;
         let mut tapes: BTreeMap<PathBuf, Arc<Tape>> = BTreeMap::new();
-        let paths: Vec<PathBuf> = self.targets.iter().map(|it| it.path.clone()).collect();
-        for (at, (wearer, path)) in wearers.iter().zip(&paths).enumerate() {
-            let Some(body) = &bodies[at] else { continue };
-            let before = last.filter(|&last| wearers[last].is_like(wearer));
-            let known = before.and_then(|last| tapes.get(&paths[last]).cloned());
-            if before.is_none() && at > 0 {
-                let misfit = tailoring.misfit(tailoring.named(), body);
-                self.warn_of_misfit(misfit, path);
-            }
-            let tape = known.or_else(|| Tape::around(body).map(Arc::new));
-            tapes.extend(tape.map(|tape| (path.clone(), tape)));
-            last = Some(at);
+        let mut misfits = Vec::new();
+        let mut before: Option<(&Wearer, Option<Arc<Tape>>)> = None;
+        for (at, (wearer, target)) in wearers.iter().zip(&self.targets).enumerate() {
+            let Some(body) = self.body_of(wearer) else {
+                continue;
+            };
+            let same = before.as_ref().filter(|(last, _)| last.is_like(wearer));
+            let tape = if let Some((_, tape)) = same {
+                tape.clone()
+            } else {
+                if at > 0 {
+                    let misfit = tailoring.misfit(tailoring.named(), body, false);
+                    misfits.push((misfit, self.path_of(wearer, target)));
+                }
+                Tape::around(body).map(Arc::new)
+            };
+            tapes.extend(tape.clone().map(|tape| (target.path.clone(), tape)));
+            before = Some((wearer, tape));
+        }
+        for (misfit, path) in misfits {
+            self.warn_of_misfit(misfit, &path);
         }
         if let Some(first) = wearers.into_iter().next() {
             self.dress(first, tailoring)?;
@@ -515,6 +539,7 @@ impl Prepared {
 
     /// Cuts the garment for a wearer of all targets.
     fn dress(&mut self, wearer: Wearer, tailoring: &mut Tailoring) -> anyhow::Result<()> {
+        let worn_by = (self.targets.first()).map(|target| self.path_of(&wearer, target));
         let wearer = match wearer {
             Wearer::Unknown if tailoring.is_asked_for() && !tailoring.is_chosen() => None,
             Wearer::Unknown => {
@@ -548,13 +573,12 @@ impl Prepared {
         let paths = self.targets.iter().map(|target| target.path.clone());
         let worn = paths.filter_map(|path| Some((path, Arc::clone(tape.as_ref()?))));
         cut.wearers = worn.collect();
+        self.warn_of_misfit(cut.misfit.clone(), &worn_by.unwrap_or_default());
         self.put_on(cut)
     }
 
     /// Takes a garment that was cut, and the body that it lies on.
     fn put_on(&mut self, cut: Cut) -> anyhow::Result<()> {
-        let path = self.targets.first().map(|target| target.path.clone());
-        self.warn_of_misfit(cut.misfit.clone(), &path.unwrap_or_default());
         self.garment = cut.package.mesh.clone();
         let before = std::mem::replace(&mut self.body, cut.package.body.clone());
         let apart = largest_distance(before.rest().positions(), self.body.rest().positions());

@@ -1,6 +1,9 @@
 //! The page that shows the drapes.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use garnet::{Drape, Point3, PosedBody, io::Target};
 use garnet_view::Coloring;
@@ -27,7 +30,9 @@ pub(super) struct Viewing {
     /// Of each drape.
     problems: Vec<Vec<f32>>,
     /// How the garment fits, of each drape; empty where that is not known.
-    fits: Vec<Vec<f32>>,
+    fits: Vec<Arc<Vec<f32>>>,
+    /// That of the body that the garment lies on, once it was found.
+    own_fit: Option<Arc<Vec<f32>>>,
     names: Vec<String>,
 }
 
@@ -41,6 +46,7 @@ impl Viewing {
             distances: Vec::new(),
             problems: Vec::new(),
             fits: Vec::new(),
+            own_fit: None,
             names: Vec::new(),
         }
     }
@@ -53,12 +59,16 @@ impl Viewing {
         body: &PosedBody,
     ) -> anyhow::Result<()> {
         // Frames of one wearer fit alike.
-        let last = self.fits.last().filter(|_| body.shape_offsets().is_none());
-        let levels = match last {
-            Some(levels) => levels.clone(),
-            None => (fitting.and_then(|it| it.levels((bound, target), body))).unwrap_or_default(),
-        };
-        self.fits.push(levels);
+        let is_own = body.shape_offsets().is_none();
+        let known = self.own_fit.clone().filter(|_| is_own);
+        let fit = known.unwrap_or_else(|| {
+            let levels = fitting.and_then(|it| it.levels((bound, target), body));
+            Arc::new(levels.unwrap_or_default())
+        });
+        if is_own {
+            self.own_fit = Some(Arc::clone(&fit));
+        }
+        self.fits.push(fit);
         let rest = bound.rest_positions();
         let stretches = mean_stretches(&bound.edges, rest, &drape.positions);
         self.stretches.push(stretches);
@@ -110,7 +120,12 @@ impl Viewing {
             coloring(Scale::problems(), self.problems),
         ];
         if self.fits.iter().all(|levels| !levels.is_empty()) {
-            colorings.push(coloring(Scale::fit(), self.fits));
+            let mut fits = self.fits;
+            if fits.windows(2).all(|pair| Arc::ptr_eq(&pair[0], &pair[1])) {
+                fits.truncate(1);
+            }
+            let fits = fits.iter().map(|levels| levels.to_vec()).collect();
+            colorings.push(coloring(Scale::fit(), fits));
         }
         Drapes {
             name: stem.to_string_lossy().into_owned(),

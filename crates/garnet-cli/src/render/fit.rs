@@ -10,7 +10,7 @@ use garnet::{
     drape::{fit_map, wearer_tape},
     io::ObjFile,
     package::GarmentPackage,
-    pattern::Size,
+    pattern::{GarmentKind, Size},
 };
 
 use crate::{
@@ -138,17 +138,23 @@ pub(super) fn levels(
 }
 
 /// A size that the drape of a package is likelier to have than the one that is `worn`: of the next
-/// smaller and the next larger one, whose cloth is as large. None of what is made to measure.
+/// smaller and the next larger one, whose cloth is as large. None of trousers.
 fn likelier_size(
     (folder, own): (&Path, &GarmentPackage),
     worn: &GarmentPackage,
     drape: &[Point3],
     larger: f64,
 ) -> anyhow::Result<Option<Size>> {
-    let Some(tailor) = Tailor::of_package(own)?.filter(|_| !own.manifest.is_made_to_measure())
-    else {
+    if larger.ln().abs() <= CLEARLY {
+        return Ok(None);
+    }
+    let Some(tailor) = Tailor::of_package(own)? else {
         return Ok(None);
     };
+    if tailor.parameters().garment() == GarmentKind::Jeans {
+        // Sizes of trousers differ in two ways.
+        return Ok(None);
+    }
     let cut = Tailor::of_package(worn)?.and_then(|tailor| tailor.size());
     let chest = match cut {
         Some(size) => size.measures().chest,
@@ -165,7 +171,9 @@ fn likelier_size(
     let smaller = others.iter().rfind(|size| apart(size) < 0.0);
     let next = others.iter().find(|size| apart(size) > 0.0);
     for size in smaller.into_iter().chain(next) {
-        let other = in_size(own, folder, *size)?;
+        let Ok(other) = in_size(own, folder, *size) else {
+            continue;
+        };
         let ratio = times_as_large(drape, other.mesh.positions(), other.mesh.faces());
         if ratio.ln().abs() + CLEARLY < larger.ln().abs() {
             return Ok(Some(*size));

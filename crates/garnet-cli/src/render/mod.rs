@@ -134,6 +134,14 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
             frames::check(args)?;
             frames::animation(&moving, &looks, &names, args, console)?
         }
+        (false, false) if args.color_by != ColorBy::Nothing && moving.iter().all(is_of_glb) => {
+            let note = format!("the first of {} frames is drawn", names.len());
+            let drawn = still(&moving, &looks, args)?;
+            Drawn {
+                note: drawn.note.or(Some(note)),
+                ..drawn
+            }
+        }
         (false, false) => {
             frames::check(args)?;
             frames::sheet(&moving, &looks, &names, args)?
@@ -168,6 +176,15 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
         }))?;
     }
     Ok(ExitStatus::Done)
+}
+
+/// Whether a mesh keeps still, or is of a file of which one frame cannot be named.
+fn is_of_glb(moving: &Moving) -> bool {
+    let kind = moving.path().extension().unwrap_or_default();
+    let is_glb = ["glb", "gltf"]
+        .iter()
+        .any(|other| kind.eq_ignore_ascii_case(other));
+    moving.num_frames() == 1 || is_glb
 }
 
 /// Refuses options that would do nothing.
@@ -219,14 +236,16 @@ fn still(moving: &[Moving], looks: &[Look], args: &RenderArgs) -> anyhow::Result
     })
 }
 
+/// Colors of garments, in their order.
+pub(crate) const STRONG: [Rgb; 3] = [palette::GARMENT, palette::REFERENCE, palette::THIRD];
+
 /// Strong colors for garments in their order, and that of skin for the body, which is the last of
 /// several meshes.
 fn color_of(index: usize, num_meshes: usize) -> Rgb {
-    let strong = [palette::GARMENT, palette::REFERENCE, palette::THIRD];
     if index + 1 == num_meshes && index > 0 {
         palette::SKIN
     } else {
-        strong[index % strong.len()]
+        STRONG[index % STRONG.len()]
     }
 }
 

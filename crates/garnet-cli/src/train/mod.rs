@@ -44,7 +44,7 @@ pub(crate) fn run(args: &TrainArgs, console: &Console) -> anyhow::Result<ExitSta
         remove_stale_temporaries(folder);
     }
     let told = format!(
-        "`{}` keeps what was learned up to the last epochs: `--resume` goes on",
+        "`{}` keeps the last state that was written: `--resume` goes on from it",
         folder.display()
     );
     tell_on_interrupt(told, vec![folder.clone()], console)?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use garnet::{Point3, TriMesh};
-use garnet_view::{Coloring, Page, PageMesh, PagePane, PagePart, Rgb, palette};
+use garnet_view::{Coloring, Page, PageMesh, PagePane, PagePart, palette};
 use rayon::prelude::*;
 
 use crate::{
@@ -14,7 +14,7 @@ use crate::{
     moving::{Moving, frames_of, frames_per_second, told_notes},
     output,
     render::{
-        UpName,
+        STRONG, UpName,
         colors::{ColorBy, Measure, Scale, Skin, Values, color_by},
     },
     rig_args::RigArgs,
@@ -96,12 +96,11 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
         each => Some(&each[garment]),
     };
     let measures = measures(&args.color_by, !bodies.is_empty())?;
-    let colorings = |(index, garment): (usize, &Moving)| -> anyhow::Result<Vec<Coloring>> {
+    let mut doubts = Vec::new();
+    let mut colorings = |(index, garment): (usize, &Moving)| -> anyhow::Result<Vec<Coloring>> {
         let all = measures.iter().map(|(measure, scale)| {
             let (values, note) = values_of(measure, garment, body_of(index))?;
-            if let Some(note) = note {
-                console.summary(&format_args!("note: {note}"));
-            }
+            doubts.extend(note.filter(|note| !doubts.contains(note)));
             Ok(Coloring {
                 label: scale.label.clone(),
                 map: scale.map,
@@ -112,7 +111,7 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
         all.collect()
     };
     let colorings: Vec<anyhow::Result<Vec<Coloring>>> =
-        of_garments.iter().enumerate().map(colorings).collect();
+        of_garments.iter().enumerate().map(&mut colorings).collect();
     let colorings = colorings.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
     let names = names_of(args, garments)?;
     let title = args
@@ -132,7 +131,11 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
         ..Page::new(title)
     };
     let bytes = write_page(&args.output, &page, console)?;
-    let notes = told_notes(&moving, console);
+    let mut notes = told_notes(&moving, console);
+    for doubt in doubts {
+        console.summary(&format_args!("note: {doubt}"));
+        notes.push(doubt);
+    }
     let num_frames = page.frames.len().max(1);
     tell_written(
         &args.output,
@@ -293,9 +296,6 @@ fn title_of(names: &[String], bodies: &[PathBuf]) -> String {
     }
 }
 
-/// Colors of garments, in their order.
-const STRONG: [Rgb; 3] = [palette::GARMENT, palette::REFERENCE, palette::THIRD];
-
 /// Garments in strong colors, in their order, and then bodies in that of skin.
 fn page_meshes<'a>(
     names: &[String],
@@ -359,7 +359,7 @@ pub(crate) struct Drapes<'a> {
 
 /// Writes a page of drapes on one body, the inner first.
 pub(crate) fn write_drapes(
-    all: Vec<Drapes<'_>>,
+    mut all: Vec<Drapes<'_>>,
     path: &Path,
     console: &Console,
 ) -> anyhow::Result<()> {
@@ -367,9 +367,12 @@ pub(crate) fn write_drapes(
         let first = frames.first().context("there is no drape to show")?;
         anyhow::Ok(TriMesh::new(first.clone(), faces.to_vec())?)
     };
-    let inner = all.first().context("there is no drape to show")?;
+    let inner = all.first_mut().context("there is no drape to show")?;
     let body = shapes(&inner.skin, inner.body)?;
-    let skin = inner.skin[1..].to_vec();
+    let skin = std::mem::take(&mut inner.skin)
+        .into_iter()
+        .skip(1)
+        .collect();
     let (frames, fps) = (inner.frames.clone(), inner.fps);
     let garments = all
         .iter()

@@ -177,7 +177,7 @@ impl FinishedGirth {
     fn is_reached(&self, wearer: &Tape) -> bool {
         let height = wearer.height(self.region.measure());
         match (self.from_neck, height) {
-            (Some(length), Some(height)) => wearer.neck_height() - length < height + ON_HIP,
+            (Some(length), Some(height)) => wearer.neck_height() - length < height,
             _ => true,
         }
     }

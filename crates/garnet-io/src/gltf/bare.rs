@@ -14,13 +14,22 @@ use super::{
 };
 use crate::{FileError, FileProblem, json};
 
-/// Reads all meshes of a file without skins as one, where its nodes have them, and tells which were
-/// read, in the order of their faces, and which were not.
+/// The meshes of a file without skins.
+pub(crate) struct Bare {
+    /// All as one, where the nodes have them.
+    pub(crate) mesh: TriMesh,
+    /// Which were read, in the order of their faces, and which were not.
+    pub(crate) parts: Vec<RigPart>,
+    /// Whether it is a drape that this library wrote.
+    pub(crate) is_drape: bool,
+}
+
+/// Reads all meshes of a file without skins.
 ///
 /// # Errors
 ///
 /// [`FileError`]: no mesh at all, and those of [`super::read_rig_gltf`].
-pub(crate) fn read_bare(path: &Path) -> Result<(TriMesh, Vec<RigPart>), FileError> {
+pub(crate) fn read_bare(path: &Path) -> Result<Bare, FileError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     json::read_with(path, |bytes| {
         opened(bytes, |root, _, binary| joined(root, binary, folder))
@@ -81,6 +90,7 @@ fn frames(
     Ok(Some(MeshFrames {
         positions,
         fps: shapes.fps(),
+        nodes: shapes.nodes().map(|node| nodes::name(root, node)).collect(),
     }))
 }
 
@@ -97,11 +107,7 @@ fn placed(
     Ok(placed.map(|point| -> Point3 { point.cast() }).collect())
 }
 
-fn joined(
-    root: &Root,
-    binary: Option<&[u8]>,
-    folder: &Path,
-) -> Result<(TriMesh, Vec<RigPart>), FileProblem> {
+fn joined(root: &Root, binary: Option<&[u8]>, folder: &Path) -> Result<Bare, FileProblem> {
     let file = Reader {
         root,
         buffers: container::buffers(root, binary, folder)?,
@@ -165,5 +171,10 @@ fn joined(
         return Err(GltfProblem::NoSkin.into());
     }
     parts.append(&mut faceless);
-    Ok((TriMesh::new(positions, faces)?, parts))
+    let generator = root.asset.generator.as_deref().unwrap_or_default();
+    Ok(Bare {
+        mesh: TriMesh::new(positions, faces)?,
+        parts,
+        is_drape: generator.starts_with("garnet "),
+    })
 }

@@ -21,8 +21,10 @@ pub(super) const MOST_POINTS: usize = 1 << 26;
 pub struct MeshFrames {
     /// Positions `[frame][vertex]`, those of the first frame among them.
     pub positions: Vec<Vec<Point3>>,
-    /// Frames a second, if there are several.
+    /// Frames a second, if there are several; of keys at unequal times, in the mean.
     pub fps: Option<f64>,
+    /// Names of the nodes whose meshes change their shapes in these frames.
+    pub nodes: Vec<String>,
 }
 
 /// Whether an animation changes the shape of the mesh of a node.
@@ -46,7 +48,14 @@ struct Track {
 }
 
 /// The weights of the first clip that changes shapes.
-pub(super) struct Shapes(Vec<Track>);
+pub(super) struct Shapes {
+    tracks: Vec<Track>,
+    /// All times of keys, ascending.
+    times: Vec<f64>,
+}
+
+/// Keys that are nearer than this are one frame, in seconds.
+const SAME_TIME: f64 = 1e-5;
 
 impl Shapes {
     /// Reads the clip; none if no clip changes a shape.
@@ -78,15 +87,24 @@ impl Shapes {
                 tracks.push(track?);
             }
             if !tracks.is_empty() {
-                return Ok(Some(Self(tracks)));
+                let keys = tracks.iter().flat_map(|track| &track.times);
+                let mut times: Vec<f64> = keys.copied().collect();
+                times.sort_by(f64::total_cmp);
+                times.dedup_by(|b, a| *b - *a < SAME_TIME);
+                return Ok(Some(Self { tracks, times }));
             }
         }
         Ok(None)
     }
 
-    /// When the frames are, in seconds: at the keys of the first mesh that moves.
+    /// When the frames are, in seconds: at the keys of all meshes that move.
     pub(super) fn times(&self) -> &[f64] {
-        &self.0[0].times
+        &self.times
+    }
+
+    /// The nodes whose meshes change their shapes.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = usize> + '_ {
+        self.tracks.iter().map(|track| track.node)
     }
 
     pub(super) fn fps(&self) -> Option<f64> {
@@ -97,9 +115,9 @@ impl Shapes {
 
     /// The weights of the targets of a node at a time; none if its shape does not change.
     pub(super) fn weights(&self, node: usize, time: f64) -> Option<Vec<f32>> {
-        let track = self.0.iter().find(|track| track.node == node)?;
+        let track = self.tracks.iter().find(|track| track.node == node)?;
         let last = track.times.len() - 1;
-        let after = track.times.partition_point(|&key| key <= time);
+        let after = track.times.partition_point(|&key| key <= time + SAME_TIME);
         let before = after.saturating_sub(1).min(last);
         let from = &track.weights[before];
         if track.is_step || after == 0 || after > last || track.times[before] >= time {

@@ -215,7 +215,7 @@ fn read_bodies(files: &SceneFiles) -> Result<Vec<BodyFile>, SceneError> {
             file,
             at_rest,
             note,
-            rig_note: _,
+            ..
         } = read_shown_mesh(path, &files.rig_options)?;
         let edges = file.polygon_edges();
         let edges = shared(&first_edges, edges);

@@ -46,6 +46,8 @@ pub struct ShownMesh {
     pub note: Option<PartsNote>,
     /// What was joined and left out of one with a skin.
     pub rig_note: Option<PartsNote>,
+    /// Whether it is a drape that was written as GLB: a garment, and the body after it if it has one.
+    pub is_drape: bool,
 }
 
 /// Reads a mesh as [`read_mesh_of`] does, and tells what was left out.
@@ -65,6 +67,7 @@ pub fn read_shown_mesh(
             at_rest: None,
             note: None,
             rig_note: None,
+            is_drape: false,
         });
     }
     // Which joint is which does not matter for a mesh.
@@ -78,12 +81,13 @@ pub fn read_shown_mesh(
             problem: FileProblem::Gltf(GltfProblem::NoSkin),
             ..
         }) if options.meshes.is_empty() => {
-            let (mesh, parts) = read_bare(path)?;
+            let bare = read_bare(path)?;
             return Ok(ShownMesh {
-                file: ObjFile::of_mesh(&mesh, path)?,
+                file: ObjFile::of_mesh(&bare.mesh, path)?,
                 at_rest: None,
-                note: PartsNote::of_bare(path, parts),
+                note: PartsNote::of_bare(path, bare.parts),
                 rig_note: None,
+                is_drape: bare.is_drape,
             });
         }
         read => read?,
@@ -106,6 +110,7 @@ pub fn read_shown_mesh(
             at_rest: None,
             note: None,
             rig_note,
+            is_drape: false,
         });
     };
     let transforms = rig.skeleton.transforms(pose)?;
@@ -121,6 +126,7 @@ pub fn read_shown_mesh(
         at_rest: Some(mesh.positions().to_vec()),
         note: None,
         rig_note,
+        is_drape: false,
     })
 }
 

@@ -29,6 +29,9 @@ struct Line {
 const KEYS: &str =
     "its keys are `garment`, `bodies`, and the options of `garnet drape` without the dashes";
 
+/// Options whose value is a file that is read.
+const READ: [&str; 6] = ["rest-body", "rig", "scene", "pose", "joints", "layer"];
+
 /// What parts the files in one cell of a table.
 const PARTS_FILES: char = ';';
 
@@ -133,8 +136,10 @@ impl Options {
                 },
             }
         }
-        for path in garments.iter().chain(&bodies) {
-            if let Err(error) = input::check_regular(Path::new(path)) {
+        let named = READ.iter().filter_map(|key| job.get(*key)?.as_str());
+        let named = named.map(str::to_owned);
+        for path in garments.iter().chain(&bodies).cloned().chain(named) {
+            if let Err(error) = input::check_regular(Path::new(&path)) {
                 let hint = "save what comes from there in a file, and name that";
                 return Err(Problem::new(format!("{error:#}"), hint));
             }
