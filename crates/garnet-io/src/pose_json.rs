@@ -297,7 +297,7 @@ fn pose_of(json: PoseJson, skeleton: &Skeleton, metres: f64) -> Result<Pose, Fil
     {
         return Err(FileProblem::Field {
             field: "root_translation".to_owned(),
-            found: far.to_string(),
+            found: format!("{far:e}"),
             expected: "a place within 900 km of the origin",
         });
     }

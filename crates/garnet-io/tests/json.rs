@@ -281,7 +281,7 @@ fn what_is_wrong_with_a_pose_is_named() {
         ),
         (
             json!({"joints": {}, "root_translation": [1e300, 0, 0]}),
-            "not finite",
+            "`root_translation` is `1e300`",
         ),
         (json!([1, 2]), "line "),
         (

@@ -81,7 +81,7 @@ pub enum MotionProblem {
         key: &'static str,
     },
     /// A body is beyond all coordinates.
-    #[error("frame {frame}: `{key}` has {value}, which is farther than 900 km from the origin")]
+    #[error("frame {frame}: `{key}` has {value:e}, which is farther than 900 km from the origin")]
     TooFar {
         /// The frame, from 0.
         frame: usize,
