@@ -46,8 +46,8 @@ pub(crate) struct CutArgs {
         allow_negative_numbers = true
     )]
     length: Option<f64>,
-    /// How much wider it is than the chest, or of jeans than the hip, of the body that it is cut for
-    /// (that of its size or its package), in per cent.
+    /// How much wider it is than the chest, or of jeans than the hip, of the body that it is cut
+    /// for (that of its size or its package), in per cent.
     #[arg(
         long,
         hide_short_help = true,
@@ -147,8 +147,8 @@ pub(crate) fn chosen_size(
     Some(([first, second], text))
 }
 
-/// Where a garment, cut in a size or else to the measures `cut_to`, is too tight or too wide for its
-/// wearer.
+/// Where a garment, cut in a size or else to the measures `cut_to`, is too tight or too wide for
+/// its wearer.
 pub(crate) fn misfit(
     parameters: &Parameters,
     (size, cut_to): (Option<Size>, &Measures),

@@ -141,8 +141,8 @@ impl BoundGarment {
         &self.binding
     }
 
-    /// Cloth with its nodes at `nodes` `[node]` freed of penetrations. Small loose pieces keep their
-    /// shape where there is room.
+    /// Cloth with its nodes at `nodes` `[node]` freed of penetrations. Small loose pieces keep
+    /// their shape where there is room.
     pub(crate) fn freed(
         &self,
         body: &PosedBody,

@@ -10,7 +10,8 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion};
 const LARGEST: f32 = 0.045;
 
 /// How often a piece is lifted that is too near to the skin or in the cloth, and by how much off
-/// cloth, in metres. More lifts, and longer ones, keep more pieces stiff, and leave them farther off.
+/// cloth, in metres. More lifts, and longer ones, keep more pieces stiff, and leave them farther
+/// off.
 const LIFTS: usize = 6;
 const STEP: f32 = 5e-4;
 
@@ -75,9 +76,9 @@ impl StiffPieces {
         }
     }
 
-    /// The same where it lies `clearance` outside of `skin`, which it is lifted to, and runs through
-    /// the cloth no more than before; whether any piece was moved. Others are left as they are: where
-    /// the body runs through itself there may be no room.
+    /// The same where it lies `clearance` outside of `skin`, which it is lifted to, and runs
+    /// through the cloth no more than before; whether any piece was moved. Others are left as they
+    /// are: where the body runs through itself there may be no room.
     pub(crate) fn stiffen_outside(
         &self,
         cloth: &BoundGarment,

@@ -184,8 +184,8 @@ impl Parameters {
         is_shirt.then(|| self.at("length") * cut.stature / REFERENCE.measures.stature)
     }
 
-    /// How much longer the legs of jeans, cut to the measures `cut`, are than those of a wearer, from
-    /// the crotch to the soles, in metres; none of other garments.
+    /// How much longer the legs of jeans, cut to the measures `cut`, are than those of a wearer,
+    /// from the crotch to the soles, in metres; none of other garments.
     pub fn legs_below_soles(&self, cut: &Measures, wearer: &Measures) -> Option<f64> {
         let is_jeans = self.garment() == GarmentKind::Jeans;
         let scale = cut.inseam / REFERENCE.measures.inseam;

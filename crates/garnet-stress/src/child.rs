@@ -70,8 +70,8 @@ impl Growth {
     }
 }
 
-/// The body of a garment with the proportions of a child, and the garment made smaller with it; none
-/// of a body that is no human figure. 0 leaves them, 1 is a child of four.
+/// The body of a garment with the proportions of a child, and the garment made smaller with it;
+/// none of a body that is no human figure. 0 leaves them, 1 is a child of four.
 pub(crate) fn child(
     garment: &BoundGarment,
     level: f64,

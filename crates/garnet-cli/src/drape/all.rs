@@ -117,8 +117,8 @@ fn is_take(is_posed: bool, num_targets: usize, job: &Job) -> bool {
 }
 
 /// Of garments with layers more pairs of faces through each other than this, for each of their
-/// faces, are warned of. Layers that keep their order have half as many in wide poses; a higher value
-/// warns of fewer.
+/// faces, are warned of. Layers that keep their order have half as many in wide poses; a higher
+/// value warns of fewer.
 const MOST_PAIRS: f64 = 0.04;
 
 /// What came of all drapes.

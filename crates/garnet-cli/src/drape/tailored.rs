@@ -249,8 +249,8 @@ impl Tailoring {
         }
     }
 
-    /// Where what was asked for does not fit a wearer; of a size that was chosen for the wearer, the
-    /// choice has told of its girths.
+    /// Where what was asked for does not fit a wearer; of a size that was chosen for the wearer,
+    /// the choice has told of its girths.
     fn misfit(&self, size: Option<Size>, wearer: &Body, is_chosen: bool) -> Option<String> {
         let measured = |body: &Body| Some(wearer_of(body)?.ok()?.measures);
         let wearer = measured(wearer).filter(|_| self.is_asked_for())?;

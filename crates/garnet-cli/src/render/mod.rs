@@ -36,8 +36,8 @@ use words::ViewName;
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
     /// Meshes, as OBJ, GLB, glTF or npz: garments, and the body last. Motions are folders of OBJ,
-    /// npz with the vertices of all frames, or GLB whose meshes change their shapes. An OBJ whose materials have pictures (`map_Kd`) is
-    /// drawn with them.
+    /// npz with the vertices of all frames, or GLB whose meshes change their shapes. An OBJ whose
+    /// materials have pictures (`map_Kd`) is drawn with them.
     #[arg(value_name = "MESH", required = true)]
     meshes: Vec<PathBuf>,
     /// Where the picture goes, as PNG; of a motion some frames side by side, or all as an animated

@@ -28,8 +28,8 @@ const NEIGHBORS: usize = 12;
 const SUDDENLY_SHORTER: f64 = 0.98;
 
 /// Lines longer than so many times the girth of the body that the garment lies on go round more
-/// than one limb, or along a fold. The sleeves of the largest sizes are 2.1 times as wide as the arms
-/// of a mean body; a higher value takes folds at the armhole for sleeves.
+/// than one limb, or along a fold. The sleeves of the largest sizes are 2.1 times as wide as the
+/// arms of a mean body; a higher value takes folds at the armhole for sleeves.
 const LONGEST: f64 = 2.25;
 
 /// Sleeves and legs are measured no farther along the bone than these shares.

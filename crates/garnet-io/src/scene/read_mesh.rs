@@ -46,7 +46,8 @@ pub struct ShownMesh {
     pub note: Option<PartsNote>,
     /// What was joined and left out of one with a skin.
     pub rig_note: Option<PartsNote>,
-    /// Whether it is a drape that was written as GLB: a garment, and the body after it if it has one.
+    /// Whether it is a drape that was written as GLB: a garment, and the body after it if it has
+    /// one.
     pub is_drape: bool,
 }
 
