@@ -253,15 +253,18 @@ fn sizes_are_simulated_and_colored_as_they_are_cut() {
         fixture.read("fit.png")
     };
     assert_eq!(pixels("tee@2xl"), pixels("tee@2XL"));
-    for (package, told) in [
-        ("tee", "it has another size"),
-        ("tee@huge", "no size `huge`"),
+    for (package, status, told) in [
+        ("tee", 0, "in size 2xl: if it was draped in that"),
+        ("tee@xl", 0, "in size 2xl: if it was draped in that"),
+        ("tee@huge", 2, "no size `huge`"),
     ] {
         let command = format!("render worn.obj big.obj --color-by fit={package} -o fit.png");
         let output = fixture.garnet(&command);
-        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(output.status.code(), Some(status));
         assert!(stderr(&output).contains(told), "{}", stderr(&output));
     }
+    let output = fixture.garnet("render worn.obj big.obj --color-by fit=tee@2xl -o fit.png");
+    assert!(!stderr(&output).contains("note"), "{}", stderr(&output));
 }
 
 #[test]

@@ -21,19 +21,13 @@ use crate::{
 
 /// Cloth that is draped in the size of its package mostly has faces within these shares of its own:
 /// drapes stretch and crumple by a few per cent, two sizes differ by ten. Beyond a note says so: it
-/// may be stretched that far, or of another size. A narrower range notes drapes of people who sit.
+/// may be of another size, or stretched on a larger body. A narrower range notes drapes of people
+/// who sit.
 const SAME_SIZE: RangeInclusive<f64> = 0.94..=1.06;
-
-/// Cloth that is draped without physics stretches so far on larger people. What lies beyond has
-/// another size.
-const ANY_STRETCH: RangeInclusive<f64> = 0.85..=1.18;
 
 /// A size is likelier than another one if its cloth is nearer by this, as the logarithm of areas:
 /// neighbouring sizes are 0.07 apart. More notes fewer drapes.
-const CLEARLY: f64 = 0.015;
-
-/// How much the chests of neighbouring sizes differ at least, in metres.
-const STEP: f64 = 0.04;
+const CLEARLY: f64 = 0.03;
 
 /// Areas that differ by more are in other units.
 const ANY_UNIT: RangeInclusive<f64> = 0.3..=3.0;
@@ -96,33 +90,11 @@ pub(super) fn levels(
     let (found, rest) = (file.positions(), package.mesh.positions());
     let larger = times_as_large(found, rest, package.mesh.faces());
     // Files in other units are as large in other ways.
-    let is_far = |from: RangeInclusive<f64>| ANY_UNIT.contains(&larger) && !from.contains(&larger);
-    if is_far(ANY_STRETCH) {
-        return Err(refused(
-            cannot(),
-            format!(
-                "its cloth is {larger:.2} times as large as that of `{shown}`: it has another size"
-            ),
-            "name the size that was draped after an `@`, as the report of the drape tells it",
-        ));
-    }
-    let drape = file.path().display();
-    let likelier = if ANY_UNIT.contains(&larger) {
-        likelier_size((folder, &own), &package, found, larger).with_context(cannot)?
+    let note = if ANY_UNIT.contains(&larger) {
+        let likelier = likelier_size((folder, &own), found, larger).with_context(cannot)?;
+        doubt(file.path(), folder, likelier, larger)
     } else {
         None
-    };
-    let note = match likelier {
-        Some(size) => Some(format!(
-            "the cloth of `{drape}` is rather as large as that of `{shown}` in size {size}: if it \
-             was draped in that, name it, as `--color-by fit={shown}@{size}`"
-        )),
-        None => is_far(SAME_SIZE).then(|| {
-            format!(
-                "the cloth of `{drape}` is {larger:.2} times as large as that of `{shown}`: if it \
-                 was draped in another size, name it"
-            )
-        }),
     };
     let fitted = package.body.fitted(&positions);
     let not_built_in =
@@ -137,49 +109,48 @@ pub(super) fn levels(
     Ok((levels, note))
 }
 
-/// A size that the drape of a package is likelier to have than the one that is `worn`: of the next
-/// smaller and the next larger one, whose cloth is as large. None of trousers.
+/// What is doubtful about the size of a drape whose cloth is so many times `larger` than that of the
+/// package, and nearest to that of a `likelier` size.
+fn doubt(drape: &Path, package: &Path, likelier: Option<Size>, larger: f64) -> Option<String> {
+    let (drape, package) = (drape.display(), package.display());
+    match likelier {
+        Some(size) => Some(format!(
+            "the cloth of `{drape}` is as large as that of `{package}` in size {size}: if it was \
+             draped in that, name it, as `--color-by fit={package}@{size}`; else it is stretched"
+        )),
+        None => (!SAME_SIZE.contains(&larger)).then(|| {
+            format!(
+                "the cloth of `{drape}` is {larger:.2} times as large as that of `{package}`: it is \
+                 stretched, or was draped in another size"
+            )
+        }),
+    }
+}
+
+/// The size whose cloth is nearest to a drape of a package in area, if that is clearly nearer than
+/// the one that it is held against. None of trousers, whose sizes differ in two ways.
 fn likelier_size(
     (folder, own): (&Path, &GarmentPackage),
-    worn: &GarmentPackage,
     drape: &[Point3],
     larger: f64,
 ) -> anyhow::Result<Option<Size>> {
-    if larger.ln().abs() <= CLEARLY {
-        return Ok(None);
-    }
-    let Some(tailor) = Tailor::of_package(own)? else {
+    let mut least = larger.ln().abs() - CLEARLY;
+    let tailor = Tailor::of_package(own)?.filter(|_| least > 0.0);
+    let Some(tailor) = tailor.filter(|tailor| tailor.parameters().garment() != GarmentKind::Jeans)
+    else {
         return Ok(None);
     };
-    if tailor.parameters().garment() == GarmentKind::Jeans {
-        // Sizes of trousers differ in two ways.
-        return Ok(None);
-    }
-    let cut = Tailor::of_package(worn)?.and_then(|tailor| tailor.size());
-    let chest = match cut {
-        Some(size) => size.measures().chest,
-        None => match wearer_of(&own.body).transpose()? {
-            Some(wearer) => wearer.measures.chest,
-            None => return Ok(None),
-        },
-    };
-    let sizes = tailor.parameters().sizes().into_iter();
-    let apart = |size: &Size| size.measures().chest - chest;
-    let others: Vec<Size> = sizes
-        .filter(|size| apart(size).abs() > 0.5 * STEP)
-        .collect();
-    let smaller = others.iter().rfind(|size| apart(size) < 0.0);
-    let next = others.iter().find(|size| apart(size) > 0.0);
-    for size in smaller.into_iter().chain(next) {
-        let Ok(other) = in_size(own, folder, *size) else {
+    let mut nearest = None;
+    for size in tailor.parameters().sizes() {
+        let Ok(other) = in_size(own, folder, size) else {
             continue;
         };
         let ratio = times_as_large(drape, other.mesh.positions(), other.mesh.faces());
-        if ratio.ln().abs() + CLEARLY < larger.ln().abs() {
-            return Ok(Some(*size));
+        if ratio.ln().abs() < least {
+            (least, nearest) = (ratio.ln().abs(), Some(size));
         }
     }
-    Ok(None)
+    Ok(nearest)
 }
 
 /// The package as `wearer` at rest wears it, the body of the package without one: in a size, or cut
