@@ -1,12 +1,12 @@
 //! Buttons, beads and buckles: small loose pieces are no cloth, and keep their shape.
 
 use garnet_knn::Surface;
-use garnet_mesh::{Bounds, Point3, TriMesh, Vector3};
+use garnet_mesh::{Point3, TriMesh, Vector3};
 use garnet_skin::BoundGarment;
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion};
 
-/// Loose pieces that are larger than this, from corner to corner, may bend, as pockets do; in
-/// metres. More keeps patches and zips stiff.
+/// Loose pieces of a larger diameter than this may bend, as pockets do; in metres. More keeps
+/// patches and zips stiff.
 const LARGEST: f32 = 0.045;
 
 /// How often a piece is lifted that is too near to the skin or in the cloth, and by how much off
@@ -56,8 +56,10 @@ impl StiffPieces {
         }
         let largest = cloth.scale() * LARGEST;
         let is_small = |nodes: &[u32]| {
-            let places: Vec<Point3> = places(cloth.rest_nodes(), nodes);
-            Bounds::of(&places).is_some_and(|bounds| bounds.diagonal() <= largest)
+            let places = places(cloth.rest_nodes(), nodes);
+            let middle = middle(&places);
+            let reach = places.iter().map(|place| (place - middle).norm());
+            2.0 * reach.fold(0.0, f32::max) <= largest
         };
         let pieces = nodes_of.into_iter().zip(faces_of);
         let pieces = pieces.filter(|(nodes, _)| nodes.len() > 3 && is_small(nodes));

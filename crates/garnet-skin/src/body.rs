@@ -100,6 +100,10 @@ fn skin_of(rest: &TriMesh, doubles: &[u32], weights: &SkinWeights) -> (Surface, 
     (skin, caps.num_rims)
 }
 
+/// Vertices on rims of a body that are as near as this share of its height are one. Less leaves
+/// seams open between meshes that were rounded apart; more sews lips and lids, which part.
+const SAME_PLACE: f32 = 1e-5;
+
 /// The largest sum of the differences of their weights with which vertices at a place move alike:
 /// meshes of one body are rounded apart. More sews parts that come apart where joints bend; less
 /// leaves seams of rounded weights open.
@@ -108,7 +112,7 @@ const SAME_WEIGHTS: f32 = 0.01;
 /// The faces with one vertex for all that lie at a place, or on rims as near to each other as
 /// rounding leaves them, and move alike.
 fn sewn_faces(rest: &TriMesh, weights: &SkinWeights) -> Vec<[u32; 3]> {
-    let weld = Weld::sewn(rest);
+    let weld = Weld::sewn_within(rest, SAME_PLACE);
     let mut at_node: Vec<Vec<u32>> = vec![Vec::new(); weld.num_nodes()];
     let same: Vec<u32> = (0_u32..)
         .zip(weld.node_of_vertex())

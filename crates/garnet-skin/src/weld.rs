@@ -55,12 +55,17 @@ impl Weld {
     /// The same of a mesh that is cloth: vertices on its rims that lie as near to each other as
     /// rounding leaves them are one, at the place of the first.
     pub fn sewn(mesh: &TriMesh) -> Self {
+        Self::sewn_within(mesh, NEAR)
+    }
+
+    /// The same of vertices as near as this share of the largest extent.
+    pub(crate) fn sewn_within(mesh: &TriMesh, share: f32) -> Self {
         let positions = mesh.positions();
         let weld = Self::new(positions);
         let topology = Topology::new(weld.num_nodes(), &weld.faces(mesh));
         let place = |node: u32| positions[weld.vertex_of_node[node as usize] as usize];
         let bounds = Bounds::of_faces(positions, mesh.faces());
-        let near = NEAR * bounds.unwrap_or_default().extent().max();
+        let near = share * bounds.unwrap_or_default().extent().max();
         // The farthest from a node on a rim that another one may be.
         let mut reach: HashMap<u32, f32> = HashMap::new();
         for &edge in &topology.boundary_edges() {

@@ -61,7 +61,14 @@ pub(crate) fn run(args: DrapeArgs, console: &Console) -> anyhow::Result<ExitStat
         return batch::run(jobs, console);
     }
     match args.outfit()? {
-        Some(outfit) => outfit::run(outfit, console).map(|(status, _)| status),
+        Some(outfit) => {
+            let told = format!(
+                "`{}` has the garments that are done; begin anew",
+                outfit.folder.display()
+            );
+            tell_on_interrupt(told, vec![outfit.folder.clone()], console)?;
+            outfit::run(outfit, console).map(|(status, _)| status)
+        }
         None => do_job(|| Job::new(args), console),
     }
 }
