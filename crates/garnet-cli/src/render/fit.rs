@@ -28,7 +28,7 @@ const SAME_SIZE: RangeInclusive<f64> = 0.94..=1.06;
 /// A size is likelier than another one if its cloth is nearer by this, as the logarithm of areas:
 /// neighbouring sizes are 0.07 apart, and some networks draw cloth together by 0.05. More notes
 /// fewer drapes.
-const CLEARLY: f64 = 0.04;
+const CLEARLY: f64 = 0.035;
 
 /// Areas that differ by more are in other units.
 const ANY_UNIT: RangeInclusive<f64> = 0.3..=3.0;
