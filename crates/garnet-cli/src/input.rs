@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use anyhow::Context;
-use garnet::mesh::{MOST_BYTES, read_bounded, read_start};
-
-use crate::failure::refused;
+use garnet::mesh::{MOST_BYTES, read_bounded, read_start, read_text};
 
 /// All bytes of a file, up to [`MOST_BYTES`].
 pub(crate) fn bytes(path: &Path) -> anyhow::Result<Vec<u8>> {
@@ -14,15 +12,7 @@ pub(crate) fn bytes(path: &Path) -> anyhow::Result<Vec<u8>> {
 
 /// The text of a file, up to [`MOST_BYTES`].
 pub(crate) fn text(path: &Path) -> anyhow::Result<String> {
-    String::from_utf8(bytes(path)?).map_err(|error| {
-        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = before.split(|byte| *byte == b'\n').count();
-        refused(
-            cannot(path),
-            format!("line {line} is no text in UTF-8"),
-            "name a file of text, saved as UTF-8",
-        )
-    })
+    read_text(path, MOST_BYTES).with_context(|| cannot(path))
 }
 
 /// The first bytes of a file, `most` at most.

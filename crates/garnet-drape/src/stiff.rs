@@ -2,8 +2,8 @@
 
 use garnet_knn::Surface;
 use garnet_mesh::{Point3, TriMesh, Vector3};
-use garnet_skin::BoundGarment;
-use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion};
+use garnet_skin::{BoundGarment, nearest_rotation};
+use nalgebra::{Isometry3, Matrix3};
 
 /// Loose pieces of a larger diameter than this may bend, as pockets do; in metres. More keeps
 /// patches and zips stiff.
@@ -173,19 +173,10 @@ fn rigid(from: &[Point3], to: &[Point3]) -> Isometry3<f32> {
     let [start, end] = [from, to].map(|points| middle(points).coords);
     let mut covariance = Matrix3::zeros();
     for (a, b) in from.iter().zip(to) {
-        covariance += (b.coords - end) * (a.coords - start).transpose();
+        let product = (b.coords - end) * (a.coords - start).transpose();
+        covariance += product.cast::<f64>();
     }
-    let found = covariance.svd(true, true);
-    let turn = match (found.u, found.v_t) {
-        (Some(u), Some(v_t)) => {
-            // A mirror image is no turn.
-            let sign = (u * v_t).determinant().signum();
-            let flip = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign));
-            Rotation3::from_matrix_unchecked(u * flip * v_t)
-        }
-        _ => Rotation3::identity(),
-    };
-    let turn = UnitQuaternion::from_rotation_matrix(&turn);
+    let turn = nearest_rotation(&covariance).unwrap_or_default().cast();
     Isometry3::from_parts((end - turn * start).into(), turn)
 }
 

@@ -145,22 +145,22 @@ const MIXED: std::ops::Range<f32> = 0.15..0.85;
 /// The cloth at rest with all faces looking away from the skin, if they do not look to one side.
 fn turned_outwards(garment: &BoundGarment) -> Option<Surface> {
     let cloth = garment.cloth();
+    if !MIXED.contains(&cloth.inward_share()) {
+        return None;
+    }
     let (nodes, skin) = (cloth.rest_nodes(), garment.body().skin());
     let normal = |[a, b, c]: [Point3; 3]| (b - a).cross(&(c - a));
     let mut faces = cloth.faces().to_vec();
-    let mut turned = 0;
     for face in &mut faces {
         let [first, ..] = *face;
         let under = skin.faces()[cloth.skin()[first as usize].face as usize];
         let under = normal(under.map(|vertex| skin.positions()[vertex as usize]));
         if normal(face.map(|node| nodes[node as usize])).dot(&under) < 0.0 {
             face.swap(1, 2);
-            turned += 1;
         }
     }
-    let share = turned as f32 / faces.len().max(1) as f32;
     let mesh = TriMesh::new(nodes.to_vec(), faces).ok()?;
-    MIXED.contains(&share).then(|| Surface::new(&mesh))
+    Some(Surface::new(&mesh))
 }
 
 /// The cloth of a garment in some place.

@@ -104,14 +104,14 @@ pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// let path = folder.path().join("a.toml");
 /// std::fs::write(&path, b"a = 1\nb = \xff")?;
 /// let error = garnet_mesh::read_text(&path, 99).unwrap_err();
-/// assert_eq!(error.to_string(), "line 2 is no text in UTF-8: save it as UTF-8");
+/// assert_eq!(error.to_string(), "line 2 is no text in UTF-8");
 /// # Ok::<(), std::io::Error>(())
 /// ```
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read_bounded(path, most)?).map_err(|error| {
         let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = before.split(|byte| *byte == b'\n').count();
-        let why = format!("line {line} is no text in UTF-8: save it as UTF-8");
+        let why = format!("line {line} is no text in UTF-8");
         io::Error::new(ErrorKind::InvalidData, why)
     })
 }

@@ -64,7 +64,7 @@ pub use garnet_mesh::{Point3, Vector3};
 pub use pose::{Pose, PoseFit};
 pub use posed_body::PosedBody;
 pub use recover::{RecoveredPose, recover_pose};
-pub use rigid::rigid_from_matrix;
+pub use rigid::{nearest_rotation, rigid_from_matrix};
 pub use scale::scale_of;
 pub use screened_poisson::ScreenedPoisson;
 pub use skeleton::{Joint, Skeleton};

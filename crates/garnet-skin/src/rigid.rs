@@ -46,7 +46,7 @@ pub fn rigid_from_matrix(
 /// Horn 1987, *Closed-form solution of absolute orientation using unit quaternions*, section 4: the
 /// eigenvector of the largest eigenvalue of a symmetric 4 × 4 matrix. It is never a mirror, and a
 /// matrix of deficient rank gives one of its best rotations. None if `M` is not finite.
-pub(crate) fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<UnitQuaternion<f64>> {
+pub fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<UnitQuaternion<f64>> {
     let scale = matrix.abs().max();
     if !scale.is_finite() {
         return None;

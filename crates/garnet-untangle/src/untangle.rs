@@ -68,6 +68,37 @@ pub fn untangle(
     rayon::scope(|_| untangled(garment, binding, body, warped_nodes, options))
 }
 
+/// What contacts with a body are looked for with.
+struct Ground {
+    traps: Traps,
+    normals: SkinNormals,
+}
+
+impl Ground {
+    fn of(body: &PosedBody, binding: &Binding, nodes: &[Point3]) -> Result<Self, UntangleError> {
+        Ok(Self {
+            traps: Traps::near(body.skin(), nodes, binding.scale)?,
+            normals: SkinNormals::new(body.skin()),
+        })
+    }
+
+    fn finder<'a>(
+        &'a self,
+        body: &'a PosedBody,
+        binding: &'a Binding,
+        options: &UntangleOptions,
+    ) -> ContactFinder<'a> {
+        ContactFinder {
+            binding,
+            skin: body.skin(),
+            traps: &self.traps,
+            normals: &self.normals,
+            keeps_sides: options.keeps_sides,
+            clearance: options.clearance,
+        }
+    }
+}
+
 /// The passes of [`untangle`], whose arguments fit together.
 fn untangled(
     garment: &BoundGarment,
@@ -83,16 +114,8 @@ fn untangled(
     let mut anchors = passes::relax(garment, binding, warped, options);
     (binding.layers).place(garment.faces(), &mut anchors);
 
-    let traps = Traps::near(body.skin(), warped, binding.scale)?;
-    let skin_normals = SkinNormals::new(body.skin());
-    let finder = ContactFinder {
-        binding,
-        skin: body.skin(),
-        traps: &traps,
-        normals: &skin_normals,
-        keeps_sides: options.keeps_sides,
-        clearance: options.clearance,
-    };
+    let ground = Ground::of(body, binding, warped)?;
+    let finder = ground.finder(body, binding, options);
     let sweeper = Sweeper::new(garment.graph(), &anchors, options);
     let mut cloth = Cloth::new(Scene {
         garment,
@@ -150,16 +173,8 @@ pub fn counted_again(
     (warped_nodes, moved_nodes): (&[Point3], Vec<Point3>),
     (before, options): (&UntangleReport, &UntangleOptions),
 ) -> Result<Untangled, UntangleError> {
-    let traps = Traps::near(body.skin(), warped_nodes, binding.scale)?;
-    let skin_normals = SkinNormals::new(body.skin());
-    let finder = ContactFinder {
-        binding,
-        skin: body.skin(),
-        traps: &traps,
-        normals: &skin_normals,
-        keeps_sides: options.keeps_sides,
-        clearance: options.clearance,
-    };
+    let ground = Ground::of(body, binding, warped_nodes)?;
+    let finder = ground.finder(body, binding, options);
     let sweeper = Sweeper::new(garment.graph(), &moved_nodes, options);
     let mut cloth = Cloth::new(Scene {
         garment,
