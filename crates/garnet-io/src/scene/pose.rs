@@ -12,6 +12,7 @@ use garnet_body::{
         lowest_points, pose_between, put_on_ground,
     },
     poses::{BodyAngles, Poser, SelfContact, SeparationOptions, key_pose, turn},
+    shape::tape_measures,
 };
 use garnet_mesh::{Unit, Vector3};
 use garnet_skin::{Body, Pose, Skeleton, SkinError};
@@ -627,12 +628,7 @@ fn keep_apart(
     poses: &mut [Pose],
 ) -> Result<Option<PoseNote>, PoseError> {
     let contact = SelfContact::new(body)?;
-    let options = SeparationOptions {
-        max_depth: TOUCH,
-        room: contact.room_for_cloth(),
-        legs_give_way: false,
-        ..SeparationOptions::default()
-    };
+    let options = arms_apart(&contact);
     let easing = take.easing(&contact, frames, &options, &of_motion)?;
     let largest = |turns: &[Vector3]| turns.iter().map(Vector3::norm).fold(0.0, f32::max);
     let largest: Vec<f32> = easing.iter().map(|turns| largest(turns)).collect();
@@ -646,6 +642,27 @@ fn keep_apart(
         num_turned,
         num_frames: frames.len(),
     }))
+}
+
+/// How arms that run into other parts of the body, or are too near to them for cloth, are turned
+/// away.
+fn arms_apart(contact: &SelfContact) -> SeparationOptions {
+    SeparationOptions {
+        max_depth: TOUCH,
+        room: contact.room_for_cloth(),
+        legs_give_way: false,
+        ..SeparationOptions::default()
+    }
+}
+
+/// A pose of the library with room for cloth beside the arms, if they can leave it. Built-in bodies
+/// stay in the poses that networks have learned.
+fn with_room(pose: Pose, body: &Body, contact: &SelfContact) -> Result<Pose, PoseError> {
+    if tape_measures(body).is_some() {
+        return Ok(pose);
+    }
+    let separated = contact.separated(&pose, &arms_apart(contact))?;
+    Ok(separated.map_or(pose, |separated| separated.pose))
 }
 
 /// A pose of the library, with the parts of the body apart and the lowest vertex on the ground.
@@ -664,7 +681,7 @@ fn of_library(name: &str, angles: &BodyAngles, body: &Body) -> Result<Posing, Po
         separated => separated,
     };
     let mut poses = if let Some(separated) = separated {
-        vec![separated.pose]
+        vec![with_room(separated.pose, body, &contact)?]
     } else {
         notes.push(PoseNote::ThroughItself {
             name: name.to_owned(),
