@@ -62,6 +62,7 @@ pub(crate) enum Kind {
     Fins,
     Pieces,
     Lining,
+    TwoGarments,
     Clearance,
     Tall,
     Short,
@@ -117,6 +118,7 @@ impl Kind {
                 | Self::Fins
                 | Self::Pieces
                 | Self::Lining
+                | Self::TwoGarments
                 | Self::UnscaledWeights
         )
     }
@@ -444,6 +446,17 @@ pub const AXES: &[Axis] = &[
         4.5,
         &[0.0, 1.0, 2.0, 3.0, 4.0, 4.5, 5.0, 5.5],
         &[0.0, 3.0, 4.5],
+    ),
+    axis(
+        [
+            "two-garments",
+            "a second garment lies nearer than 6 mm over the first by",
+            "mm",
+        ],
+        Kind::TwoGarments,
+        4.5,
+        &[0.0, 1.0, 2.0, 3.0, 4.0, 4.5, 5.0, 5.5],
+        &[0.0, 4.5],
     ),
     axis(
         ["clearance", "distance that is kept from the skin", "mm"],

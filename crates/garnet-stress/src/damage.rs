@@ -178,22 +178,33 @@ pub(crate) fn in_pieces(
     Ok(TriMesh::new(places, faces)?)
 }
 
+/// Two sheets of a garment, each so far over it, in metres.
+pub(crate) fn layers(mesh: &TriMesh, heights: [f32; 2]) -> Result<[TriMesh; 2], StressError> {
+    let normals = vertex_normals(mesh.positions(), mesh.faces());
+    let [first, second] = heights.map(|height| {
+        let places = mesh.positions().iter().zip(&normals);
+        let places = places.map(|(place, normal)| place + height * normal);
+        TriMesh::new(places.collect(), mesh.faces().to_vec())
+    });
+    Ok([first?, second?])
+}
+
 /// A garment of two layers: its own vertices, then those of a lining so far under it, in metres.
 pub(crate) fn lined(mesh: &TriMesh, apart: f32) -> Result<TriMesh, StressError> {
-    let normals = vertex_normals(mesh.positions(), mesh.faces());
-    let count = mesh.num_vertices() as u32;
     // Half of the distance to each side: the garment fits its body as before.
-    let shifted = |side: f32| {
-        let places = mesh.positions().iter().zip(&normals);
-        places.map(move |(place, normal)| place + 0.5 * side * apart * normal)
-    };
-    let under = mesh
-        .faces()
-        .iter()
-        .map(|face| face.map(|corner| corner + count));
+    let [outer, lining] = layers(mesh, [0.5 * apart, -0.5 * apart])?;
+    joined(&outer, &lining)
+}
+
+/// Both meshes in one, the vertices and faces of the first one first.
+pub(crate) fn joined(first: &TriMesh, second: &TriMesh) -> Result<TriMesh, StressError> {
+    let count = first.num_vertices() as u32;
+    let places = first.positions().iter().chain(second.positions());
+    let moved = |face: &[u32; 3]| face.map(|corner| corner + count);
+    let faces = first.faces().iter().copied();
     Ok(TriMesh::new(
-        shifted(1.0).chain(shifted(-1.0)).collect(),
-        mesh.faces().iter().copied().chain(under).collect(),
+        places.copied().collect(),
+        faces.chain(second.faces().iter().map(moved)).collect(),
     )?)
 }
 

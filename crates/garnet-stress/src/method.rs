@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use garnet_drape::{BodyPath, DrapeOptions, Draper, Package, Quality};
+use garnet_drape::{BodyPath, BoundGarment, DrapeOptions, Draper, Outfit, Package, Quality};
 use garnet_knn::{Traps, VertexTree};
 use garnet_mesh::{Point3, Vector3, vertex_normals};
 use garnet_skin::{DualQuaternion, Warp};
@@ -116,10 +116,10 @@ impl<'a> Way<'a> {
             Method::UnsignedDualQuaternion => plain(unsigned(scene)),
             Method::Warp => plain(warped(scene, Warp::Shape)?),
             Method::PushOut => plain(pushed_out(scene)?),
-            Method::Untangled => {
-                let draper = Draper::new(Arc::clone(&scene.garment));
-                by(&draper, scene, stop)?
-            }
+            Method::Untangled => match &scene.garments {
+                Some(garments) => outfit(garments, scene, stop)?,
+                None => by(&Draper::new(Arc::clone(&scene.garment)), scene, stop)?,
+            },
             Method::Variant(name) => match (&scene.package, &self.draper) {
                 (Some(package), _) => by(&package.draper(name)?, scene, stop)?,
                 (None, Some(draper)) => by(draper, scene, stop)?,
@@ -154,6 +154,34 @@ fn by(draper: &Draper, scene: &Scene, stop: &AtomicBool) -> Result<Draped, Stres
         crossing_faces: drape.report.map(|report| report.crossing_faces),
         fallback: drape.provenance.fallback.map(|reason| reason.to_string()),
         seconds: 0.0,
+    })
+}
+
+/// Two garments, the inner one put on first.
+fn outfit(
+    [outer, inner]: &[Arc<BoundGarment>; 2],
+    scene: &Scene,
+    stop: &AtomicBool,
+) -> Result<Draped, StressError> {
+    let mut outfit = Outfit::default();
+    for garment in [inner, outer] {
+        let draper = Draper::new(Arc::clone(garment));
+        let options = draper.options().with_clearance(scene.clearance);
+        let draper = draper.with_options(options);
+        let wearer = outfit.wearer_for(&draper, scene.posed.clone())?;
+        let drape = draper.drape_until(&outfit.body_for(&draper, &wearer)?, stop)?;
+        outfit.put_on(draper, wearer, drape)?;
+    }
+    outfit.free()?;
+    let mut positions = Vec::new();
+    let mut is_trapped = Vec::new();
+    for drape in outfit.into_drapes().into_iter().rev() {
+        positions.extend(drape.positions);
+        is_trapped.extend(drape.is_trapped);
+    }
+    Ok(Draped {
+        is_trapped: Some(is_trapped),
+        ..plain(positions)
     })
 }
 

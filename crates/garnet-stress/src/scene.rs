@@ -18,8 +18,8 @@ use crate::StressError;
 use crate::axis::{Axis, Kind};
 use crate::child::child;
 use crate::damage::{
-    coarser_body, finer, finer_body, flipped, in_pieces, lined, resized_body, slivers, split,
-    turned_in_patches, with_balls, with_fins, with_holes,
+    coarser_body, finer, finer_body, flipped, in_pieces, joined, layers, lined, resized_body,
+    slivers, split, turned_in_patches, with_balls, with_fins, with_holes,
 };
 
 /// Clearance of scenes that are about something else, in metres.
@@ -46,6 +46,8 @@ pub(crate) struct Scene {
     pub(crate) moved_by: Option<Isometry3<f32>>,
     /// Vertices of the outer one of two layers, which come first; the lining has as many.
     pub(crate) num_outer: Option<usize>,
+    /// The outer and the inner of two garments, of which `garment` is made in that order.
+    pub(crate) garments: Option<[Arc<BoundGarment>; 2]>,
     /// Threads to drape with, where their number is the level.
     pub(crate) threads: Option<usize>,
     /// The package with another fabric, where that is what differs.
@@ -158,6 +160,7 @@ impl<'a> Scenes<'a> {
                 num_outer: Some(self.mesh().num_vertices()),
                 ..self.with_garment(lined(self.mesh(), 1e-3 * (6.0 - level as f32))?)?
             },
+            Kind::TwoGarments => self.of_two_garments(1e-3 * (6.0 - level as f32))?,
             Kind::Clearance => Scene {
                 clearance: (1e-3 * level) as f32,
                 ..self.usual()?
@@ -224,6 +227,7 @@ impl<'a> Scenes<'a> {
             whole: None,
             moved_by: None,
             num_outer: None,
+            garments: None,
             threads: None,
             package: None,
             is_as_first: false,
@@ -437,6 +441,17 @@ impl<'a> Scenes<'a> {
         Ok(Scene {
             garment: Arc::new(garment),
             ..self.usual()?
+        })
+    }
+
+    /// The garment, and one of the same cut so far over it, in metres.
+    fn of_two_garments(&self, apart: f32) -> Result<Scene, StressError> {
+        let [outer, inner] = layers(self.mesh(), [apart, 0.0])?;
+        let both = joined(&outer, &inner)?;
+        let bind = |mesh| Garment::new(mesh).bind(self.package.body()).map(Arc::new);
+        Ok(Scene {
+            garments: Some([bind(outer)?, bind(inner)?]),
+            ..self.with_garment(both)?
         })
     }
 

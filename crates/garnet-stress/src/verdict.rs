@@ -1,9 +1,13 @@
 //! What is measured of a drape, and when it is broken.
 
-use garnet_knn::{KnnError, Traps};
-use garnet_mesh::{Point3, Topology, vertex_normals};
+use std::collections::BTreeSet;
+
+use garnet_drape::BoundGarment;
+use garnet_knn::{Surface, Traps};
+use garnet_mesh::{Point3, Topology, TriMesh, vertex_normals};
 use serde::{Deserialize, Serialize};
 
+use crate::StressError;
 use crate::method::Draped;
 use crate::scene::Scene;
 
@@ -17,7 +21,8 @@ const MOST_JUMP: f64 = 5e-3;
 /// Vertices that move by less do not count as moved, in metres.
 const LEAST_STEP: f32 = 1e-3;
 
-/// More of a lining than this is not under its layer, and the order is lost.
+/// More of a lining than this is not under its layer, or more of the faces of two garments cross the
+/// other one, and the order is lost.
 const MOST_OUT_OF_ORDER: f64 = 0.01;
 
 /// A scene takes longer than this in seconds, and it has failed.
@@ -41,7 +46,8 @@ pub struct Measured {
     pub from_simulator: Option<f64>,
     /// By how much cloth moved more than the skin, in metres a degree, since the level before.
     pub jump: Option<f64>,
-    /// Share of the vertices of a lining that are not under their layer; none of one layer.
+    /// Share of the vertices of a lining that are not under their layer, or of the faces of one of
+    /// two garments that cross the other one, whichever is more; none of one layer.
     pub out_of_order: Option<f64>,
     /// How long it took.
     pub seconds: f64,
@@ -60,7 +66,7 @@ pub enum Broken {
     Torn(f32),
     /// Cloth moved by so much more than the skin, in metres a degree.
     Jump(f64),
-    /// So much of a lining is not under its layer.
+    /// So much of a lining is not under its layer, or of a garment runs through another one.
     Order(f64),
     /// Relative to the size of the garment, it is so far from what it has to be.
     Differs(f64),
@@ -87,7 +93,7 @@ impl std::fmt::Display for Broken {
 
 /// Judges a drape by its scene alone: inside is decided by the winding of the whole body, whatever
 /// the method says of itself.
-pub(crate) fn measured(scene: &Scene, draped: &Draped) -> Result<Option<Measured>, KnnError> {
+pub(crate) fn measured(scene: &Scene, draped: &Draped) -> Result<Option<Measured>, StressError> {
     let positions = &draped.positions;
     if !positions
         .iter()
@@ -114,9 +120,7 @@ pub(crate) fn measured(scene: &Scene, draped: &Draped) -> Result<Option<Measured
         trapped: trapped.iter().filter(|&&is| is).count(),
         stretch: stretch(scene, positions, &trapped),
         crossing_faces: draped.crossing_faces,
-        out_of_order: scene
-            .num_outer
-            .map(|count| out_of_order(scene, positions, count)),
+        out_of_order: out_of_order(scene, positions)?,
         seconds: draped.seconds,
         ..Measured::default()
     }))
@@ -140,13 +144,38 @@ fn stretch(scene: &Scene, positions: &[Point3], trapped: &[bool]) -> f32 {
     largest
 }
 
+/// How much of two layers is not in order; none of one layer.
+fn out_of_order(scene: &Scene, positions: &[Point3]) -> Result<Option<f64>, StressError> {
+    if let Some([outer, inner]) = &scene.garments {
+        let (over, under) = positions.split_at(outer.mesh().num_vertices());
+        let surface = |places: &[Point3], garment: &BoundGarment| {
+            TriMesh::new(places.to_vec(), garment.mesh().faces().to_vec())
+                .map(|mesh| Surface::new(&mesh))
+        };
+        let [over, under] = [surface(over, outer)?, surface(under, inner)?];
+        return Ok(Some(crossing_share(&over, &under)));
+    }
+    let beyond = |count| beyond_lining(scene, positions, count);
+    Ok(scene.num_outer.map(beyond))
+}
+
 /// Share of the lining's vertices that are not on the inner side of their outer vertex.
-fn out_of_order(scene: &Scene, positions: &[Point3], num_outer: usize) -> f64 {
+fn beyond_lining(scene: &Scene, positions: &[Point3], num_outer: usize) -> f64 {
     let normals = vertex_normals(positions, scene.garment.mesh().faces());
     let (outer, lining) = positions.split_at(num_outer);
     let pairs = outer.iter().zip(lining).zip(&normals);
     let beyond = pairs.filter(|((outer, under), normal)| (*outer - *under).dot(normal) < 0.0);
     beyond.count() as f64 / num_outer.max(1) as f64
+}
+
+/// Share of the faces that cross the other surface, of the one with the larger share.
+fn crossing_share(outer: &Surface, inner: &Surface) -> f64 {
+    let crossings = outer.intersections(inner);
+    let share = |side: usize, all: usize| {
+        let faces: BTreeSet<u32> = crossings.iter().map(|pair| pair[side]).collect();
+        faces.len() as f64 / all.max(1) as f64
+    };
+    share(0, outer.faces().len()).max(share(1, inner.faces().len()))
 }
 
 /// By how much cloth moved more than the skin next to it from one level to the next, in the mean
