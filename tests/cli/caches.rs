@@ -1,6 +1,6 @@
 //! Drapes in files that programs play, and many drapes at once.
 
-use std::{fs, path::Path, process::Command};
+use std::{fs, path::Path};
 
 use garnet::{
     Point3,
@@ -316,24 +316,8 @@ fn a_motion_is_simulated_as_one_and_goes_on_after_a_stop() {
     }
     assert!(drapes[5]["steps"]["cloth_m"].as_f64().unwrap() > 0.02);
     // With what a stop has left: the frames of the first stretch, and a part of the next.
-    let child = Command::new(env!("CARGO_BIN_EXE_garnet"))
-        .args(format!("{FOLLOW} -o parts.pc2").split_whitespace())
-        .current_dir(fixture.folder())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
     let state = fixture.path("parts.pc2.part/state.json");
-    for _ in 0..2400 {
-        if state.exists() {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(25));
-    }
-    let told = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status();
-    assert!(told.unwrap().success());
-    let output = child.wait_with_output().unwrap();
+    let output = fixture.interrupted(&format!("{FOLLOW} -o parts.pc2"), || state.exists());
     if output.status.code() != Some(0) {
         assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
         assert!(
@@ -382,31 +366,12 @@ fn an_interrupted_cache_leaves_nothing() {
     fixture.text("out.pc2", "old");
     let before = fixture.names();
     let arguments = "drape sleeve.obj body.obj --pose bending.json:0: -o out.pc2";
-    let child = Command::new(env!("CARGO_BIN_EXE_garnet"))
-        .args(arguments.split_whitespace())
-        .current_dir(fixture.folder())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
     // Until frames are being written.
     let has_begun = || {
-        fixture
-            .names()
-            .iter()
-            .any(|name| name.starts_with(".garnet-"))
+        let names = fixture.names();
+        names.iter().any(|name| name.starts_with(".garnet-"))
     };
-    for _ in 0..600 {
-        if has_begun() {
-            break;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(50));
-    }
-    assert!(has_begun());
-    let told = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status();
-    assert!(told.unwrap().success());
-    let output = child.wait_with_output().unwrap();
+    let output = fixture.interrupted(arguments, has_begun);
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
     assert!(stderr(&output).contains("interrupted: `out.pc2` is as it was before"));
     assert_eq!(fixture.names(), before);

@@ -3,7 +3,9 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    process::{Command, Output},
+    process::{Command, Output, Stdio},
+    thread,
+    time::Duration,
 };
 
 use garnet::{
@@ -17,6 +19,10 @@ use garnet::{
 pub(crate) struct Fixture {
     folder: tempfile::TempDir,
 }
+
+/// How often, and how many times it is looked whether a command that is to be interrupted has begun.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(25);
+const LOOKS: usize = 2400;
 
 /// What a pose file says: the elbow bent by 60 degrees.
 const BEND: &str = r#"{"schema": "garnet.pose/1", "joints": {"elbow": [0.5, 0, 0, 0.866025]}}"#;
@@ -119,6 +125,28 @@ impl Fixture {
             .env_remove("NO_COLOR")
             .output()
             .unwrap()
+    }
+
+    /// Runs the command in the folder, and interrupts it as soon as it has begun.
+    #[cfg(unix)]
+    pub(crate) fn interrupted(&self, arguments: &str, has_begun: impl Fn() -> bool) -> Output {
+        let child = Command::new(env!("CARGO_BIN_EXE_garnet"))
+            .args(arguments.split_whitespace())
+            .current_dir(self.folder())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        for _ in 0..LOOKS {
+            if has_begun() {
+                break;
+            }
+            thread::sleep(BETWEEN_LOOKS);
+        }
+        let pid = child.id().to_string();
+        let told = Command::new("kill").args(["-INT", &pid]).status();
+        assert!(told.unwrap().success());
+        child.wait_with_output().unwrap()
     }
 
     /// Names of all files and folders, sorted.

@@ -17,6 +17,8 @@ mod fixtures;
 mod garbage;
 mod garment;
 mod glb;
+#[cfg(unix)]
+mod interrupts;
 mod lists;
 mod mistyped;
 mod outfit;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, Subcommand, error::ErrorKind};
 use garnet::{
     io::SceneUnits,
-    pattern::{GarmentKind, ParameterSpec, ParameterUnit, Parameters, PatternError},
+    pattern::{GarmentKind, ParameterSpec, ParameterUnit, Parameters, PatternError, VERTEX_RANGE},
 };
 
 use crate::{
@@ -48,7 +48,8 @@ pub(crate) struct PatternOptions {
         long,
         value_name = "N",
         default_value = "5000",
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        value_parser = vertices
     )]
     pub(crate) vertices: usize,
     /// Cut it in a size, XS to 3XL or, as trousers, waist and inner leg in inches (32x34), instead
@@ -147,6 +148,13 @@ impl Subcommand for GarmentSource {
     fn has_subcommand(name: &str) -> bool {
         name == OWN || name.parse::<GarmentKind>().is_ok()
     }
+}
+
+/// A number of vertices; the pattern tells whether it can have so many.
+fn vertices(text: &str) -> Result<usize, String> {
+    let [least, most] = VERTEX_RANGE;
+    let expected = |_| format!("expected a number from {least} to {most}");
+    text.parse().map_err(expected)
 }
 
 impl FromArgMatches for GarmentSource {

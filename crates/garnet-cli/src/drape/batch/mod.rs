@@ -3,7 +3,7 @@
 mod apart;
 mod list;
 
-use std::path::Path;
+use std::{path::Path, sync::atomic::Ordering};
 
 use serde::Serialize;
 use tracing::info_span;
@@ -21,7 +21,7 @@ use super::{
 use crate::{
     console::{Console, print_data},
     failure::{ExitStatus, refused},
-    interrupt::Interrupted,
+    interrupt::{Interrupted, stop_flag},
     stderr::Failure,
 };
 
@@ -68,11 +68,13 @@ struct LineReport {
     error: Option<Failure>,
 }
 
-/// Does one job after the other, and prints a line for each.
+/// Does one job after the other, and prints a line for each. Stopped, it ends after the job that it
+/// is at.
 pub(super) fn run(path: &Path, console: &Console) -> anyhow::Result<ExitStatus> {
     let jobs = read(path)?;
     let silent = Console::silent();
     let total = jobs.len();
+    let stop = stop_flag()?;
     let progress = console.progress(total);
     let (mut failed, mut exceeded) = (0, 0);
     for (number, args) in jobs.into_iter().enumerate() {
@@ -100,6 +102,16 @@ pub(super) fn run(path: &Path, console: &Console) -> anyhow::Result<ExitStatus> 
         let line = serde_json::to_string(&line)?;
         progress.suspend(|| print_data(&line))?;
         progress.inc(1);
+        if stop.load(Ordering::Relaxed) && number + 1 < total {
+            progress.finish_and_clear();
+            let told = format!(
+                "{} of {total} jobs are done, each with its line; leave them out of `{}` and go on",
+                number + 1,
+                path.display()
+            );
+            console.failure(&anyhow::Error::new(Interrupted { told }));
+            return Ok(ExitStatus::Interrupted);
+        }
     }
     progress.finish_and_clear();
     let done = total - failed;
