@@ -108,11 +108,29 @@ fn options_of_pictures_that_do_nothing_are_refused() {
 fn a_drape_in_a_glb_is_a_garment_on_its_body() {
     let fixture = Fixture::new();
     let drape = "drape sleeve.obj bent.obj --rig body.rig.npz -o worn.glb -q";
-    let output = fixture.garnet(drape);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for drape in [
+        drape,
+        "drape sleeve.obj more.obj --rig body.rig.npz -o other.glb -q",
+    ] {
+        let output = fixture.garnet(drape);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
     // Problems are looked for on a body.
-    let output = fixture.garnet("render worn.glb -o worn.png --color-by problems --size 300x100");
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for colored in [
+        "render worn.glb -o worn.png --size 300x100",
+        "view worn.glb -o worn.html",
+    ] {
+        // Of other drapes the garment is compared, and the body is the skin.
+        for by in [
+            "problems",
+            "displacement=other.glb",
+            "stretch=other.glb",
+            "distance=other.glb",
+        ] {
+            let output = fixture.garnet(&format!("{colored} --color-by {by}"));
+            assert_eq!(output.status.code(), Some(0), "{by}: {}", stderr(&output));
+        }
+    }
 }
 
 #[test]

@@ -263,6 +263,11 @@ impl Moving {
         &self.file
     }
 
+    /// The same.
+    pub(crate) fn into_file(self) -> ObjFile {
+        self.file
+    }
+
     pub(crate) fn num_frames(&self) -> usize {
         1 + self.later.len()
     }

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use garnet::{
     Point3, TriMesh,
-    io::{Frame, ObjFile, read_mesh},
+    io::{Frame, ObjFile, RigOptions, is_rig, read_mesh},
     knn::Surface,
+    mesh::UpAxis,
 };
 use garnet_view::{ColorMap, Heat};
 
@@ -16,6 +17,7 @@ use crate::{
     hints::did_you_mean_or,
     input,
     models::package_or_file,
+    moving::Moving,
 };
 
 /// What the first mesh is colored by.
@@ -216,13 +218,13 @@ impl Measure {
     pub(crate) fn read(color_by: &ColorBy) -> anyhow::Result<Option<Self>> {
         Ok(Some(match color_by {
             ColorBy::Nothing => return Ok(None),
-            ColorBy::Stretch(path) => Self::Stretch(read_mesh(path)?),
+            ColorBy::Stretch(path) => Self::Stretch(garment_in(path)?),
             ColorBy::Distance(path) => {
-                let body = read_mesh(path)?;
+                let body = body_in(path)?;
                 let skin = Surface::new(&body.mesh()?);
                 Self::Distance(Box::new(skin), 1e3 * metres_of(&body))
             }
-            ColorBy::Displacement(path) => Self::Displacement(read_mesh(path)?),
+            ColorBy::Displacement(path) => Self::Displacement(garment_in(path)?),
             ColorBy::Fit(path, size) => Self::Fit(path.clone(), *size),
             ColorBy::File(path) => Self::Numbers(path.clone()),
             ColorBy::Problems => Self::Problems,
@@ -344,6 +346,27 @@ impl Heatmap {
             ..Heat::new(&self.values.of_vertices, &self.scale.label)
         }
     }
+}
+
+/// The mesh of a file; of a drape and its body in a GLB, the drape.
+fn garment_in(path: &Path) -> anyhow::Result<ObjFile> {
+    Ok(meshes_in(path)?.swap_remove(0))
+}
+
+/// The mesh of a file; of a drape and its body in a GLB, the body.
+fn body_in(path: &Path) -> anyhow::Result<ObjFile> {
+    let mut meshes = meshes_in(path)?;
+    Ok(meshes.swap_remove(meshes.len() - 1))
+}
+
+/// One mesh, or a drape and its body, as they are in the first frame.
+fn meshes_in(path: &Path) -> anyhow::Result<Vec<ObjFile>> {
+    if !is_rig(path) {
+        return Ok(vec![read_mesh(path)?]);
+    }
+    let moving = Moving::read(path, &RigOptions::default(), UpAxis::Y)?;
+    let meshes = moving.apart()?.into_iter();
+    Ok(meshes.map(Moving::into_file).collect())
 }
 
 fn check_same_vertices(file: &ObjFile, other: &ObjFile) -> anyhow::Result<()> {
