@@ -4,6 +4,7 @@
 mod benches;
 mod markdown;
 mod paper;
+mod peers;
 mod scores;
 
 use std::{
@@ -26,6 +27,8 @@ pub(crate) enum Table {
     Eval(FileArguments),
     /// Of the `chart.json` of `garnet chart`.
     Chart(FileArguments),
+    /// Of the lines that the scripts of `benches/peers` print.
+    Peers(FileArguments),
     /// The tables of the paper, ours beside them, put into a text.
     Paper(PaperArguments),
 }
@@ -58,7 +61,7 @@ pub(crate) struct BenchesArguments {
 #[derive(Debug, Args)]
 pub(crate) struct FileArguments {
     /// The report.
-    #[arg(value_name = "FILE.json")]
+    #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
     head: HeadArguments,
@@ -78,6 +81,7 @@ pub(crate) fn run(table: &Table) -> Outcome {
         Table::Benches(arguments) => benches::text(arguments)?,
         Table::Eval(arguments) => scores::of_eval(&read(&arguments.file)?, &arguments.head),
         Table::Chart(arguments) => scores::of_chart(&read(&arguments.file)?, &arguments.head),
+        Table::Peers(arguments) => peers::text(&arguments.file, &arguments.head)?,
         Table::Paper(arguments) => paper::filled(&arguments.folder, &arguments.text)?,
     };
     print!("{text}");

@@ -1,0 +1,76 @@
+#!/bin/bash
+# Measures what docs/benchmarks.md tells, and prints that page. What is in FOLDER already is not
+# measured again. Takes an hour on two cores that have nothing else to do.
+#
+#   benchmarks.sh FOLDER > docs/benchmarks.md
+#
+# GARNET and LAB are the commands, PYTHON has what benches/peers/requirements.txt lists.
+set -eu
+mkdir -p "$1"
+folder=$(cd "$1" && pwd)
+cd "$(dirname "$0")/../.."
+garnet=${GARNET:-target/release/garnet} lab=${LAB:-target/release/garnet-lab}
+python=${PYTHON:-python3}
+
+# Lines that each program prints, the slowest first.
+if [ ! -s "$folder/peers.jsonl" ]; then
+  for script in "newton_vbd --substeps 10 --iterations 10" blender_cloth pytorch_network garnet_itself; do
+    set -- $script
+    "$python" "benches/peers/$1.py" "${@:2}" --garnet "$garnet" >> "$folder/peers.part" 2> "$folder/$1.log"
+  done
+  mv "$folder/peers.part" "$folder/peers.jsonl"
+fi
+"$lab" report peers "$folder/peers.jsonl" > "$folder/peers.md"
+
+"$garnet" dataset models/tshirt -o "$folder/data" --bodies 0/0/8 --poses 8 --seed 12 --quiet
+if [ ! -s "$folder/chart/chart.json" ]; then
+  "$garnet" chart models/tshirt "$folder/data" -o "$folder/chart" --scenes 20 --teacher-scenes 4 \
+    --quality fast,teacher --peers "$folder/peers.jsonl" --quiet
+fi
+"$lab" report chart "$folder/chart/chart.json" > "$folder/chart.md"
+
+# Criterion.
+measured() {
+  local page=$1 filter=$2
+  shift 2
+  [ -s "$folder/$page.md" ] && return
+  local benches=()
+  for bench in "$@"; do benches+=(--bench "$bench"); done
+  cargo bench --quiet -p garnet-benches "${benches[@]}" -- --noplot "$filter" \
+    > "$folder/$page.log" 2>&1
+}
+printed() {
+  local page=$1
+  shift
+  [ -s "$folder/$page.md" ] && return
+  "$lab" report benches "$@" --criterion "${CARGO_TARGET_DIR:-target}/criterion" \
+    > "$folder/$page.part"
+  mv "$folder/$page.part" "$folder/$page.md"
+}
+measured package "2 threads" package
+printed package package/ own/
+measured parts "" bind untangle
+printed parts bind/ body/ untangle/
+
+# What instruments print, as it is.
+block() {
+  local page=$1
+  shift
+  [ -s "$folder/$page.md" ] && return
+  { echo '```text'; "$lab" "$@"; echo '```'; } > "$folder/$page.part"
+  mv "$folder/$page.part" "$folder/$page.md"
+}
+block shapes check-shapes 500 all
+block bmi check-shapes 300 bmi
+block volumes check-poses volumes 500
+block physics physics
+
+# Lines `{{NAME}}` of the page stand for files.
+awk -v folder="$folder" '
+  match($0, /^\{\{.*\}\}$/) {
+    file = folder "/" substr($0, 3, length($0) - 4)
+    while ((getline line < file) > 0) print line
+    close(file)
+    next
+  }
+  { print }' benches/tables/benchmarks.md
