@@ -1,6 +1,6 @@
 #!/bin/bash
 # Measures what docs/benchmarks.md tells, and prints that page. What is in FOLDER already is not
-# measured again. Takes an hour on two cores that have nothing else to do.
+# measured again. Takes half an hour on two cores that have nothing else to do.
 #
 #   benchmarks.sh FOLDER > docs/benchmarks.md
 #
@@ -28,29 +28,6 @@ if [ ! -s "$folder/chart/chart.json" ]; then
     --quality fast,teacher --peers "$folder/peers.jsonl" --quiet
 fi
 "$lab" report chart "$folder/chart/chart.json" > "$folder/chart.md"
-
-# Criterion.
-measured() {
-  local page=$1 filter=$2
-  shift 2
-  [ -s "$folder/$page.md" ] && return
-  local benches=()
-  for bench in "$@"; do benches+=(--bench "$bench"); done
-  cargo bench --quiet -p garnet-benches "${benches[@]}" -- --noplot "$filter" \
-    > "$folder/$page.log" 2>&1
-}
-printed() {
-  local page=$1
-  shift
-  [ -s "$folder/$page.md" ] && return
-  "$lab" report benches "$@" --criterion "${CARGO_TARGET_DIR:-target}/criterion" \
-    > "$folder/$page.part"
-  mv "$folder/$page.part" "$folder/$page.md"
-}
-measured package "2 threads" package
-printed package package/ own/
-measured parts "" bind untangle
-printed parts bind/ body/ untangle/
 
 # What instruments print, as it is.
 block() {

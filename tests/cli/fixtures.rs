@@ -20,7 +20,7 @@ pub(crate) struct Fixture {
     folder: tempfile::TempDir,
 }
 
-/// How often, and how many times it is looked whether a command that is to be interrupted has begun.
+/// How often, and how many times, it is looked whether a command has begun that is to be stopped.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(25);
 const LOOKS: usize = 2400;
 

@@ -21,8 +21,8 @@ const MOST_JUMP: f64 = 5e-3;
 /// Vertices that move by less do not count as moved, in metres.
 const LEAST_STEP: f32 = 1e-3;
 
-/// More of a lining than this is not under its layer, or more of the faces of two garments cross the
-/// other one, and the order is lost.
+/// More of a lining than this is not under its layer, or more of the faces of one of two garments
+/// cross the other one, and the order is lost.
 const MOST_OUT_OF_ORDER: f64 = 0.01;
 
 /// A scene takes longer than this in seconds, and it has failed.
