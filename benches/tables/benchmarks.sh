@@ -9,8 +9,14 @@ set -eu
 mkdir -p "$1"
 folder=$(cd "$1" && pwd)
 cd "$(dirname "$0")/../.."
-garnet=${GARNET:-target/release/garnet} lab=${LAB:-target/release/garnet-lab}
+root=$PWD
+garnet=$(realpath "${GARNET:-target/release/garnet}")
+lab=$(realpath "${LAB:-target/release/garnet-lab}")
 python=${PYTHON:-python3}
+commit=$("$garnet" --version | sed -n 's/^commit //p')
+report() {
+  "$lab" report "$1" "$2" --commit "$commit"
+}
 
 # Lines that each program prints, the slowest first.
 if [ ! -s "$folder/peers.jsonl" ]; then
@@ -20,14 +26,17 @@ if [ ! -s "$folder/peers.jsonl" ]; then
   done
   mv "$folder/peers.part" "$folder/peers.jsonl"
 fi
-"$lab" report peers "$folder/peers.jsonl" > "$folder/peers.md"
+report peers "$folder/peers.jsonl" > "$folder/peers.md"
 
-"$garnet" dataset models/tshirt -o "$folder/data" --bodies 0/0/8 --poses 8 --seed 12 --quiet
-if [ ! -s "$folder/chart/chart.json" ]; then
-  "$garnet" chart models/tshirt "$folder/data" -o "$folder/chart" --scenes 20 --teacher-scenes 4 \
-    --quality fast,teacher --peers "$folder/peers.jsonl" --quiet
-fi
-"$lab" report chart "$folder/chart/chart.json" > "$folder/chart.md"
+(
+  cd "$folder"
+  "$garnet" dataset "$root/models/tshirt" -o data --bodies 0/0/8 --poses 8 --seed 12 --quiet
+  if [ ! -s chart/chart.json ]; then
+    "$garnet" chart "$root/models/tshirt" data -o chart --scenes 20 --teacher-scenes 4 \
+      --quality fast,teacher --peers peers.jsonl --quiet
+  fi
+)
+report chart "$folder/chart/chart.json" > "$folder/chart.md"
 
 # What instruments print, as it is.
 block() {

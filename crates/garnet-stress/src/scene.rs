@@ -1,8 +1,10 @@
 //! Scenes at a level of an axis, all made of one package.
 
+use std::hash::Hasher;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use fnv::FnvHasher;
 use garnet_body::poses::{BodyAngles, Poser, SelfContact};
 use garnet_body::shape::{BodyParameters, Measure, ParametricBody, tape_measures};
 use garnet_data::{Tailor, wearer_of};
@@ -177,8 +179,11 @@ impl<'a> Scenes<'a> {
         Ok(Some(scene))
     }
 
+    /// Draws of a level, which depend on the name of the axis: other axes may come and go.
     fn random(&self, axis: &Axis, level: f64) -> ChaCha8Rng {
-        let seed = self.seed ^ ((axis.kind as u64) << 32) ^ level.to_bits().rotate_left(17);
+        let mut hash = FnvHasher::default();
+        hash.write(axis.name.as_bytes());
+        let seed = self.seed ^ hash.finish() ^ level.to_bits().rotate_left(17);
         ChaCha8Rng::seed_from_u64(seed)
     }
 

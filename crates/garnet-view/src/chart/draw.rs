@@ -28,6 +28,9 @@ const LEGEND_LINE: f64 = 20.0;
 /// Labels of ticks are at least this far from each other.
 const TICKS_APART: f64 = 34.0;
 
+/// How wide a character of a label of a tick is, with what is between two labels.
+const TICK_CHARACTER: f64 = 8.5;
+
 /// Names farther from their marks are tied to them by a line.
 const FAR: f64 = 9.0;
 
@@ -125,8 +128,9 @@ impl<'a> Prepared<'a> {
                 };
                 sheet.line(&ends, solid(GRID), 1.0)?;
                 let along = far * size[axis];
+                let text = label(tick);
                 let room = if axis == 0 {
-                    TICKS_APART
+                    TICKS_APART.max(TICK_CHARACTER * text.chars().count() as f64)
                 } else {
                     0.6 * TICKS_APART
                 };
@@ -134,7 +138,6 @@ impl<'a> Prepared<'a> {
                     continue;
                 }
                 last = along;
-                let text = label(tick);
                 match axis {
                     0 => sheet.text(&text, [ends[1][0], bottom + 7.0], Anchor::Top, TICK)?,
                     _ => sheet.text(&text, [at[0] - 8.0, ends[0][1]], Anchor::Right, TICK)?,
