@@ -3,7 +3,6 @@
 use garnet_knn::{ClosestPoint, Surface};
 use garnet_mesh::{Point3, Topology, TriMesh};
 
-use crate::bulge::bulges;
 use crate::free_cloth::freedom;
 use crate::holes::Holes;
 use crate::pieces::Pieces;
@@ -123,7 +122,6 @@ impl Garment {
             graph,
             is_piece: pieces.is_piece,
             is_over_hole: over_holes(body, &skin, holes.as_ref()),
-            bulges: bulges(body, &skin),
             skin,
             scale,
             weights: weights?,
@@ -159,7 +157,6 @@ pub struct BoundGarment {
     graph: ClothGraph,
     is_piece: Vec<bool>,
     is_over_hole: Vec<bool>,
-    bulges: Vec<f32>,
     skin: Vec<ClosestPoint>,
     scale: f32,
     weights: SkinWeights,
@@ -207,12 +204,6 @@ impl BoundGarment {
     /// garment, and not over skin.
     pub fn is_over_hole(&self, node: usize) -> bool {
         self.is_over_hole.get(node).is_some_and(|&is_over| is_over)
-    }
-
-    /// How high above the faces that close a hole the skin under a node was that is missing there, in
-    /// metres, as far as the skin around tells; 0 over skin that is there.
-    pub fn bulge(&self, node: usize) -> f32 {
-        self.bulges.get(node).copied().unwrap_or(0.0)
     }
 
     /// The closest point of the rest skin `[node]`.

@@ -30,7 +30,6 @@
 
 mod at_home;
 mod body;
-mod bulge;
 mod caps;
 mod cloth_graph;
 mod dual_quaternion;

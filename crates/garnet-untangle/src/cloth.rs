@@ -87,7 +87,7 @@ impl<'a> Cloth<'a> {
             positions: sweeper.anchors().to_vec(),
             contacts: Vec::new(),
             clearances: (0..num_nodes)
-                .map(|node| goal(finder, garment, options, node))
+                .map(|node| goal(finder, options, node))
                 .collect(),
             ways_out: vec![None; num_nodes],
             is_left: vec![false; num_nodes],
@@ -240,12 +240,7 @@ impl<'a> Cloth<'a> {
 
     /// What a node is to keep from the skin, in metres.
     pub(crate) fn goal(&self, node: usize) -> f32 {
-        goal(
-            self.scene.finder,
-            self.scene.garment,
-            self.scene.options,
-            node,
-        )
+        goal(self.scene.finder, self.scene.options, node)
     }
 
     /// Projects the nodes of a region that lack clearance until none does, or as often as allowed.
@@ -339,16 +334,7 @@ impl<'a> Cloth<'a> {
     }
 }
 
-/// What a node is to keep from the skin, with room for layers below it, in metres. Over a hole that
-/// is as much more as the missing skin was high, but no more than the node keeps at rest.
-fn goal(
-    finder: &ContactFinder<'_>,
-    garment: &BoundGarment,
-    options: &UntangleOptions,
-    node: usize,
-) -> f32 {
-    let at_rest = garment.skin()[node].distance_squared.sqrt();
-    let spare = (at_rest - options.clearance).max(0.0);
-    let missing = garment.bulge(node).min(spare);
-    options.clearance + CLEARANCE_MARGIN + finder.binding.layers.room(node) + missing
+/// What a node is to keep from the skin, with room for layers below it, in metres.
+fn goal(finder: &ContactFinder<'_>, options: &UntangleOptions, node: usize) -> f32 {
+    options.clearance + CLEARANCE_MARGIN + finder.binding.layers.room(node)
 }
