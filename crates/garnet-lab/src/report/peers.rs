@@ -60,7 +60,9 @@ pub(super) fn text(file: &Path, head: &HeadArguments) -> Result<String, Box<dyn 
         "faces across the skin",
         "strain p99",
     ]);
-    peers.iter().for_each(|peer| grid.push(peer.row()));
+    for peer in &peers {
+        grid.push(peer.row());
+    }
     let scenes = |peer: &Peer| format!("`{}`, `{}`, {}", peer.garment, peer.pose, peer.machine);
     let scenes: BTreeSet<String> = peers.iter().map(scenes).collect();
     let facts: Vec<String> = scenes.into_iter().collect();
