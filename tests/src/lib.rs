@@ -8,6 +8,7 @@
 //! - [`mannequin`]: one smooth, closed body with 16 joints, at any resolution.
 //! - [`tunic`]: a garment with sleeves on it, of quads with texture coordinates.
 //! - [`capsules`]: small bodies of capsules that run through each other, and an arm.
+//! - [`without`]: bodies whose skin was deleted, as under clothes.
 //! - [`Judge`]: what a drape must hold, measured apart from the code that made it.
 //! - [`demo`]: the files in `models/demo`.
 //! - [`golden`]: drapes that are stored in `tests/it/golden`.
@@ -19,10 +20,12 @@ mod form;
 pub mod golden;
 mod judge;
 mod mannequin;
+mod removed;
 mod surface_nets;
 mod tunic;
 
 pub use form::Form;
 pub use judge::{Judge, Judgement, trapped};
 pub use mannequin::{mannequin, reach, stride};
+pub use removed::without;
 pub use tunic::{Tunic, tunic, tunic_on};

@@ -86,8 +86,9 @@ const UNTHREADED: f32 = 0.05;
 /// over the height of the body: less than any fit that is clearly better.
 const TURNED: f32 = 0.0006;
 
-/// Rims shorter than this are buttonholes, over the perimeter of the garment's box.
-pub(crate) const LEAST_RIM: f32 = 0.04;
+/// Rims shorter than this are buttonholes, over four times the diagonal of the garment's box. A
+/// higher one loses the cuffs of long sleeves that stick out, which have 0.03.
+pub(crate) const LEAST_RIM: f32 = 0.02;
 
 /// What was done with a garment to bring it to its body.
 #[derive(Debug, Clone, PartialEq)]
@@ -663,5 +664,26 @@ impl Wearer {
             tops,
             bottoms,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use garnet_mesh::primitives::tube;
+
+    #[test]
+    fn cuffs_of_sleeves_that_stick_out_are_openings_and_buttonholes_are_not() {
+        let (mut places, mut faces) = (Vec::new(), Vec::new());
+        // A trunk, two sleeves that end 0.8 m beside its middle, and a buttonhole.
+        for (radius, at) in [(0.2, 0.0), (0.035, 0.8), (0.035, -0.8), (0.005, 0.3)] {
+            let part = tube(radius, 0.4, 24, 4);
+            let first = places.len() as u32;
+            places.extend(part.positions().iter().map(|p| p + Vector3::x() * at));
+            faces.extend(part.faces().iter().map(|face| face.map(|v| v + first)));
+        }
+        let garment = TriMesh::new(places, faces).unwrap();
+        // Both ends of each tube but of the last.
+        assert_eq!(Cloth::new(&garment).unwrap().rims.len(), 6);
     }
 }

@@ -24,6 +24,7 @@ mod costs;
 mod drape_sheet;
 mod expect;
 mod gallery;
+mod hidden_skin;
 mod instructions;
 #[allow(dead_code, reason = "the command asks for more of it")]
 #[path = "../../garnet-cli/src/machine.rs"]
@@ -88,6 +89,8 @@ enum Instrument {
     Expect(expect::Arguments),
     /// Measure how far drapes differ between the vector instructions of the processor.
     Instructions(instructions::Arguments),
+    /// Measure what deleting the skin under clothes does to drapes.
+    HiddenSkin(hidden_skin::Arguments),
     /// Time a network, and write a case of it for other implementations.
     TorchCase(torch_case::Arguments),
     /// Measure networks that are told sewing parameters against a regression onto principal shapes.
@@ -136,6 +139,7 @@ fn main() -> ExitCode {
         Instrument::Costs(arguments) => costs::run(&arguments),
         Instrument::Expect(arguments) => expect::run(&arguments),
         Instrument::Instructions(arguments) => instructions::run(&arguments),
+        Instrument::HiddenSkin(arguments) => hidden_skin::run(&arguments),
         Instrument::TorchCase(arguments) => torch_case::run(&arguments),
         Instrument::Sewing(arguments) => sewing::run(&arguments),
         Instrument::BodySheet(arguments) => body_sheet::run(&arguments),
