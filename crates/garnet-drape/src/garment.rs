@@ -64,7 +64,6 @@ impl Garment {
         let pairs = pairs.map(|(_, pair)| pair);
         let (nodes, pairs): (Vec<Point3>, Vec<_>) = pairs.map(|(n, near)| (*n, (n, near))).unzip();
         let skin = body.skin();
-        let corner = |corner: u32| skin.positions()[corner as usize];
         let has_rims = body.num_rims() > 0;
         let offset = |(node, near): (&Point3, &ClosestPoint)| {
             let offset = node - near.point;
@@ -73,8 +72,7 @@ impl Garment {
                 let side = if skin.contains(*node) { -1.0 } else { 1.0 };
                 return (offset, side * offset);
             }
-            let [a, b, c] = skin.faces()[near.face as usize].map(corner);
-            (offset, (b - a).cross(&(c - a)))
+            (offset, skin.pseudonormal(near))
         };
         let (offsets, normals): (Vec<_>, Vec<_>) = pairs.into_iter().map(offset).unzip();
         check_offsets(&nodes, &offsets, &normals, &body_bounds)?;

@@ -76,6 +76,11 @@ const INSIDE: f32 = 4.0;
 
 /// Cloth that is deeper than this is in the body, over the height of the body.
 const DEEP: f32 = 0.002;
+
+/// Cloth that is deeper than this anywhere does not lie on the body, over the height of the body: 3
+/// cm of a human figure, from which on a drape warns. Jeans that are back to front are that deep.
+const TOO_DEEP: f32 = 0.018;
+
 /// Share of a garment that may be in the body if it lies on it.
 const INSIDE_SHARE: f32 = 0.15;
 
@@ -396,9 +401,7 @@ impl Cloth {
         let skin = body.skin();
         let offset = |point: &Point3| {
             let near = skin.closest(*point);
-            let corners = skin.faces()[near.face as usize];
-            let [a, b, c] = corners.map(|corner| skin.positions()[corner as usize]);
-            (point - near.point, (b - a).cross(&(c - a)))
+            (point - near.point, skin.pseudonormal(&near))
         };
         let (offsets, normals): (Vec<_>, Vec<_>) = self.positions.iter().map(offset).unzip();
         check_offsets(&self.positions, &offsets, &normals, &bounds).ok()?;
@@ -408,10 +411,13 @@ impl Cloth {
     /// A garment that lies on the body with limbs through its openings; none if it does not.
     fn as_it_is(&self, garment: &TriMesh, body: &Body, wearer: &Wearer) -> Option<Alignment> {
         let (offsets, normals) = self.lies_on(body)?;
-        let inside = offsets.iter().zip(&normals).filter(|(offset, normal)| {
-            offset.dot(normal) < 0.0 && offset.norm() > DEEP * wearer.height
-        });
-        if inside.count() as f32 > INSIDE_SHARE * offsets.len() as f32 {
+        let sides = offsets.iter().zip(&normals);
+        let depths = sides.filter(|(offset, normal)| offset.dot(normal) < 0.0);
+        let depths = depths.map(|(offset, _)| offset.norm() / wearer.height);
+        let inside: Vec<f32> = depths.filter(|&depth| depth > DEEP).collect();
+        if inside.len() as f32 > INSIDE_SHARE * offsets.len() as f32
+            || inside.iter().any(|&depth| depth > TOO_DEEP)
+        {
             return None;
         }
         let threaded = self.num_threaded(&Guess::as_it_is(self), wearer);

@@ -115,7 +115,7 @@ impl ContactFinder<'_> {
         let is_own = |face: u32| self.is_own(node, face, normal);
         let closest_is_own = is_own(closest.face);
         let is_embedded = self.traps.leaves_no_room(closest.face, distance);
-        let side = self.side(position, &closest);
+        let side = self.side_of_closest(position, &closest);
         if !is_embedded {
             contact.distance *= side;
             if closest_is_own {
@@ -168,7 +168,7 @@ impl ContactFinder<'_> {
             }
             return;
         }
-        let side = self.side(position, &closest);
+        let side = self.side_of_closest(position, &closest);
         contact.distance *= side;
         if contact.distance < reach {
             let wall = self.plane(position, &closest, side);
@@ -214,6 +214,16 @@ impl ContactFinder<'_> {
         } else {
             1.0
         }
+    }
+
+    /// The same of the closest skin of all. Faces that close a hole may run through the skin, and
+    /// normals do not tell what is inside of them: nothing is that no part of the body goes round.
+    fn side_of_closest(&self, position: Point3, closest: &ClosestPoint) -> f32 {
+        let side = self.side(position, closest);
+        if side < 0.0 && self.skin.has_caps() && self.winding(position) == 0 {
+            return 1.0;
+        }
+        side
     }
 
     /// Inside how many parts of the body a point is.

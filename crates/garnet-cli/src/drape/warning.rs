@@ -300,7 +300,8 @@ impl fmt::Display for Warning {
             } => vertices(count, ["starts", "start"]) + &too_deep(limit, deepest),
             Problem::Unthreaded(count, openings) => format!(
                 "no limb of the body goes through {count} of the {openings} openings of `{path}`: it may \
-                 lie elsewhere than on the body; `--place` brings it there"
+                 lie elsewhere than on the body. `--place` looks for its place; where that finds none, \
+                 `--rest-body` names the body that it was made on"
             ),
             Problem::LayersCross(count) => format!(
                 "cloth of `{path}` runs through cloth that lies on it: {count} pairs of faces more \
