@@ -64,11 +64,13 @@ pub(crate) fn freedom(
         }
         is_seen[start] = true;
         let mut patch = vec![start];
+        let mut is_attached = false;
         let mut next = 0;
         while let Some(&node) = patch.get(next) {
             next += 1;
             for &other in topology.neighbors(node) {
                 let other = other as usize;
+                is_attached |= !is_far[other];
                 if is_far[other] && !is_seen[other] {
                     is_seen[other] = true;
                     patch.push(other);
@@ -79,6 +81,12 @@ pub(crate) fn freedom(
         if round as f32 > ROUND_SHARE * patch.len() as f32 {
             continue;
         }
+        // Cloth that is near the skin nowhere hangs from where it is nearest.
+        let nearest = patch.iter().map(|&node| distance(node));
+        let near = match is_attached {
+            true => near,
+            false => nearest.fold(f32::INFINITY, f32::min),
+        };
         for node in patch {
             let share = (distance(node) - near) / (scale * (FREE_FAR - FREE_DISTANCE));
             freedom[node] = share.clamp(0.0, 1.0);
@@ -131,6 +139,29 @@ mod tests {
             assert!(distance > FREE_DISTANCE || *freedom <= 0.0);
             assert!(distance < FREE_FAR + 1e-6 || *freedom >= 1.0);
         }
+    }
+
+    #[test]
+    fn a_sheet_that_touches_nowhere_hangs_from_where_it_is_nearest() {
+        let skin = Surface::new(&capsule(0.1, 0.8, 24, 24));
+        let sheet = grid(30, 30, [0.8, 0.8]);
+        let behind = |p: &Point3| Point3::new(p.x, p.z, -0.2 - 0.3 * (0.4 - p.z));
+        let cloth = sheet.positions().iter().map(behind).collect();
+        let cloth = sheet.with_positions(cloth).unwrap();
+        let freedom = freedom_of(&cloth, &skin);
+        let nearest = skin.closest_all(cloth.positions());
+        let least = |all: &[ClosestPoint]| {
+            let all = all.iter().map(|near| near.distance_squared.sqrt());
+            all.fold(f32::INFINITY, f32::min)
+        };
+        let near = least(&nearest);
+        assert!(near > FREE_FAR, "{near}");
+        for (freedom, nearest) in freedom.iter().zip(&nearest) {
+            let farther = nearest.distance_squared.sqrt() - near;
+            let expected = (farther / (FREE_FAR - FREE_DISTANCE)).clamp(0.0, 1.0);
+            assert!((freedom - expected).abs() < 1e-4);
+        }
+        assert!(freedom.contains(&0.0) && freedom.contains(&1.0));
     }
 
     #[test]
