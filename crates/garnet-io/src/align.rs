@@ -84,6 +84,9 @@ const TOO_DEEP: f32 = 0.018;
 /// Share of a garment that may be in the body if it lies on it.
 const INSIDE_SHARE: f32 = 0.15;
 
+/// A step of fitting turns by no more than this, in radians: more may jump to another side.
+const MOST_YAW: f32 = 0.15;
+
 /// What an opening without a limb through it counts, if all are, over the height of the body.
 const UNTHREADED: f32 = 0.05;
 
@@ -157,6 +160,8 @@ struct Guess {
     is_z_up: bool,
     /// Quarter turns about the vertical.
     quarters: u8,
+    /// By how much it is turned besides, in radians.
+    yaw: f32,
     /// From the file to the body.
     scale: f32,
     turn: UnitQuaternion<f32>,
@@ -174,11 +179,17 @@ impl Guess {
         size < least * (1.0 + SAME_SIZE) || size > most * (1.0 - SAME_SIZE)
     }
 
+    /// The turn about the vertical, in degrees.
+    fn degrees(&self) -> f32 {
+        [0.0, 90.0, 180.0, -90.0][usize::from(self.quarters)] + self.yaw.to_degrees()
+    }
+
     /// The garment where it is.
     fn as_it_is(cloth: &Cloth) -> Self {
         Self {
             is_z_up: false,
             quarters: 0,
+            yaw: 0.0,
             scale: 1.0,
             turn: UnitQuaternion::identity(),
             middle: cloth.center,
@@ -189,6 +200,15 @@ impl Guess {
     fn at(&self, point: Point3, center: Point3) -> Point3 {
         self.middle + self.turn * ((point - center) * self.scale)
     }
+}
+
+/// What is free in a fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Free {
+    Place,
+    /// The turn about the vertical, too.
+    Turn,
+    TurnAndSize,
 }
 
 /// What of a garment is fitted.
@@ -229,6 +249,9 @@ pub fn aligned(garment: &TriMesh, body: &Body) -> Result<Option<(TriMesh, Alignm
     if let Some(alignment) = cloth.as_it_is(garment, body, &at_rest) {
         return Ok(Some((garment.clone(), alignment)));
     }
+    if let Some(found) = cloth.in_place(garment, body, &at_rest) {
+        return Ok(Some(found));
+    }
     let mut wearers = vec![at_rest];
     // A skirt has no sleeves whose pose could be another one.
     let has_sleeves = cloth.rims.len() >= LEAST_SLEEVED;
@@ -238,7 +261,7 @@ pub fn aligned(garment: &TriMesh, body: &Body) -> Result<Option<(TriMesh, Alignm
     let guesses = cloth.guesses(&wearers[0]);
     let mut found: Vec<(f32, Guess)> = guesses
         .par_iter()
-        .map(|guess| cloth.fitted(guess, &wearers[0], SAMPLES[0], STEPS[0], false))
+        .map(|guess| cloth.fitted(guess, &wearers[0], SAMPLES[0], STEPS[0], Free::Place))
         .collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(NUM_BEST);
@@ -246,18 +269,23 @@ pub fn aligned(garment: &TriMesh, body: &Body) -> Result<Option<(TriMesh, Alignm
         .flat_map(|wearer| found.iter().map(move |&(_, guess)| (wearer, guess)))
         .collect();
     let fitted = tried.par_iter().map(|&(wearer, guess)| {
-        let free = cloth.fitted(&guess, &wearers[wearer], SAMPLES[1], STEPS[1], true);
-        // A size that is about that of the body is.
-        let is_same = (free.1.scale / guess.unit - 1.0).abs() < SAME_SIZE;
-        let fixed = Guess {
-            scale: guess.unit,
-            ..free.1
+        let fit = |guess: &Guess, free: Free| {
+            cloth.fitted(guess, &wearers[wearer], SAMPLES[1], STEPS[1], free)
         };
-        let fixed = cloth.fitted(&fixed, &wearers[wearer], SAMPLES[1], STEPS[1], false);
-        let (score, guess) = if is_same || fixed.0 < CLEARLY * free.0 {
-            fixed
-        } else {
-            free
+        let [free, turned] = [Free::TurnAndSize, Free::Turn].map(|free| fit(&guess, free));
+        // A size that is about that of the body is, and so is a turn by quarters.
+        let is_same = (free.1.scale / guess.unit - 1.0).abs() < SAME_SIZE;
+        let from = Guess {
+            middle: free.1.middle,
+            ..guess
+        };
+        let fixed = fit(&from, Free::Place);
+        let is_as_good = |simple: f32, other: f32| simple < CLEARLY * other;
+        let is_fixed = is_as_good(fixed.0, turned.0) && (is_same || is_as_good(fixed.0, free.0));
+        let (score, guess) = match is_fixed {
+            true => fixed,
+            false if is_same || is_as_good(turned.0, free.0) => turned,
+            false => free,
         };
         (score, wearer, guess)
     });
@@ -295,7 +323,7 @@ pub fn aligned(garment: &TriMesh, body: &Body) -> Result<Option<(TriMesh, Alignm
     let alignment = Alignment {
         scale: guess.scale,
         was_z_up: guess.is_z_up,
-        yaw: [0.0, 90.0, 180.0, -90.0][usize::from(guess.quarters)],
+        yaw: guess.degrees(),
         moved: guess.middle - turned_center(&guess, center),
         arms: wearer.arms,
         openings: [cloth.rims.len(), cloth.num_threaded(&guess, wearer)],
@@ -432,6 +460,34 @@ impl Cloth {
         })
     }
 
+    /// The garment with other axes and in another unit, if it lies on the body then where it is:
+    /// the one that lies nearest.
+    fn in_place(
+        &self,
+        garment: &TriMesh,
+        body: &Body,
+        wearer: &Wearer,
+    ) -> Option<(TriMesh, Alignment)> {
+        let guesses = self.guesses(wearer).into_iter();
+        let unmoved = guesses.filter(|guess| guess.middle == turned_center(guess, self.center));
+        let found = unmoved.filter_map(|guess| {
+            let places = garment.positions().iter();
+            let places = places.map(|p| guess.at(*p, self.center)).collect();
+            let placed = garment.with_positions(places).ok()?;
+            let alignment = Self::new(&placed)?.as_it_is(&placed, body, wearer)?;
+            let (score, _) = self.fitted(&guess, wearer, SAMPLES[1], 0, Free::Place);
+            let alignment = Alignment {
+                scale: guess.scale,
+                was_z_up: guess.is_z_up,
+                yaw: guess.degrees(),
+                ..alignment
+            };
+            Some((score, placed, alignment))
+        });
+        let best = found.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(_, placed, alignment)| (placed, alignment))
+    }
+
     /// All axes, units and places.
     fn guesses(&self, wearer: &Wearer) -> Vec<Guess> {
         let extent = self.bounds.extent();
@@ -461,6 +517,7 @@ impl Cloth {
                     let mut guess = Guess {
                         is_z_up,
                         quarters,
+                        yaw: 0.0,
                         scale: unit,
                         turn,
                         middle: Point3::origin(),
@@ -486,14 +543,14 @@ impl Cloth {
         wearer: &Wearer,
         samples: usize,
         steps: usize,
-        is_size_free: bool,
+        free: Free,
     ) -> (f32, Guess) {
         let stride = self.positions.len().div_ceil(samples).max(1);
         let points: Vec<Point3> = self.positions.iter().step_by(stride).copied().collect();
         let mut guess = *guess;
         let mut best = (f32::INFINITY, guess);
         for step in 0..=steps {
-            let (cost, change) = self.step(&points, &guess, wearer);
+            let (cost, change) = self.step(&points, &guess, wearer, free);
             let score = cost + self.rank(&guess, wearer);
             if score < best.0 {
                 best = (score, guess);
@@ -502,7 +559,13 @@ impl Cloth {
                 break;
             }
             guess.middle += Vector3::new(change[0], change[1], change[2]);
-            if is_size_free {
+            if free == Free::Turn || free == Free::TurnAndSize {
+                // A large step would leave the turn that was guessed.
+                let yaw = change[4].clamp(-MOST_YAW, MOST_YAW);
+                guess.turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), yaw) * guess.turn;
+                guess.yaw += yaw;
+            }
+            if free == Free::TurnAndSize {
                 let [least, most] = OTHER_SIZE.map(|factor| factor * guess.unit);
                 guess.scale = (guess.scale * (1.0 + change[3])).clamp(least, most);
             }
@@ -510,20 +573,23 @@ impl Cloth {
         best
     }
 
-    /// The mean cost of points, and the move and growth that lower it.
-    fn step(&self, points: &[Point3], guess: &Guess, wearer: &Wearer) -> (f32, SVector<f32, 4>) {
+    /// The mean cost of points, and the move, growth and turn about the vertical that lower it.
+    fn step(
+        &self,
+        points: &[Point3],
+        guess: &Guess,
+        wearer: &Wearer,
+        free: Free,
+    ) -> (f32, SVector<f32, 5>) {
         let (ease, far) = (EASE * wearer.height, FAR * wearer.height);
-        let mut square = SMatrix::<f32, 4, 4>::identity() * 1e-4;
-        let mut wished = SVector::<f32, 4>::zeros();
+        let mut square = SMatrix::<f32, 5, 5>::identity() * 1e-4;
+        let mut wished = SVector::<f32, 5>::zeros();
         let mut sum = 0.0;
         for point in points {
             let place = guess.at(*point, self.center);
             let near = wearer.skin.closest(place);
-            let corners = wearer.skin.faces()[near.face as usize];
-            let [a, b, c] = corners.map(|corner| wearer.skin.positions()[corner as usize]);
-            let normal = (b - a).cross(&(c - a));
             let offset = place - near.point;
-            let is_inside = offset.dot(&normal) < 0.0;
+            let is_inside = offset.dot(&wearer.skin.pseudonormal(&near)) < 0.0;
             let distance = near.distance_squared.sqrt();
             let signed = if is_inside { -distance } else { distance };
             let miss = signed - ease;
@@ -535,9 +601,16 @@ impl Cloth {
             let way = if is_inside { -way } else { way };
             // What is far tells less.
             let weight = weight / (1.0 + (miss / (0.25 * far)).powi(2));
-            let row = SVector::<f32, 4>::new(way.x, way.y, way.z, way.dot(&(place - guess.middle)));
+            let from_middle = place - guess.middle;
+            let growth = way.dot(&from_middle);
+            let yaw = way.dot(&Vector3::y().cross(&from_middle));
+            let row = SVector::<f32, 5>::new(way.x, way.y, way.z, growth, yaw);
             square += row * row.transpose() * (weight / points.len() as f32);
             wished -= row * (weight * miss / points.len() as f32);
+        }
+        if free == Free::Place {
+            // Nothing is left to a turn.
+            square[(4, 4)] += 1e6;
         }
         let change = square.cholesky().map(|factor| factor.solve(&wished));
         let cost = sum / points.len().max(1) as f32;

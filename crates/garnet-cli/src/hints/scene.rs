@@ -58,8 +58,8 @@ fn for_scene(error: &SceneError) -> Option<String> {
         }
         SceneError::Unplaced { .. } => {
             "turn it upright as it is worn, its front to that of the body, in a modelling program: \
-             `--place` finds unit and place, sizes from 0.75 to 1.35 of its own, and turns by quarters \
-             alone"
+             `--place` finds unit and place, sizes from 0.75 to 1.35 of its own, the axis that is up, and \
+             turns about it"
         }
         SceneError::Misplaced {
             body_unit, problem, ..
