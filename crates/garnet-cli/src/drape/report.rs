@@ -304,10 +304,15 @@ pub(crate) struct PenetrationReport {
 }
 
 impl PenetrationReport {
-    /// Of a garment against the skin; `scale` is that of simulated cloth, of which not all that is
-    /// inside counts.
+    /// Of the vertices of a garment that faces name, against the skin; `scale` is that of simulated
+    /// cloth, of which not all that is inside counts.
     pub(crate) fn of(garment: &TriMesh, skin: &Surface, scale: Option<f32>) -> Self {
-        let positions = garment.positions();
+        let mut named = garment.faces().as_flattened().to_vec();
+        named.sort_unstable();
+        named.dedup();
+        let named = named.iter();
+        let positions: Vec<_> = named.map(|&v| garment.positions()[v as usize]).collect();
+        let positions = positions.as_slice();
         let crossing_faces = free_crossing_faces(&Surface::new(garment), skin).len();
         if let Some(scale) = scale {
             let found = sim::Penetration::of(positions, skin, scale);

@@ -199,8 +199,9 @@ fn result(drapes: &[DrapeOutput]) -> String {
             .iter()
             .map(|found| found.deepest_m)
             .fold(0.0, f32::max);
+        let vertices = if inside == 1 { "vertex" } else { "vertices" };
         return format!(
-            "not untangled: {inside} vertices inside the body, the deepest {:.1} mm",
+            "not untangled: {inside} {vertices} inside the body, the deepest {:.1} mm",
             1e3 * deepest
         );
     }
