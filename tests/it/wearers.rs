@@ -11,6 +11,7 @@ use garnet::{
     Body, Drape, DrapeOptions, Draper, Garment, Point3, Pose, SkinWeights, TriMesh, Vector3,
 };
 use garnet_tests::{mannequin, reach, stride, tunic, without};
+use nalgebra::UnitQuaternion;
 
 /// The mean distance of vertices of the same number, in metres.
 fn mean_distance(a: &[Point3], b: &[Point3]) -> f32 {
@@ -77,6 +78,10 @@ fn cloth_over_skin_that_was_deleted_lies_as_over_whole_skin() {
         .count();
     let share = over as f64 / nodes.len() as f64;
     assert!((0.3..0.9).contains(&share), "{share}");
+    // Where nothing has moved, nothing is freed from what closes the holes.
+    let at_rest = draped_on(&open, &Pose::rest(whole.skeleton().num_joints()), &tunic);
+    assert_eq!(at_rest.report.unwrap().inside_before, 0);
+    assert!(mean_distance(&at_rest.positions, tunic.positions()) < 1e-4);
     for pose in [reach(), stride()] {
         let right = draped_on(&whole, &pose, &tunic);
         let found = draped_on(&open, &pose, &tunic);
@@ -135,11 +140,13 @@ fn garments_that_lie_elsewhere_are_brought_to_the_body() {
         tunic.with_positions(moved.collect()).unwrap()
     };
     let middle = Point3::new(0.0, 1.1, 0.0);
-    let cases: [(&str, f32, Way<'_>); 5] = [
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 0.5);
+    let cases: [(&str, f32, Way<'_>); 6] = [
         ("as it is", 1e-6, &|p| p),
         ("in centimetres", 0.03, &|p| p * 100.0),
         ("at the origin", 0.03, &|p| p - middle.coords),
         ("z up", 0.03, &|p| Point3::new(p.x, -p.z, p.y)),
+        ("turned", 0.03, &|p| middle + turn * (p - middle)),
         ("beside", 0.03, &|p| p + Vector3::new(0.8, -0.2, 0.1)),
     ];
     for (name, most, way) in cases {
