@@ -24,8 +24,9 @@ pub fn without(body: &Body, is_removed: impl Fn(usize) -> bool) -> Body {
         .iter()
         .map(|face| face.map(|vertex| place[vertex as usize]));
     let positions = kept.iter().map(|&vertex| rest.positions()[vertex]);
-    let mesh = TriMesh::new(positions.collect(), faces.collect()).unwrap();
+    let mesh = TriMesh::new(positions.collect(), faces.collect()).expect("the vertices are kept");
     let rows = kept.iter().map(|&vertex| body.weights().vertex(vertex));
-    let weights = SkinWeights::from_influences(body.weights().num_joints(), rows).unwrap();
-    Body::new(mesh, body.skeleton().clone(), weights).unwrap()
+    let weights = SkinWeights::from_influences(body.weights().num_joints(), rows)
+        .expect("they are rows of weights");
+    Body::new(mesh, body.skeleton().clone(), weights).expect("the parts fit together")
 }

@@ -269,24 +269,7 @@ pub fn aligned(garment: &TriMesh, body: &Body) -> Result<Option<(TriMesh, Alignm
         .flat_map(|wearer| found.iter().map(move |&(_, guess)| (wearer, guess)))
         .collect();
     let fitted = tried.par_iter().map(|&(wearer, guess)| {
-        let fit = |guess: &Guess, free: Free| {
-            cloth.fitted(guess, &wearers[wearer], SAMPLES[1], STEPS[1], free)
-        };
-        let [free, turned] = [Free::TurnAndSize, Free::Turn].map(|free| fit(&guess, free));
-        // A size that is about that of the body is, and so is a turn by quarters.
-        let is_same = (free.1.scale / guess.unit - 1.0).abs() < SAME_SIZE;
-        let from = Guess {
-            middle: free.1.middle,
-            ..guess
-        };
-        let fixed = fit(&from, Free::Place);
-        let is_as_good = |simple: f32, other: f32| simple < CLEARLY * other;
-        let is_fixed = is_as_good(fixed.0, turned.0) && (is_same || is_as_good(fixed.0, free.0));
-        let (score, guess) = match is_fixed {
-            true => fixed,
-            false if is_same || is_as_good(turned.0, free.0) => turned,
-            false => free,
-        };
+        let (score, guess) = cloth.fitted_simply(&guess, &wearers[wearer]);
         (score, wearer, guess)
     });
     let mut fitted: Vec<(f32, usize, Guess)> = fitted.collect();
@@ -534,6 +517,29 @@ impl Cloth {
             }
         }
         guesses
+    }
+
+    /// A guess fitted in earnest, and what it is like: lower is better. Its turn and its size are
+    /// those that were guessed, unless others are clearly better.
+    fn fitted_simply(&self, guess: &Guess, wearer: &Wearer) -> (f32, Guess) {
+        let fit = |guess: &Guess, free| self.fitted(guess, wearer, SAMPLES[1], STEPS[1], free);
+        let free = fit(guess, Free::TurnAndSize);
+        let turned = fit(guess, Free::Turn);
+        let from = Guess {
+            middle: free.1.middle,
+            ..*guess
+        };
+        let fixed = fit(&from, Free::Place);
+        // A size that is about that of the body is.
+        let is_same = (free.1.scale / guess.unit - 1.0).abs() < SAME_SIZE;
+        let is_as_good = |simple: f32, other: f32| simple < CLEARLY * other;
+        if is_as_good(fixed.0, turned.0) && (is_same || is_as_good(fixed.0, free.0)) {
+            fixed
+        } else if is_same || is_as_good(turned.0, free.0) {
+            turned
+        } else {
+            free
+        }
     }
 
     /// A guess fitted to the skin in some steps, and what it is like: lower is better.

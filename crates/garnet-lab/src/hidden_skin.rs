@@ -42,7 +42,9 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     print!("| mm apart, mean | skin deleted |");
-    POSES.iter().for_each(|pose| print!(" `{pose}` |"));
+    for pose in POSES {
+        print!(" `{pose}` |");
+    }
     println!(" mean |\n|---|{}", "---|".repeat(POSES.len() + 2));
     let mut all = Vec::new();
     for folder in &arguments.packages {
@@ -60,7 +62,9 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             let apart = vertex_distances(&right, &found)?;
             row.push(1e3 * apart.iter().copied().map(f64::from).sum::<f64>() / apart.len() as f64);
         }
-        row.iter().for_each(|mean| print!(" {mean:.1} |"));
+        for mean in &row {
+            print!(" {mean:.1} |");
+        }
         println!(" {:.1} |", mean(&row));
         all.extend(row);
     }

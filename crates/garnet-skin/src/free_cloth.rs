@@ -82,10 +82,11 @@ pub(crate) fn freedom(
             continue;
         }
         // Cloth that is near the skin nowhere hangs from where it is nearest.
-        let nearest = patch.iter().map(|&node| distance(node));
-        let near = match is_attached {
-            true => near,
-            false => nearest.fold(f32::INFINITY, f32::min),
+        let near = if is_attached {
+            near
+        } else {
+            let nearest = patch.iter().map(|&node| distance(node));
+            nearest.fold(f32::INFINITY, f32::min)
         };
         for node in patch {
             let share = (distance(node) - near) / (scale * (FREE_FAR - FREE_DISTANCE));
