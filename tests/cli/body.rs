@@ -283,6 +283,29 @@ fn heights(fixture: &Fixture, name: &str) -> Vec<f32> {
 }
 
 #[test]
+fn options_of_motions_are_told_or_refused_where_they_do_nothing() {
+    let fixture = Fixture::new();
+    for option in ["--in-place", "--fps 10", "--ground", "--pose-up z"] {
+        let output = fixture.garnet(&format!("body -o rest.obj {option}"));
+        assert_eq!(output.status.code(), Some(2), "{option}");
+        assert!(
+            stderr(&output).contains("is given without a pose"),
+            "{option}"
+        );
+        assert!(!fixture.path("rest.obj").exists(), "{option}");
+    }
+    for option in ["--in-place", "--fps 10", "--ground"] {
+        let output = fixture.garnet(&format!("body --pose sit -o sits.obj {option}"));
+        done(&output);
+        let told = stderr(&output);
+        assert!(
+            told.contains("`sit` is no motion: its place"),
+            "{option}: {told}"
+        );
+    }
+}
+
+#[test]
 fn a_rigged_glb_is_posed_as_the_same_body_in_a_rig_file() {
     let fixture = Fixture::new();
     let body = mean_woman();

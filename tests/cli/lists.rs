@@ -41,7 +41,16 @@ fn variants_are_listed_with_their_errors() {
     assert_eq!(done(&fixture, "variants net"), "");
     done(&fixture, "train net scenes --preset tiny --epochs 1 -q");
     let text = done(&fixture, "variants net");
-    assert!(text.starts_with("local ") && text.contains(" mm") && text.contains("the default"));
+    let (head, listed) = text.split_once('\n').unwrap();
+    assert!(
+        head.starts_with("variant ") && head.ends_with(" time"),
+        "{text}"
+    );
+    assert!(
+        listed.starts_with("local ") && listed.contains(" mm"),
+        "{text}"
+    );
+    assert!(listed.contains("the default"), "{text}");
     let listed: Value = serde_json::from_str(&done(&fixture, "variants net --json")).unwrap();
     assert_eq!(listed["schema"], "garnet.variants/1");
     let listed = &listed["variants"];

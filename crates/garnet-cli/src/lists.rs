@@ -181,7 +181,10 @@ pub(crate) fn variants(args: &VariantsArgs, console: &Console) -> anyhow::Result
         .map(|report| report.name.len())
         .max()
         .unwrap_or(0);
-    let lines: Vec<String> = reports.iter().map(|report| report.line(width)).collect();
+    let width = width.max("variant".len());
+    let head = format!("{:width$}{:>8}   {:>8}", "variant", "error", "time");
+    let lines = reports.iter().map(|report| report.line(width));
+    let lines: Vec<String> = std::iter::once(head).chain(lines).collect();
     print_data(&lines.join("\n"))?;
     Ok(ExitStatus::Done)
 }

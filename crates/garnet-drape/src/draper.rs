@@ -206,6 +206,11 @@ pub struct DrapeQuality {
 /// Longest edges up to this are no worse than shorter ones, over their length at rest.
 const USUAL_STRETCH: f32 = 1.3;
 
+/// What 1 % of the edges exceed is usual up to this, over their length at rest: most drapes that
+/// simulators accept have 1.02 to 1.1. More compares fewer drapes with those before they settled,
+/// and is faster.
+const USUAL_P99: f32 = 1.1;
+
 /// Of a garment of which more than this share would go back it is told that it was not relaxed.
 const MOST_UNRELAXED: f32 = 0.5;
 
@@ -213,6 +218,14 @@ const MOST_UNRELAXED: f32 = 0.5;
 const LONGER: f32 = 1.02;
 
 impl DrapeQuality {
+    /// Whether nothing is wrong with it that another drape might do better.
+    fn is_sound(&self) -> bool {
+        self.inside == 0
+            && self.crossing == 0
+            && self.p99 <= USUAL_P99
+            && self.longest <= USUAL_STRETCH
+    }
+
     /// Whether it is worse than that of another drape.
     pub fn is_worse_than(&self, other: &Self) -> bool {
         self.inside > other.inside
@@ -510,10 +523,11 @@ impl Draper {
         };
         let start = Instant::now();
         let mut untangled = freed(&nodes, by)?;
-        if let Some((unrelaxed, was_by)) = unrelaxed {
+        let settled = unrelaxed.map(|unrelaxed| (unrelaxed, self.quality(&untangled)));
+        // To untangle the drape before, too, takes as long again.
+        if let Some(((unrelaxed, was_by), first)) = settled.filter(|(_, first)| !first.is_sound()) {
             let before = freed(&unrelaxed, was_by)?;
             let was = self.quality(&before);
-            let first = self.quality(&untangled);
             if first.is_worse_than(&was) {
                 let found = (nodes.as_slice(), &before);
                 if let Some((mended, share)) =

@@ -54,13 +54,8 @@ impl Garment {
         check_sizes(&garment_bounds, &body_bounds, Frame::OURS)?;
         let cloth = self.cloth.bind(body)?;
         let pairs = cloth.rest_nodes().iter().zip(cloth.skin()).enumerate();
-        // Over a hole there is nothing that tells where cloth belongs, and what no face names is no
-        // cloth.
-        let mut is_cloth = vec![false; cloth.rest_nodes().len()];
-        for &node in cloth.faces().as_flattened() {
-            is_cloth[node as usize] = true;
-        }
-        let pairs = pairs.filter(|&(node, _)| is_cloth[node] && !cloth.is_over_hole(node));
+        // Over a hole there is nothing that tells where cloth belongs.
+        let pairs = pairs.filter(|&(node, _)| cloth.is_cloth(node) && !cloth.is_over_hole(node));
         let pairs = pairs.map(|(_, pair)| pair);
         let (nodes, pairs): (Vec<Point3>, Vec<_>) = pairs.map(|(n, near)| (*n, (n, near))).unzip();
         let skin = body.skin();

@@ -200,6 +200,11 @@ impl BoundGarment {
         &self.is_piece
     }
 
+    /// Whether a node is cloth: whether a face names it.
+    pub fn is_cloth(&self, node: usize) -> bool {
+        !self.topology.vertex_faces(node).is_empty()
+    }
+
     /// Whether a node lies over a hole of the body, an open neck or skin that was deleted under the
     /// garment, and not over skin.
     pub fn is_over_hole(&self, node: usize) -> bool {

@@ -106,10 +106,8 @@ impl<'a> Cloth<'a> {
         };
         let nodes = normals.par_iter().with_min_len(CHUNK).enumerate();
         cloth.contacts = nodes.map(|(node, normal)| find((node, normal))).collect();
-        let topology = garment.topology();
-        let is_cloth = |node: usize| !topology.vertex_faces(node).is_empty();
         let contacts = cloth.contacts.iter().enumerate();
-        let contacts = contacts.filter(|&(node, _)| is_cloth(node));
+        let contacts = contacts.filter(|&(node, _)| garment.is_cloth(node));
         let depths = contacts.map(|(_, contact)| -contact.distance);
         for depth in depths.filter(|&depth| depth > 0.0) {
             cloth.report.inside_before += 1;

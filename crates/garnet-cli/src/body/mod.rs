@@ -43,6 +43,8 @@ pub(crate) fn run(args: &BodyArgs, console: &Console) -> anyhow::Result<ExitStat
         // Before any body is made.
         source.check()?;
     }
+    let has_up = args.pose_up.direction().is_some();
+    args.placing.check(source.as_ref(), has_up)?;
     let is_several = args.sample.is_some() || source.as_ref().is_some_and(PoseSource::is_several);
     let is_folder = is_several || output::names_folder(&args.output);
     if is_folder {

@@ -31,7 +31,7 @@ use super::{
         DrapeOutput, DrapeSeconds, LimbReport, PenetrationReport, RepeatedSeconds, StepsReport,
         Stretch,
     },
-    sink::{Sink, write_files},
+    sink::{Sink, note_of_time, write_files},
     timing::timed,
     viewing::Viewing,
     warning::{self, Problem, Warning},
@@ -146,6 +146,9 @@ pub(super) fn drape_all(
     } else {
         Arc::default()
     };
+    if let Some(note) = note_of_time(bound, job) {
+        console.summary(&note);
+    }
     let followed = followed(ready, job, &stop, console)?;
     for folder in job.folder.iter().chain(&job.new_folders) {
         output::open_folder(folder)?;

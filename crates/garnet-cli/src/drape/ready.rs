@@ -357,9 +357,20 @@ impl Ready {
                 }
             }
             Found::NotAsked => {}
-            Found::NoneInPackage => console.summary(
-                &"note: the package has no trained variant: the garment is warped and untangled",
-            ),
+            Found::NoneInPackage => {
+                let package = package_of(&job.source).map_or_else(
+                    || "the package".to_owned(),
+                    |package| format!("`{}`", package.display()),
+                );
+                let settled = if job.settle.is_some() {
+                    ", settled"
+                } else {
+                    ""
+                };
+                console.summary(&format_args!(
+                    "note: {package} has no trained variant: the garment is warped{settled} and untangled"
+                ));
+            }
         }
         if let Some(simulation) = &simulation {
             let (simulator, simulated) = Simulated::new(&bound, simulation, &job.source)?;

@@ -56,13 +56,15 @@ pub(super) fn simulator_of(
     };
     let fabric = fabric.cloned().unwrap_or(own);
     let cloth = Arc::clone(bound.garment.shared_cloth());
-    // What is simulated all the way is to teach; any garment can settle.
-    let make = if settles {
-        Simulator::of_any_garment
+    let (body, fabric_of) = (bound.garment.body(), fabric.fabric());
+    let any = || Simulator::of_any_garment(cloth.clone(), body, &rest, &fabric_of);
+    let has_pieces = cloth.is_piece().contains(&true);
+    let simulator = if settles || has_pieces {
+        any()
     } else {
-        Simulator::of_garment
+        // Of a mesh that is cloth as it is, edge by edge, nothing is left out or turned.
+        Simulator::of_garment(cloth.clone(), body, &rest, &fabric_of).or_else(|_| any())
     };
-    let simulator = make(cloth, bound.garment.body(), &rest, &fabric.fabric());
     let simulator = simulator
         .with_context(|| format!("cannot simulate `{}`", bound.garment_file.path().display()))?;
     Ok((Arc::new(simulator), fabric))

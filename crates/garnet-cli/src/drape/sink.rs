@@ -29,6 +29,17 @@ pub(super) fn fps_of(bound: &Bound) -> f64 {
     bound.frame_time.map_or(USUAL_FPS, frames_a_second)
 }
 
+/// That frames of a motion are written with a time that its file does not tell.
+pub(super) fn note_of_time(bound: &Bound, job: &Job) -> Option<String> {
+    let is_timed = job.cache.is_some() || job.body_cache.is_some() || job.follows;
+    let is_unknown = bound.pose.is_some() && bound.frame_time.is_none();
+    (is_timed && is_unknown && bound.targets.len() > 1).then(|| {
+        format!(
+            "note: the motion does not say how many frames it has a second: {USUAL_FPS} are taken"
+        )
+    })
+}
+
 /// A file of all frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct CacheFile {

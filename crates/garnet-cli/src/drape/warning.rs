@@ -665,10 +665,9 @@ pub(crate) fn of_start(garment: &BoundGarment) -> Option<Problem> {
     let cloth = garment.cloth();
     let max_depth = MAX_START_DEPTH * cloth.scale();
     let nodes = cloth.rest_nodes().iter().zip(cloth.skin()).enumerate();
-    let is_cloth = |node: usize| !cloth.topology().vertex_faces(node).is_empty();
     let far = nodes.filter_map(|(node, (position, skin))| {
         let distance = skin.distance_squared.sqrt();
-        (distance > max_depth && is_cloth(node)).then_some((*position, distance))
+        (distance > max_depth && cloth.is_cloth(node)).then_some((*position, distance))
     });
     let (positions, distances): (Vec<_>, Vec<f32>) = far.unzip();
     let is_inside = cloth.rest_skin().contains_all(&positions);

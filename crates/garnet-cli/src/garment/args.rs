@@ -77,7 +77,7 @@ pub(crate) struct OwnArgs {
     /// Body on which the garment lies, as OBJ [default: the rest mesh of the rig].
     #[arg(long, value_name = "OBJ")]
     pub(crate) rest_body: Option<PathBuf>,
-    /// Skeleton and weights: npz, GLB, glTF or JSON [default: `<rest body>.rig.npz`].
+    /// Skeleton and weights: npz, GLB, glTF, VRM or JSON [default: `<rest body>.rig.npz`].
     #[arg(long, value_name = "FILE")]
     pub(crate) rig: Option<PathBuf>,
     /// How the rig is read.

@@ -30,7 +30,7 @@ pub(super) fn packed(own: &OwnArgs) -> anyhow::Result<Made> {
             "there is no rest body",
             "neither `--rest-body` nor `--rig` is given",
             "give the body on which the garment lies with `--rest-body OBJ`, and its skeleton and weights with \
-             `--rig FILE` (npz, GLB, glTF or JSON) if they are not beside it",
+             `--rig FILE` (npz, GLB, glTF, VRM or JSON) if they are not beside it",
         ));
     }
     let fabric = fabric(&own.fabric)?;

@@ -35,7 +35,7 @@ fn for_scene(error: &SceneError) -> Option<String> {
         }
         SceneError::NoBody { .. } => "give the OBJ of the body, and this file with `--rig`",
         SceneError::NoRig { .. } => {
-            "give the skeleton and weights of the body with `--rig FILE` (npz, GLB, glTF or JSON), and \
+            "give the skeleton and weights of the body with `--rig FILE` (npz, GLB, glTF, VRM or JSON), and \
              the body on which the garment lies with `--rest-body OBJ` if the rig does not hold it"
         }
         SceneError::NoRestBody { .. } => {

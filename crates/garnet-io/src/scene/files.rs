@@ -34,7 +34,7 @@ pub struct SceneFiles {
     pub own_rig: Option<PathBuf>,
     /// The bodies that the garment goes to, as OBJ, npz, GLB or glTF; with a pose, the rest body.
     pub bodies: Vec<PathBuf>,
-    /// Skeleton and weights of the bodies: npz, GLB, glTF or JSON.
+    /// Skeleton and weights of the bodies: npz, GLB, glTF, VRM or JSON.
     pub rig: Option<PathBuf>,
     /// The body on which the garment lies, as OBJ, npz, GLB or glTF; else the rest mesh of the rig.
     pub rest_body: Option<PathBuf>,

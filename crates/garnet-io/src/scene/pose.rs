@@ -466,13 +466,25 @@ impl PoseSource {
         self.check()?;
         let name = self.path.to_string_lossy();
         let mut posing = match key_pose(&name) {
-            Some(pose) if !self.path.exists() => of_library(&name, &pose.angles, body)?,
+            Some(pose) if !self.path.exists() => {
+                let mut posing = of_library(&name, &pose.angles, body)?;
+                posing.notes.extend(self.not_moved_by(of_motion));
+                posing
+            }
             _ => self.read_take(body, of_motion)?,
         };
         if Figure::new(body.skeleton(), "the body").is_ok_and(|figure| figure.has_other_sides()) {
             posing.notes.push(PoseNote::OtherSides);
         }
         Ok(posing)
+    }
+
+    /// Options of motions that do nothing, as it is none.
+    fn not_moved_by(&self, options: &MotionOptions) -> Option<PoseNote> {
+        let is_told = options.on_ground || options.in_place || options.fps.is_some();
+        is_told.then(|| PoseNote::NoMotion {
+            path: self.path.clone(),
+        })
     }
 
     /// The poses of a file.
@@ -494,11 +506,8 @@ impl PoseSource {
         let mut notes: Vec<PoseNote> = notes.map(PoseNote::Motion).collect();
         let mut poses = take.poses_of(skeleton, &moments.frames, &options)?;
         let is_motion = take.motion().is_some();
-        let of_motions = of_motion.on_ground || of_motion.in_place || of_motion.fps.is_some();
-        if of_motions && !is_motion {
-            notes.push(PoseNote::NoMotion {
-                path: self.path.clone(),
-            });
+        if !is_motion {
+            notes.extend(self.not_moved_by(of_motion));
         }
         if is_motion && !of_motion.keep_arms {
             notes.extend(keep_apart(
