@@ -306,6 +306,37 @@ fn options_of_motions_are_told_or_refused_where_they_do_nothing() {
 }
 
 #[test]
+fn a_taller_body_in_another_pose_than_its_rig_keeps_its_size() {
+    let fixture = Fixture::new();
+    for (stature, name) in [(168, "rig"), (188, "tall")] {
+        let make = format!("body --sex male --stature {stature} -o {name}.obj -q");
+        done(&fixture.garnet(&make));
+    }
+    // Arms raised by 43 degrees, about the axis that points forward.
+    let pose = r#"{"joints": {"left_shoulder": [0, 0, 0.3665, 0.9304],
+        "right_shoulder": [0, 0, -0.3665, 0.9304]}}"#;
+    fs::write(fixture.folder().join("arms.json"), pose).unwrap();
+    done(&fixture.garnet("body tall.obj --pose arms.json -o raised.obj -q"));
+    let own = fixture.garnet("body tall.obj --pose wave -o own.obj");
+    done(&own);
+    let other = fixture.garnet("body raised.obj --rig rig.rig.npz --pose wave -o other.obj");
+    done(&other);
+    assert!(stderr(&other).contains("is in another pose than its rig"));
+    assert!(stderr(&other).contains("has another shape than its rig"));
+    let places = |name: &str| {
+        ObjFile::read(fixture.path(name))
+            .unwrap()
+            .positions()
+            .to_vec()
+    };
+    let (own, other) = (places("own.obj"), places("other.obj"));
+    let distances = own.iter().zip(&other).map(|(a, b)| (a - b).norm());
+    let mean = distances.sum::<f32>() / own.len() as f32;
+    // With bones of the rig's lengths it is 100 mm.
+    assert!(mean < 0.025, "{mean}");
+}
+
+#[test]
 fn a_rigged_glb_is_posed_as_the_same_body_in_a_rig_file() {
     let fixture = Fixture::new();
     let body = mean_woman();

@@ -239,15 +239,21 @@ pub(crate) fn check_folder(folder: &Path) -> anyhow::Result<()> {
             "name another folder",
         ));
     }
-    if !folder_of(folder).is_dir() {
-        return Err(refused(
-            format!("cannot write into `{shown}`"),
-            format!(
-                "the folder `{}` does not exist",
-                folder_of(folder).display()
-            ),
-            "create the folder first",
-        ));
+    let parent = folder_of(folder);
+    if !parent.is_dir() {
+        let parent_shown = parent.display();
+        let (why, hint) = if parent.exists() {
+            (
+                format!("`{parent_shown}` is a file, and a folder is needed"),
+                "name another folder",
+            )
+        } else {
+            (
+                format!("the folder `{parent_shown}` does not exist"),
+                "create the folder first",
+            )
+        };
+        return Err(refused(format!("cannot write into `{shown}`"), why, hint));
     }
     Ok(())
 }

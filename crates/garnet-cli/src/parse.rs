@@ -10,6 +10,12 @@ pub(crate) fn thread_count(text: &str) -> Result<usize, String> {
     }
 }
 
+/// How many of something.
+pub(crate) fn count(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok();
+    count.ok_or_else(|| "expected a whole number, from 0".to_owned())
+}
+
 /// A length in millimetres, zero or more, as metres.
 pub(crate) fn millimetres(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {

@@ -3,7 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use garnet::{body::motion::Upward, io::RigOptions};
+use garnet::{
+    body::motion::Upward,
+    io::{RigOptions, is_rig},
+};
+
+use crate::failure::refused;
 
 /// How the rig is read.
 #[derive(Debug, Clone, Default, Args)]
@@ -28,6 +33,35 @@ pub(crate) struct RigArgs {
 }
 
 impl RigArgs {
+    /// Refuses what is asked of rigs where none is read, and why there is none.
+    pub(crate) fn refuse(&self, why: &str) -> anyhow::Result<()> {
+        let options = [
+            (!self.mesh.is_empty(), "--mesh"),
+            (self.joints.is_some(), "--joints"),
+            (!self.betas.is_empty(), "--betas"),
+        ];
+        match options.into_iter().find(|(is_given, _)| *is_given) {
+            Some((_, option)) => Err(refused(
+                format!("`{option}` is given, and does nothing"),
+                why.to_owned(),
+                format!("it is for rigs: npz, GLB, glTF, VRM or JSON; leave out `{option}`"),
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// The same if none of these files may be a rig.
+    pub(crate) fn check<'a>(
+        &self,
+        files: impl IntoIterator<Item = &'a PathBuf>,
+    ) -> anyhow::Result<()> {
+        let is_any = |path: &PathBuf| is_rig(path) || path.extension().is_some_and(|e| e == "json");
+        if files.into_iter().any(is_any) {
+            return Ok(());
+        }
+        self.refuse("there is no rig among the files")
+    }
+
     pub(crate) fn options(self) -> RigOptions {
         let mut options = RigOptions::default();
         options.meshes = self.mesh;

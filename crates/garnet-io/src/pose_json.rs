@@ -161,9 +161,9 @@ fn turn<'a>(
             return Err(FileProblem::Field {
                 field: field.to_owned(),
                 found: if first == name {
-                    format!("`{name}` twice")
+                    format!("{name} twice")
                 } else {
-                    format!("`{first}` and `{name}`, one joint of this skeleton")
+                    format!("{first} and {name}, one joint of this skeleton")
                 },
                 expected: "each joint once",
             });
@@ -193,7 +193,7 @@ fn in_own_order(
         if own[joint_of(name, skeleton)?].replace(matrix).is_some() {
             return Err(FileProblem::Field {
                 field,
-                found: format!("`{name}` twice"),
+                found: format!("{name} twice"),
                 expected: "each joint once",
             });
         }

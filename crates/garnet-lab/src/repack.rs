@@ -1,12 +1,17 @@
 //! Weights that are stored anew in fewer bits.
 //!
 //! For deformations that poses and shapes predict: what they predict from then on is what the
-//! rounded numbers predict, so that `garnet eval` has to judge them again.
+//! rounded numbers predict, so that `garnet eval` has to judge them again. Networks beside a
+//! deformation that start from it are bound to it anew.
 
-use std::{fs, path::PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
+use burn::tensor::Device;
 use clap::Args;
-use garnet_net::{Precision, pose_space::PoseSpace};
+use garnet_net::{Checkpoint, Precision, pose_space::PoseSpace};
 
 use crate::Outcome;
 
@@ -32,7 +37,9 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             *stored = serde_json::to_value(arguments.precision)?;
         }
         let before = fs::metadata(path)?.len();
+        let old = space.checksum().to_owned();
         space.save(path, arguments.precision)?;
+        bind_anew(path, &old, PoseSpace::load(path)?.checksum())?;
         let after = fs::metadata(path)?.len();
         let in_mb = |bytes: u64| bytes as f64 / 1e6;
         println!(
@@ -41,6 +48,24 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             in_mb(after),
             in_mb(before)
         );
+    }
+    Ok(())
+}
+
+/// Tells networks beside a deformation, which start from it, that its checksum is another one. Their
+/// own weights are stored in 16 bits.
+fn bind_anew(path: &Path, old: &str, new: &str) -> Outcome {
+    let folder = path.parent().ok_or("the file is in no folder")?;
+    for file in fs::read_dir(folder)? {
+        let file = file?.path();
+        let Ok(mut network) = Checkpoint::load(&file, &Device::flex()) else {
+            continue;
+        };
+        if network.pose_space.as_deref() == Some(old) {
+            network.pose_space = Some(new.to_owned());
+            network.save(&file, Precision::F16)?;
+            println!("{}: starts from it", file.display());
+        }
     }
     Ok(())
 }

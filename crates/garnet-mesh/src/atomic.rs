@@ -17,7 +17,7 @@ use tempfile::NamedTempFile;
 #[non_exhaustive]
 pub enum WriteError {
     /// The folder of the output is not there.
-    #[error("cannot write `{}`: output folder `{}` does not exist", path.display(), folder.display())]
+    #[error("cannot write `{}`: output folder `{}` {}", path.display(), folder.display(), missing(folder))]
     FolderMissing {
         /// The output.
         path: PathBuf,
@@ -38,6 +38,15 @@ pub enum WriteError {
         /// What the system says.
         source: io::Error,
     },
+}
+
+/// How a folder is not there.
+fn missing(folder: &Path) -> &'static str {
+    if folder.exists() {
+        "is a file"
+    } else {
+        "does not exist"
+    }
 }
 
 /// Links of links that are followed, as in Linux.

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use garnet_knn::Surface;
 use garnet_mesh::{Bounds, TriMesh, Vector3, is_inside_out, outward_faces, vertex_normals};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, UnitQuaternion};
 
 use crate::caps::Caps;
 use crate::shape::reshaped_joints;
@@ -248,6 +248,21 @@ impl Body {
     ///
     /// Never: the positions were checked.
     pub fn reshaped(&self, positions: &[Point3]) -> Result<Self, SkinError> {
+        self.check_positions(positions)?;
+        let places = reshaped_joints(
+            &self.skeleton,
+            &self.weights,
+            self.rest.positions(),
+            positions,
+            None,
+        );
+        let skeleton = self.skeleton.placed(|joint, _| places[joint])?;
+        let rest = self.rest.with_positions(positions.to_vec());
+        let rest = rest.expect("positions are as many as vertices, and finite");
+        Self::new(rest, skeleton, self.weights.clone())
+    }
+
+    fn check_positions(&self, positions: &[Point3]) -> Result<(), SkinError> {
         let expected = self.rest.num_vertices();
         if positions.len() != expected {
             return Err(SkinError::TargetCount {
@@ -261,16 +276,60 @@ impl Body {
         {
             return Err(SkinError::NonFiniteTarget { vertex });
         }
-        let places = reshaped_joints(
-            &self.skeleton,
-            &self.weights,
-            self.rest.positions(),
-            positions,
-        );
-        let skeleton = self.skeleton.placed(|joint, _| places[joint])?;
-        let rest = self.rest.with_positions(positions.to_vec());
-        let rest = rest.expect("positions are as many as vertices, and finite");
-        Self::new(rest, skeleton, self.weights.clone())
+        Ok(())
+    }
+
+    /// The body in this body's pose that is at `positions` `[vertex]`, in another shape and with its
+    /// joints turned by `turns` from rest `[joint]`; and the transforms that carry it there
+    /// `[joint]`. Its bones are as long as they are there.
+    ///
+    /// # Errors
+    ///
+    /// [`SkinError::TargetCount`], [`SkinError::TransformCount`] or [`SkinError::NonFiniteTarget`].
+    ///
+    /// # Panics
+    ///
+    /// Never: the positions were checked.
+    pub fn unposed(
+        &self,
+        positions: &[Point3],
+        turns: &[UnitQuaternion<f32>],
+    ) -> Result<(Self, Vec<Isometry3<f32>>), SkinError> {
+        let joints = self.skeleton.joints();
+        self.check_positions(positions)?;
+        if turns.len() != joints.len() {
+            return Err(SkinError::TransformCount {
+                found: turns.len(),
+                expected: joints.len(),
+            });
+        }
+        let rest = self.rest.positions();
+        let there = reshaped_joints(&self.skeleton, &self.weights, rest, positions, Some(turns));
+        let mut here: Vec<Point3> = joints.iter().map(|joint| joint.rest_position).collect();
+        for &joint in self.skeleton.parents_first() {
+            if let Some(parent) = joints[joint].parent {
+                let bone = turns[parent].inverse() * (there[joint] - there[parent]);
+                here[joint] = here[parent] + bone;
+            }
+        }
+        let carried = |(joint, &turn): (usize, &UnitQuaternion<f32>)| {
+            let shift = there[joint] - turn * here[joint];
+            Isometry3::from_parts(shift.into(), turn)
+        };
+        let transforms: Vec<Isometry3<f32>> = turns.iter().enumerate().map(carried).collect();
+        let skeleton = self.skeleton.placed(|joint, _| here[joint])?;
+        let plain = Self::new(self.rest.clone(), skeleton.clone(), self.weights.clone())?;
+        let fitted = plain.fitted_by(positions, transforms.clone())?;
+        let Some(offsets) = fitted.shape_offsets() else {
+            return Ok((plain, transforms));
+        };
+        let shaped = rest
+            .iter()
+            .zip(offsets)
+            .map(|(place, offset)| place + offset);
+        let mesh = self.rest.with_positions(shaped.collect());
+        let mesh = mesh.expect("positions are as many as vertices, and finite");
+        Ok((Self::new(mesh, skeleton, self.weights.clone())?, transforms))
     }
 
     /// Those of `values` `[vertex]` whose vertices are named by a face: the others are no part of

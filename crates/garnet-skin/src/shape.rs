@@ -6,7 +6,7 @@
 
 use garnet_knn::ClosestPoint;
 use garnet_mesh::{Point3, Vector3};
-use nalgebra::{Isometry3, Matrix3};
+use nalgebra::{Isometry3, Matrix3, UnitQuaternion};
 use rayon::prelude::*;
 
 use crate::{Method, Skeleton, SkinWeights, blended_transforms};
@@ -60,12 +60,15 @@ fn unposed_linear(
 /// `rest` and are at `shaped` `[vertex]`.
 ///
 /// A joint goes along with the skin that bends there: that which moves with both sides of it. What
-/// no skin bends at goes along with its parent, a root with the skin of its own or the whole.
+/// no skin bends at goes along with its parent, a root with the skin of its own or the whole. With
+/// `turns` of the joints from rest `[joint]` the skin that bends at a joint is turned half as far as
+/// the joint from its parent.
 pub(crate) fn reshaped_joints(
     skeleton: &Skeleton,
     weights: &SkinWeights,
     rest: &[Point3],
     shaped: &[Point3],
+    turns: Option<&[UnitQuaternion<f32>]>,
 ) -> Vec<Point3> {
     let joints = skeleton.joints();
     let mut at_joint = vec![Spread::default(); joints.len()];
@@ -87,16 +90,25 @@ pub(crate) fn reshaped_joints(
         }
         of_all.add(from, to, 1.0);
     }
-    let mut used = vec![Spread::default(); joints.len()];
+    let turn = |joint: usize| turns.map(|turns| turns[joint].cast::<f64>());
+    let mut used = vec![(Spread::default(), None); joints.len()];
     for &joint in skeleton.parents_first() {
-        let parent = joints[joint].parent.map(|parent| used[parent]);
-        let known = [at_joint[joint], parent.unwrap_or(of_joint[joint])];
-        let found = known.into_iter().find(|spread| spread.weight > MIN_BENDING);
-        used[joint] = found.unwrap_or(of_all);
+        let parent = joints[joint].parent;
+        let half = parent.map_or(turn(joint), |parent| {
+            let [from, to] = [turn(parent)?, turn(joint)?];
+            Some(from.try_slerp(&to, 0.5, f64::EPSILON).unwrap_or(to))
+        });
+        let above = parent.map_or((of_joint[joint], turn(joint)), |parent| used[parent]);
+        let known = [(at_joint[joint], half), above];
+        let is_known = |(spread, _): &(Spread, _)| spread.weight > MIN_BENDING;
+        used[joint] = known
+            .into_iter()
+            .find(is_known)
+            .unwrap_or((of_all, turn(joint)));
     }
     let places = joints.iter().zip(&used);
     places
-        .map(|(joint, spread)| spread.carried(&joint.rest_position))
+        .map(|(joint, (spread, turn))| spread.carried(&joint.rest_position, turn.as_ref()))
         .collect()
 }
 
@@ -121,8 +133,9 @@ impl Spread {
         }
     }
 
-    /// A point moved like the middle of the vertices, and grown with their distance from it.
-    fn carried(&self, point: &Point3) -> Point3 {
+    /// A point moved like the middle of the vertices, and grown with their distance from it, and
+    /// turned.
+    fn carried(&self, point: &Point3, turn: Option<&UnitQuaternion<f64>>) -> Point3 {
         if self.weight <= 0.0 {
             return *point;
         }
@@ -132,7 +145,8 @@ impl Spread {
             mean.max(0.0).sqrt()
         });
         let grown = if before > 0.0 { after / before } else { 1.0 };
-        let moved = to + grown * (point.coords.cast::<f64>() - from);
+        let offset = point.coords.cast::<f64>() - from;
+        let moved = to + grown * turn.map_or(offset, |turn| turn * offset);
         Point3::from(moved.cast::<f32>())
     }
 }

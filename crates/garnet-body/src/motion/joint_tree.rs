@@ -82,6 +82,32 @@ impl<'a> Tree<'a> {
         if roles[Role::Head.index()].is_none() {
             roles[Role::Head.index()] = self.head(roles);
         }
+        for side in Side::BOTH {
+            self.complete_collar(side, roles);
+        }
+    }
+
+    /// What is between an upper arm and the trunk, on which the other arm or the head hangs, too, is
+    /// a collarbone.
+    fn complete_collar(&self, side: Side, roles: &mut Roles) {
+        let place = Role::Collar(side).index();
+        let at = |role: Role| roles[role.index()];
+        let (None, Some(shoulder)) = (roles[place], at(Role::Shoulder(side))) else {
+            return;
+        };
+        let Some(parent) = self.joints[shoulder].parent else {
+            return;
+        };
+        let other = match side {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        };
+        let others = [Role::Shoulder(other), Role::Head, Role::Hip(side)];
+        let mut others = others.into_iter().filter_map(at);
+        let is_of_trunk = others.any(|joint| self.upwards(joint).contains(&parent));
+        if !is_of_trunk && !roles.contains(&Some(parent)) {
+            roles[place] = Some(parent);
+        }
     }
 
     fn place(&self, joint: usize) -> Direction {

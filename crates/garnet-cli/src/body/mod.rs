@@ -28,7 +28,7 @@ use report::{BodyOutput, BodyReport, Tape};
 
 use crate::{
     console::{Console, print_document},
-    failure::{ExitStatus, Hint},
+    failure::{ExitStatus, Hint, refused},
     output,
 };
 
@@ -42,6 +42,13 @@ pub(crate) fn run(args: &BodyArgs, console: &Console) -> anyhow::Result<ExitStat
     if let Some(source) = &source {
         // Before any body is made.
         source.check()?;
+    }
+    if args.frames.is_some() && args.motion.is_none() {
+        return Err(refused(
+            "`--frames` is given without `--motion`",
+            "it is for frames of a motion",
+            "name the frames behind the file, as `--pose walk.bvh:0:9`, or leave out `--frames`",
+        ));
     }
     let has_up = args.pose_up.direction().is_some();
     args.placing.check(source.as_ref(), has_up)?;
@@ -111,6 +118,7 @@ impl Subject {
 
 fn subject(args: &BodyArgs) -> anyhow::Result<Subject> {
     let Some(path) = &args.own else {
+        args.rig_args.refuse("the built-in body is asked for")?;
         return Subject::built(&args.parameters());
     };
     let options = args.rig_args.clone().options();

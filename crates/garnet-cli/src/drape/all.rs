@@ -24,6 +24,7 @@ use super::{
     chain::{Chain, Linked},
     followed::Followed,
     hide::Hiding,
+    lying::{fallen, lies_along_z},
     outputs::bodies_folder,
     prepared::Prepared,
     ready::{Method, Ready},
@@ -551,6 +552,9 @@ impl Frame<'_> {
         let stretch_at_trapped = edge_stretch(rest, &drape.positions, &trapped)?;
         let mut problems: Vec<Problem> =
             warning::of_fit(posed.max_residual()).into_iter().collect();
+        // Poses of the library and of motions know what is up.
+        let lies = bound.pose.is_none() && lies_along_z(&posed);
+        problems.extend(lies.then_some(Problem::Lies));
         problems.extend((fallback.clone()).map(|reason| Problem::Fallback(reason, is_from_rest)));
         problems.extend(beyond.clone().map(Problem::Beyond));
         problems.extend(unsettled.clone().map(Problem::Unsettled));
@@ -560,7 +564,8 @@ impl Frame<'_> {
         problems.extend(warning::of_stretch(&stretch));
         problems.extend(warning::of_caught(&stretch_at_trapped));
         let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
-        problems.extend(simulated.as_ref().and_then(warning::of_rest));
+        let of_rest = simulated.as_ref().and_then(warning::of_rest);
+        problems.extend(of_rest.map(|moving| fallen(&drape.positions, &posed).unwrap_or(moving)));
         let failed = balance.filter(|balance| !balance.is_reached);
         problems.extend(failed.map(|found| Problem::OutOfBalance(found.steps, found.residual)));
         let penetration = if let Some(report) = &drape.report {

@@ -20,7 +20,7 @@ use crate::{
     models,
     motion::MotionArgs,
     output,
-    parse::{millimetres, milliseconds, settle_frames, tolerance},
+    parse::{count, millimetres, milliseconds, settle_frames, tolerance},
     rig_args::{PoseUp, RigArgs},
 };
 
@@ -165,12 +165,7 @@ pub(crate) struct DrapeArgs {
     max_penetration: Option<f32>,
     /// End with 1 if more faces of the garment than this cross the skin, without those that the
     /// body traps.
-    #[arg(
-        long,
-        hide_short_help = true,
-        value_name = "FACES",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, hide_short_help = true, value_name = "FACES", value_parser = count, allow_negative_numbers = true)]
     max_crossing: Option<usize>,
     /// Write the report as JSON; `-` is stdout.
     #[arg(long, value_name = "FILE")]
@@ -502,6 +497,7 @@ impl Job {
         let of_motions = [
             (args.smooth.is_some(), "--smooth"),
             (args.key_spacing.is_some(), "--key-spacing"),
+            (args.frames_alone, "--frames-alone"),
         ];
         job.check_motion(&of_motions)?;
         job.fabric = args.fabric.as_deref().map(fabric::fabric).transpose()?;

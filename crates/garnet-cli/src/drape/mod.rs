@@ -9,6 +9,7 @@ mod exported;
 mod fit;
 mod followed;
 mod hide;
+mod lying;
 mod names;
 mod outfit;
 mod outputs;

@@ -84,6 +84,20 @@ fn is_of_size(cut: Option<&Cut>) -> bool {
     cut.is_some_and(|cut| cut.is_size)
 }
 
+/// That a package has no network, and what is done.
+fn note_of_no_variant(job: &Job) -> String {
+    let package = package_of(&job.source).map_or_else(
+        || "the package".to_owned(),
+        |package| format!("`{}`", package.display()),
+    );
+    let settled = if job.settle.is_some() {
+        ", settled"
+    } else {
+        ""
+    };
+    format!("note: {package} has no trained variant: the garment is warped{settled} and untangled")
+}
+
 /// The folder of the package that is draped, if it is one.
 pub(super) fn package_of(source: &Source) -> Option<&Path> {
     match source {
@@ -357,20 +371,7 @@ impl Ready {
                 }
             }
             Found::NotAsked => {}
-            Found::NoneInPackage => {
-                let package = package_of(&job.source).map_or_else(
-                    || "the package".to_owned(),
-                    |package| format!("`{}`", package.display()),
-                );
-                let settled = if job.settle.is_some() {
-                    ", settled"
-                } else {
-                    ""
-                };
-                console.summary(&format_args!(
-                    "note: {package} has no trained variant: the garment is warped{settled} and untangled"
-                ));
-            }
+            Found::NoneInPackage => console.summary(&note_of_no_variant(job)),
         }
         if let Some(simulation) = &simulation {
             let (simulator, simulated) = Simulated::new(&bound, simulation, &job.source)?;

@@ -94,6 +94,8 @@ pub(crate) enum Problem {
     OtherCut(String),
     /// The target was fitted with this error, in metres.
     PoorFit(f32),
+    /// The body lies along z.
+    Lies,
     /// The network was not used, and why, and whether the whole motion was simulated in its place.
     Fallback(String, bool),
     /// What of the body a network does not know: it predicts the nearest that it knows.
@@ -149,6 +151,7 @@ impl Problem {
             Self::Misfit(_) => "misfit",
             Self::OtherCut(_) => "other_cut",
             Self::PoorFit(_) => "poor_fit",
+            Self::Lies => "lies",
             Self::Fallback(..) => "fallback",
             Self::Beyond(_) => "beyond_training",
             Self::Unsettled(_) => "unsettled",
@@ -198,6 +201,7 @@ impl Problem {
             | Self::Misfit(_)
             | Self::OtherCut(_)
             | Self::PoorFit(_)
+            | Self::Lies
             | Self::Fallback(..)
             | Self::Beyond(_)
             | Self::Unsettled(_)
@@ -342,6 +346,10 @@ impl fmt::Display for Warning {
                  where the skeleton puts it",
                 millimetres(residual)
             ),
+            Problem::Lies => format!(
+                "the body of `{path}` lies along z, and gravity pulls along -y; if it stands, name the \
+                 axis that points up in its file: `--up z` or `--up y`"
+            ),
             Problem::Beyond(ref reason) => format!(
                 "the network knows the body of `{path}` in part: {reason}; it predicts the nearest that \
                  it knows, which is less accurate"
@@ -434,8 +442,8 @@ fn still_moving(path: &Path, share: f32) -> String {
 fn falling(path: &Path, share: f32) -> String {
     let (path, share) = (path.display(), 100.0 * share);
     format!(
-        "{share:.0} % of `{path}` still falls when its frames are over: it needs more (`--settle \
-         FRAMES`), or nothing holds it on the body in this pose"
+        "{share:.0} % of `{path}` still falls when its frames are over: nothing holds it on the body \
+         in this pose, or it needs more (`--settle FRAMES`)"
     )
 }
 
@@ -696,7 +704,7 @@ fn of_skin_at_rest(garment: &BoundGarment) -> Option<Problem> {
 const TIGHT_STRETCH: f32 = 1.25;
 
 /// More of settled cloth that falls is told, from 0 to 1: corners that swing are less.
-const MOST_FALLING: f32 = 0.1;
+pub(crate) const MOST_FALLING: f32 = 0.1;
 
 /// Whether cloth is longer than it can be, or much of it longer than it should be.
 pub(crate) fn of_stretch(stretch: &StretchSummary) -> Vec<Problem> {

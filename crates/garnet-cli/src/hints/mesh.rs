@@ -50,6 +50,7 @@ pub(super) fn for_mesh(error: &MeshError) -> Option<&'static str> {
 
 pub(super) fn for_write(error: &WriteError) -> Option<&'static str> {
     match error {
+        WriteError::FolderMissing { folder, .. } if folder.exists() => Some("name another folder"),
         WriteError::FolderMissing { .. } => Some("create the folder first"),
         WriteError::IsFolder { .. } => Some("name a file in it"),
         WriteError::Io { source, .. } => for_io(source),

@@ -84,6 +84,7 @@ enum Content {
 
 /// Reads each file and tells what is in it; those that cannot be read are told after the others.
 pub(crate) fn run(args: &InfoArgs, console: &Console) -> anyhow::Result<ExitStatus> {
+    args.rig.check(&args.files)?;
     let options = args.rig.clone().options();
     let (mut files, mut failures) = (Vec::new(), Vec::new());
     for path in &args.files {

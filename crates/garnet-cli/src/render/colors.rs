@@ -91,6 +91,9 @@ pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {
                                     `distance=BODY.obj`, `displacement=OTHER.obj`, `fit=PACKAGE`, \
                                     `fit=PACKAGE@SIZE` or `file=VALUES.txt`";
             let name = found.map_or(text, |(name, _)| name);
+            if NAMES.contains(&text) {
+                return Err(format!("`{text}` needs a file after `=`: {EXPECTED}"));
+            }
             Err(did_you_mean_or(name, NAMES, EXPECTED))
         }
     }

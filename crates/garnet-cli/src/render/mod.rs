@@ -102,8 +102,8 @@ pub(crate) fn run(args: &RenderArgs, console: &Console) -> anyhow::Result<ExitSt
         .chain(args.color_by.file())
         .collect();
     output::check_apart(&[&args.output], &read)?;
-    let up = args.up.axis();
-    let options = args.rig.clone().options();
+    args.rig.check(paths.iter().copied())?;
+    let (options, up) = (args.rig.clone().options(), args.up.axis());
     let moving: Vec<anyhow::Result<Moving>> = paths
         .par_iter()
         .map(|path| Moving::read(path, &options, up))

@@ -85,6 +85,7 @@ pub(crate) fn run(args: &ViewArgs, console: &Console) -> anyhow::Result<ExitStat
     let read: Vec<&Path> = read.chain(files).collect();
     output::check_apart(&[&args.output], &read)?;
     let paths: Vec<&PathBuf> = garments.iter().chain(bodies).collect();
+    args.rig.check(paths.iter().copied())?;
     let (moving, bodies) = read_all(args, &paths, bodies)?;
     let bodies = &bodies[..];
     let frames = frames_of(&moving)?;

@@ -150,7 +150,12 @@ pub(super) fn read(path: &Path, options: &ReadOptions) -> Result<Motion, MotionP
         Some(key) => scalar(&mut npz, key)?,
         None => None,
     };
-    let metres = options.metres_per_unit.unwrap_or(1.0) as f32;
+    // AIST++ has bodies so many times as large.
+    let times = match first_of(&["smpl_scaling"]) {
+        Some(key) => scalar(&mut npz, key)?.filter(|times| *times > 0.0 && times.is_finite()),
+        None => None,
+    };
+    let metres = (options.metres_per_unit.unwrap_or(1.0) / times.unwrap_or(1.0)) as f32;
     let skeleton = skeleton()?;
     let frames = turns.frames().zip(&shifts).map(|(row, shift)| Pose {
         // The shift moves the origin of the body, which lies at the pelvis within a hand's breadth.

@@ -231,11 +231,71 @@ fn recovered(
             return Ok(None);
         }
     }
+    if left <= SHAPED && apart(rig.skeleton(), &rest_from_zero) <= SHAPED {
+        let zero = Zero {
+            body: shaped(rig, &fitted)?,
+            rest_from_zero,
+        };
+        return Ok(Some((zero, degrees, left)));
+    }
+    // Bones of other lengths pull the fitted joints apart: a pose does not. The more alike both are in
+    // size, the better are the turns.
+    let (first, _) = rig.unposed(mesh.positions(), &turns_of(&rest_from_zero))?;
+    let grown = scaled(rig, length(first.skeleton()) / length(rig.skeleton()))?;
+    let fitted = grown.fitted(mesh.positions())?;
+    let turns = turns_of(fitted.posed_from_rest());
+    let (body, rest_from_zero) = grown.unposed(mesh.positions(), &turns)?;
+    let left = distance_of_skin(rig, rig.rest().positions(), body.rest().positions());
     let zero = Zero {
-        body: shaped(rig, &fitted)?,
+        body,
         rest_from_zero,
     };
     Ok(Some((zero, degrees, left)))
+}
+
+fn turns_of(transforms: &[Isometry3<f32>]) -> Vec<UnitQuaternion<f32>> {
+    transforms
+        .iter()
+        .map(|transform| transform.rotation)
+        .collect()
+}
+
+/// The length of all bones together, in metres.
+fn length(skeleton: &Skeleton) -> f32 {
+    let joints = skeleton.joints();
+    let bones = joints.iter().filter_map(|joint| {
+        let parent = &joints[joint.parent?];
+        Some((joint.rest_position - parent.rest_position).norm())
+    });
+    bones.sum()
+}
+
+/// A body that is so many times as large, about the origin.
+fn scaled(body: &Body, times: f32) -> Result<Body, SkinError> {
+    let times = if times.is_finite() && times > 0.0 {
+        times
+    } else {
+        1.0
+    };
+    let places = body.rest().positions().iter().map(|place| place * times);
+    let mesh = body.rest().with_positions(places.collect());
+    let skeleton = body
+        .skeleton()
+        .placed(|_, joint| joint.rest_position * times)?;
+    match mesh {
+        Ok(mesh) => Body::new(mesh, skeleton, body.weights().clone()),
+        Err(_) => Ok(body.clone()),
+    }
+}
+
+/// How far transforms pull joints from their parents at most, in metres.
+fn apart(skeleton: &Skeleton, transforms: &[Isometry3<f32>]) -> f32 {
+    let joints = skeleton.joints().iter().zip(transforms);
+    let gaps = joints.filter_map(|(joint, transform)| {
+        let place = joint.rest_position;
+        Some((transform * place - transforms[joint.parent?] * place).norm())
+    });
+    gaps.fold(0.0, f32::max)
 }
 
 /// The largest angle between the bones of two bodies, in degrees; short ones tell nothing.
