@@ -559,9 +559,38 @@ fn what_is_asked_for_in_vain_is_told_or_refused() {
             "-o no.obj --key-spacing 5",
             "`--key-spacing` is for the frames",
         ),
+        (
+            "-o no.obj --frames-alone",
+            "`--frames-alone` is for the frames",
+        ),
         ("-o no.obj --mesh Body", "and `Body` is chosen"),
+        (
+            "-o sleeve.obj/x.obj",
+            "output folder `sleeve.obj` is a file",
+        ),
     ] {
         refused(&fixture, &format!("{drape} {arguments}"), &[expected]);
+    }
+    for (arguments, expected) in [
+        ("body -o no.obj --mesh x", "the built-in body is asked for"),
+        (
+            "body -o no.obj --pose sit --frames 0:3",
+            "given without `--motion`",
+        ),
+        (
+            "info sleeve.obj --betas 1",
+            "`--betas` is given, and does nothing",
+        ),
+        (
+            "render sleeve.obj --mesh x -o no.png",
+            "there is no rig among the files",
+        ),
+        (
+            "view sleeve.obj --joints map.json -o no.html",
+            "`--joints` is given",
+        ),
+    ] {
+        refused(&fixture, arguments, &[expected]);
     }
     for kind in ["vrm", "blend", "zip", "MA"] {
         let arguments = format!("drape sleeve.obj body.obj body.obj -o no.{kind}");

@@ -3,6 +3,7 @@
 
 use std::fs;
 
+use garnet::Point3;
 use serde_json::Value;
 
 use crate::fixtures::{Fixture, stderr};
@@ -140,6 +141,25 @@ fn shirt_and_bodies() -> Fixture {
         "body --sex female --bmi 19 --pose wave -o thin.obj -q",
     );
     fixture
+}
+
+#[test]
+fn a_body_that_lies_because_of_its_axes_is_told() {
+    let fixture = shirt_and_bodies();
+    fixture.moved("thin.obj", "z.obj", |p| Point3::new(p.x, -p.z, p.y));
+    for (options, is_told) in [
+        ("z.obj", true),
+        ("thin.obj --up z", true),
+        ("z.obj --up z", false),
+        ("thin.obj", false),
+        ("--pose wave", false),
+    ] {
+        let command = format!("drape tee {options} --method warp --no-untangle -o worn.obj");
+        let output = fixture.garnet(&command);
+        let told = stderr(&output);
+        assert_eq!(output.status.code(), Some(0), "{options}: {told}");
+        assert_eq!(told.contains("lies along z"), is_told, "{options}: {told}");
+    }
 }
 
 /// The girth of the garment round the chest in the first drape of a report.
@@ -412,9 +432,7 @@ fn a_dress_without_sleeves_is_placed_as_it_is() {
         &fixture,
         "garment dress --body woman.obj --vertices 1000 -o dress -q",
     );
-    let larger = |point: &garnet::Point3| {
-        garnet::Point3::new(1.08 * point.x, 1.08 * point.y + 0.1, 1.08 * point.z)
-    };
+    let larger = |point: &Point3| Point3::new(1.08 * point.x, 1.08 * point.y + 0.1, 1.08 * point.z);
     fixture.moved("dress/template.obj", "large.obj", larger);
     let drape = "drape large.obj --rig woman.rig.npz --pose stand -o worn.obj --report report.json";
     let output = fixture.garnet(&format!("{drape} --place"));

@@ -48,10 +48,6 @@ const SAME_SIZE: f32 = 0.04;
 /// Another size than that of the unit has to fit so much better.
 const CLEARLY: f32 = 1.5;
 
-/// Cloth nearer to the skin than this, over the height of the body, lies on it. A higher value takes
-/// garments that are too large as they are.
-const CLOSE: f32 = 0.012;
-
 /// Cloth of which 1 % of the edges grow by more than this when its arms are brought to those of the
 /// body has no sleeves in that pose. Sleeves that are brought from `t_pose` to hanging arms grow by
 /// half at the armpits; a dress without sleeves, by twice. A lower value refuses the former.
@@ -534,10 +530,8 @@ impl Cloth {
             ..*guess
         };
         let fixed = fit(&from, Free::Place);
-        // A size that is about that of the body is. What touches is not too large, however wide the
-        // rest of it is cut.
-        let growth = free.1.scale / guess.unit - 1.0;
-        let is_same = growth.abs() < SAME_SIZE || growth < 0.0 && self.touches(&fixed.1, wearer);
+        // A size that is about that of the body is.
+        let is_same = (free.1.scale / guess.unit - 1.0).abs() < SAME_SIZE;
         let is_as_good = |simple: f32, other: f32| simple < CLEARLY * other;
         if is_as_good(fixed.0, turned.0) && (is_same || is_as_good(fixed.0, free.0)) {
             fixed
@@ -546,21 +540,6 @@ impl Cloth {
         } else {
             free
         }
-    }
-
-    /// Whether a tenth of the cloth lies on the skin or in it.
-    fn touches(&self, guess: &Guess, wearer: &Wearer) -> bool {
-        let stride = self.positions.len().div_ceil(SAMPLES[1]).max(1);
-        let points = self.positions.iter().step_by(stride);
-        let is_near = points.map(|point| {
-            let place = guess.at(*point, self.center);
-            let near = wearer.skin.closest(place);
-            let is_inside = (place - near.point).dot(&wearer.skin.pseudonormal(&near)) < 0.0;
-            is_inside || near.distance_squared.sqrt() < CLOSE * wearer.height
-        });
-        let is_near: Vec<bool> = is_near.collect();
-        let count = is_near.iter().filter(|&&is_near| is_near).count();
-        10 * count >= is_near.len()
     }
 
     /// A guess fitted to the skin in some steps, and what it is like: lower is better.

@@ -651,6 +651,26 @@ fn extensions_that_change_no_mesh_may_be_needed() {
 }
 
 #[test]
+fn extras_may_be_anything() {
+    let folder = tempfile::tempdir().unwrap();
+    for extras in [
+        json!("text"),
+        json!(5),
+        json!(true),
+        json!(null),
+        json!([1, {"a": [2]}]),
+        json!({"from": "elsewhere"}),
+    ] {
+        let (mut json, binary) = file();
+        for part in ["nodes", "meshes", "scenes"] {
+            json[part][0]["extras"] = extras.clone();
+        }
+        json["asset"]["extras"] = extras.clone();
+        check(&written(folder.path(), &glb(&json, &binary)));
+    }
+}
+
+#[test]
 fn a_glb_cut_anywhere_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (json, binary) = file();

@@ -1,13 +1,10 @@
 //! Weights that are stored anew in fewer bits.
 //!
-//! For deformations that poses and shapes predict: what they predict from then on is what the
-//! rounded numbers predict, so that `garnet eval` has to judge them again. Networks beside a
-//! deformation that start from it are bound to it anew.
+//! What they predict from then on is what the rounded numbers predict, so that `garnet eval` has to
+//! judge them again. Networks that start from a deformation know it by its checksum: store the
+//! deformation first, and train them on it.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{fs, path::PathBuf};
 
 use burn::tensor::Device;
 use clap::Args;
@@ -18,7 +15,7 @@ use crate::Outcome;
 /// What to store anew.
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Weights of a deformation, as `models/tshirt/falling.safetensors`.
+    /// Weights of a deformation, as `models/tshirt/falling.safetensors`, or of a network.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Bits of their numbers: f32, f16 or i8.
@@ -31,15 +28,18 @@ fn precision(name: &str) -> Result<Precision, String> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let precision = serde_json::to_value(arguments.precision)?;
     for path in &arguments.files {
-        let mut space = PoseSpace::load(path)?;
-        if let Some(stored) = space.record.get_mut("precision") {
-            *stored = serde_json::to_value(arguments.precision)?;
-        }
         let before = fs::metadata(path)?.len();
-        let old = space.checksum().to_owned();
-        space.save(path, arguments.precision)?;
-        bind_anew(path, &old, PoseSpace::load(path)?.checksum())?;
+        if let Ok(network) = Checkpoint::load(path, &Device::flex()) {
+            network.save(path, arguments.precision)?;
+        } else {
+            let mut space = PoseSpace::load(path)?;
+            if let Some(stored) = space.record.get_mut("precision") {
+                *stored = precision.clone();
+            }
+            space.save(path, arguments.precision)?;
+        }
         let after = fs::metadata(path)?.len();
         let in_mb = |bytes: u64| bytes as f64 / 1e6;
         println!(
@@ -48,24 +48,6 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             in_mb(after),
             in_mb(before)
         );
-    }
-    Ok(())
-}
-
-/// Tells networks beside a deformation, which start from it, that its checksum is another one. Their
-/// own weights are stored in 16 bits.
-fn bind_anew(path: &Path, old: &str, new: &str) -> Outcome {
-    let folder = path.parent().ok_or("the file is in no folder")?;
-    for file in fs::read_dir(folder)? {
-        let file = file?.path();
-        let Ok(mut network) = Checkpoint::load(&file, &Device::flex()) else {
-            continue;
-        };
-        if network.pose_space.as_deref() == Some(old) {
-            network.pose_space = Some(new.to_owned());
-            network.save(&file, Precision::F16)?;
-            println!("{}: starts from it", file.display());
-        }
     }
     Ok(())
 }

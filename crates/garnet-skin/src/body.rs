@@ -474,7 +474,7 @@ fn with_faces(mesh: TriMesh, faces: Vec<[u32; 3]>) -> TriMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Joint;
+    use crate::{Joint, Pose};
     use garnet_mesh::primitives::icosphere;
 
     /// Of one joint.
@@ -488,6 +488,46 @@ mod tests {
         let weights = SkinWeights::from_influences(1, rows).unwrap();
         let rest = TriMesh::new(positions, faces).unwrap();
         Body::new(rest, Skeleton::new(vec![root]).unwrap(), weights).unwrap()
+    }
+
+    #[test]
+    fn a_longer_arm_that_is_bent_is_straight_again_and_as_long() {
+        let arm = |length: f32| {
+            let mesh = garnet_mesh::primitives::capsule(0.05, length, 16, 48);
+            let joint = |name: &str, parent, share: f32| Joint {
+                name: name.to_owned(),
+                parent,
+                rest_position: Point3::new(0.0, share * length, 0.0),
+            };
+            let joints = vec![joint("shoulder", None, -0.5), joint("elbow", Some(0), 0.0)];
+            let forearm = |point: &Point3| (0.5 + point.y / 0.1).clamp(0.0, 1.0);
+            let rows = (mesh.positions().iter()).map(|p| [(0, 1.0 - forearm(p)), (1, forearm(p))]);
+            let weights = SkinWeights::from_influences(2, rows).unwrap();
+            Body::new(mesh, Skeleton::new(joints).unwrap(), weights).unwrap()
+        };
+        let (short, long) = (arm(0.5), arm(0.6));
+        let turns = [
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.2),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.9),
+        ];
+        let mut pose = Pose::rest(2);
+        pose.rotations = vec![turns[0], turns[0].inverse() * turns[1]];
+        let bent = long.posed(&pose).unwrap();
+        let (found, transforms) = short.unposed(bent.skin().positions(), &turns).unwrap();
+        let bone = |body: &Body| {
+            let [a, b] = [0, 1].map(|joint| body.skeleton().joints()[joint].rest_position);
+            b - a
+        };
+        assert!(
+            (bone(&found) - bone(&long)).norm() < 0.01,
+            "{:?}",
+            bone(&found)
+        );
+        assert!((bone(&found) - bone(&short)).norm() > 0.04);
+        let again = found
+            .fitted_by(bent.skin().positions(), transforms)
+            .unwrap();
+        assert!(again.max_residual() < 1e-3, "{}", again.max_residual());
     }
 
     #[test]
