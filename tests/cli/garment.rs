@@ -106,14 +106,6 @@ fn errors_name_vertices_as_the_file_does() {
             "3 faces",
         ],
     );
-    refused(
-        &fixture,
-        "simulate fan.obj bent.obj --rest-body body.obj -o no.obj",
-        &[
-            "the edge between the vertices 2 and 3 of the garment",
-            "two faces at an edge",
-        ],
-    );
 }
 
 #[test]

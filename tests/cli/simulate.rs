@@ -2,7 +2,11 @@
 
 use std::fs;
 
-use garnet::{Point3, TriMesh, io::ObjFile, mesh::primitives::tube};
+use garnet::{
+    Point3, TriMesh,
+    io::ObjFile,
+    mesh::primitives::{capsule, tube},
+};
 
 use crate::fixtures::{self, Fixture, stderr, stdout};
 
@@ -268,6 +272,36 @@ fn any_garment_is_simulated() {
         let pairs = plain.positions().iter().zip(found.positions());
         let farthest = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
         assert!(farthest <= most, "{name}: {farthest}");
+    }
+}
+
+#[test]
+fn a_part_that_is_the_body_is_told_however_it_is_cut() {
+    let fixture = Fixture::new();
+    let sleeve = tube(0.13, 0.8, 40, 30);
+    // Another mesh of the body, one that is 3 mm smaller, and a suit 6 mm outside of it.
+    for (name, radius, is_body) in [
+        ("coarse", 0.1, true),
+        ("smaller", 0.097, true),
+        ("suit", 0.106, false),
+    ] {
+        let part = capsule(radius, 1.4 + 2.0 * (radius - 0.1), 40, 20);
+        let places = sleeve.positions().iter().chain(part.positions());
+        let count = sleeve.num_vertices() as u32;
+        let other = part
+            .faces()
+            .iter()
+            .map(|face| face.map(|corner| corner + count));
+        let faces = sleeve.faces().iter().copied().chain(other);
+        let both = TriMesh::new(places.copied().collect(), faces.collect()).unwrap();
+        fixture.mesh(&format!("{name}.obj"), &both);
+        let output = fixture.garnet(&format!(
+            "drape {name}.obj bent.obj --rig body.rig.npz --method warp --no-untangle -o out.obj"
+        ));
+        let told = stderr(&output);
+        assert_eq!(output.status.code(), Some(0), "{name}: {told}");
+        let expected = "one part of the garment is the body";
+        assert_eq!(told.contains(expected), is_body, "{name}: {told}");
     }
 }
 

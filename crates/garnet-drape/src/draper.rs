@@ -654,3 +654,37 @@ impl Draper {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_drapes_without_a_fault_are_sound() {
+        let sound = DrapeQuality {
+            inside: 0,
+            crossing: 0,
+            p99: 1.05,
+            longest: 1.25,
+        };
+        assert!(sound.is_sound());
+        for faulty in [
+            DrapeQuality { inside: 1, ..sound },
+            DrapeQuality {
+                crossing: 1,
+                ..sound
+            },
+            DrapeQuality { p99: 1.2, ..sound },
+            DrapeQuality {
+                longest: 1.4,
+                ..sound
+            },
+        ] {
+            assert!(!faulty.is_sound(), "{faulty:?}");
+            assert!(faulty.is_worse_than(&sound), "{faulty:?}");
+        }
+        // What is sound is worse than nothing but what has less strain yet.
+        let slack = DrapeQuality { p99: 1.0, ..sound };
+        assert!(sound.is_worse_than(&slack) && !slack.is_worse_than(&sound));
+    }
+}

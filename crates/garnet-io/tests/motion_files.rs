@@ -576,6 +576,27 @@ fn every_layout_of_the_smpl_family_is_the_same_motion() {
 }
 
 #[test]
+fn shifts_of_bodies_that_are_scaled_are_divided_by_that() {
+    let folder = tempfile::tempdir().unwrap();
+    let poses = vec![0.0; 2 * 72];
+    let [large, small] = [
+        [0.0, 0.0, 0.0, 90.0, 0.0, 45.0],
+        [0.0, 0.0, 0.0, 1.0, 0.0, 0.5],
+    ];
+    let scaled = npz(&[
+        ("poses", &[2, 72], &poses),
+        ("smpl_trans", &[2, 3], &large),
+        ("smpl_scaling", &[1], &[90.0]),
+    ]);
+    let plain = npz(&[("poses", &[2, 72], &poses), ("trans", &[2, 3], &small)]);
+    let [scaled, plain] = [scaled, plain].map(|bytes| {
+        let take = take(folder.path(), &bytes).unwrap();
+        take.motion().unwrap().frames.clone()
+    });
+    assert_eq!(scaled, plain);
+}
+
+#[test]
 fn errors_of_npz_files_name_the_key() {
     let folder = tempfile::tempdir().unwrap();
     let poses = [0.0; 72];

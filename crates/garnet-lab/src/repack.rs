@@ -6,7 +6,6 @@
 
 use std::{fs, path::PathBuf};
 
-use burn::tensor::Device;
 use clap::Args;
 use garnet_net::{Checkpoint, Precision, pose_space::PoseSpace};
 
@@ -31,8 +30,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let precision = serde_json::to_value(arguments.precision)?;
     for path in &arguments.files {
         let before = fs::metadata(path)?.len();
-        if let Ok(network) = Checkpoint::load(path, &Device::flex()) {
-            network.save(path, arguments.precision)?;
+        if Checkpoint::header(path).is_ok() {
+            Checkpoint::repack(path, arguments.precision)?;
         } else {
             let mut space = PoseSpace::load(path)?;
             if let Some(stored) = space.record.get_mut("precision") {

@@ -279,8 +279,8 @@ impl Body {
         Ok(())
     }
 
-    /// The body in this body's pose that is at `positions` `[vertex]`, in another shape and with its
-    /// joints turned by `turns` from rest `[joint]`; and the transforms that carry it there
+    /// The body in this body's pose that is at `positions` `[vertex]`, in another shape and with
+    /// its joints turned by `turns` from rest `[joint]`; and the transforms that carry it there
     /// `[joint]`. Its bones are as long as they are there.
     ///
     /// # Errors

@@ -60,9 +60,10 @@ fn unposed_linear(
 /// `rest` and are at `shaped` `[vertex]`.
 ///
 /// A joint goes along with the skin that bends there: that which moves with both sides of it. What
-/// no skin bends at goes along with its parent, a root with the skin of its own or the whole. With
-/// `turns` of the joints from rest `[joint]` the skin that bends at a joint is turned half as far as
-/// the joint from its parent.
+/// no skin bends at goes along with its parent, a root with the skin of its own or the whole.
+///
+/// With `turns` of the joints from rest `[joint]`, the skin that bends at a joint is turned half as
+/// far as the joint from its parent.
 pub(crate) fn reshaped_joints(
     skeleton: &Skeleton,
     weights: &SkinWeights,

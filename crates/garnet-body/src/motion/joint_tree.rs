@@ -87,8 +87,8 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// What is between an upper arm and the trunk, on which the other arm or the head hangs, too, is
-    /// a collarbone.
+    /// What is between an upper arm and the trunk, on which the other arm or the head hangs, too,
+    /// is a collarbone.
     fn complete_collar(&self, side: Side, roles: &mut Roles) {
         let place = Role::Collar(side).index();
         let at = |role: Role| roles[role.index()];
@@ -627,8 +627,23 @@ mod tests {
     fn one_side_is_found_by_the_other() {
         let renamed = |name: &str| name.replace("right", "thing");
         let skeleton = figure(renamed);
-        let skipped = [Role::Collar(Side::Right), Role::Foot(Side::Right)];
-        check(&skeleton, &skipped);
+        check(&skeleton, &[Role::Foot(Side::Right)]);
+    }
+
+    #[test]
+    fn what_is_between_upper_arm_and_trunk_is_a_collarbone() {
+        check(&figure(|name| name.replace("collar", "bone_1")), &[]);
+        // An arm that hangs on the chest has none.
+        let joints = figure(str::to_owned).joints().to_vec();
+        let joints = joints.into_iter().map(|mut joint| {
+            if joint.name.ends_with("shoulder") {
+                joint.parent = Some(10);
+            }
+            joint.name = joint.name.replace("collar", "bone_1");
+            joint
+        });
+        let (roles, _) = find_roles(&Skeleton::new(joints.collect()).unwrap());
+        assert_eq!(roles[Role::Collar(Side::Left).index()], None);
     }
 
     #[test]

@@ -193,7 +193,8 @@ pub(crate) struct InputArgs {
     /// Take garment, bodies, weights and pose from a `drape-scene/1` file.
     #[arg(long, value_name = "SCENE.json", conflicts_with_all = ["rig", "rest_body", "units", "up"])]
     pub(super) scene: Option<PathBuf>,
-    /// Skeleton and weights: npz, GLB, glTF, VRM or JSON [default: `<body>.rig.npz` beside the body].
+    /// Skeleton and weights: npz, GLB, glTF, VRM or JSON
+    /// [default: `<body>.rig.npz` beside the body].
     #[arg(long, value_name = "FILE")]
     pub(super) rig: Option<PathBuf>,
     /// Body on which the garment lies, as OBJ or GLB [default: the rest mesh of the rig].

@@ -5,8 +5,8 @@ use garnet::{Point3, PosedBody, Vector3, io::guess_up_axis};
 
 use super::warning::{MOST_FALLING, Problem};
 
-/// Joints that are turned as one have a mean of their turned upwards that is 1 long; those of a body
-/// that bends have a shorter one. Lower takes more of those that bend for bodies that lie.
+/// Upward directions that are turned with the joints have a mean that is 1 long if all are turned
+/// as one, and a shorter one in a body that bends. Lower takes more that bend for bodies that lie.
 const LEAST_AGREEMENT: f32 = 0.6;
 
 /// How far upwards that mean may still look, of its length: the sine of 25 degrees.

@@ -8,6 +8,7 @@ mod choice;
 mod exported;
 mod fit;
 mod followed;
+mod held_body;
 mod hide;
 mod lying;
 mod names;
@@ -39,6 +40,7 @@ use tracing::info;
 use all::{All, Part, drape_all};
 pub(crate) use args::DrapeArgs;
 pub(crate) use args::{InputArgs, Job, Simulation, Source, SourceFiles, UpName, units};
+use held_body::of_body_in;
 use outputs::{check_outputs, outputs_on};
 pub(crate) use prepared::Prepared;
 use ready::{Found, Ready};
@@ -223,7 +225,7 @@ impl Bound {
         let holes = warning::of_holes(&garment);
         let small = garment_file.num_small_faces();
         let small = (small > 0).then_some(Problem::SmallFaces(small));
-        let held = warning::of_body_in(garment.mesh(), garment.body());
+        let held = of_body_in(&garment);
         let near = warning::of_rims(&garment);
         let sides = warning::of_sides(&garment);
         let unusual = match near {

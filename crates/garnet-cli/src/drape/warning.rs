@@ -10,7 +10,7 @@ use garnet::{
     Body, BoundGarment, Point3, Provenance, TriMesh,
     data::{Limits, SceneReport},
     io::{empty_sleeves, threaded_openings},
-    knn::{Surface, TORN_STRETCH, VertexTree},
+    knn::{Surface, TORN_STRETCH},
     mesh::{Bounds, MeshDiagnosis, StretchSummary, diagnose},
     package::Moment,
     untangle::{UntangleReport, free_crossing_faces},
@@ -521,26 +521,6 @@ pub(crate) fn warnings_of(path: &Path, garment: &BoundGarment) -> Vec<WarningRep
 /// Heights of bodies in metres, from the smallest that is taken for one, that are rather those of
 /// people in inches, read as centimetres, or in feet, read as decimetres.
 const SMALLEST_PERSON: [f32; 2] = [0.5, 0.85];
-
-/// A vertex of the garment within this distance of one of the body is the same, in metres.
-const SAME_VERTEX: f32 = 1e-4;
-
-/// A garment that has this share of the body's vertices holds the body.
-const HELD_SHARE: f64 = 0.5;
-
-/// Whether one part of a garment is the body that it lies on.
-pub(crate) fn of_body_in(garment: &TriMesh, body: &Body) -> Option<Problem> {
-    let tree = VertexTree::new(garment.positions()).ok()?;
-    let own = || body.of_skin(body.rest().positions());
-    let is_held = |place: &&Point3| {
-        let near = tree.nearest(**place);
-        near.is_some_and(|near| {
-            (garment.positions()[near.index as usize] - **place).norm() < SAME_VERTEX
-        })
-    };
-    let held = own().filter(is_held).count();
-    (held as f64 >= HELD_SHARE * own().count() as f64).then_some(Problem::HoldsBody(held))
-}
 
 /// What is unusual about a garment.
 pub(crate) fn of_garment(mesh: &TriMesh) -> Vec<Problem> {

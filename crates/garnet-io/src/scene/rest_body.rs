@@ -238,8 +238,8 @@ fn recovered(
         };
         return Ok(Some((zero, degrees, left)));
     }
-    // Bones of other lengths pull the fitted joints apart: a pose does not. The more alike both are in
-    // size, the better are the turns.
+    // Bones of other lengths pull the fitted joints apart: a pose does not. The more alike both are
+    // in size, the better are the turns.
     let (first, _) = rig.unposed(mesh.positions(), &turns_of(&rest_from_zero))?;
     let grown = scaled(rig, length(first.skeleton()) / length(rig.skeleton()))?;
     let fitted = grown.fitted(mesh.positions())?;

@@ -56,6 +56,16 @@ impl Checkpoint {
         Ok(write_atomically(path, |writer| writer.write_all(&bytes))?)
     }
 
+    /// Stores the weights of a file anew, in other bits.
+    ///
+    /// # Errors
+    ///
+    /// As [`Checkpoint::load`] and [`Checkpoint::save`].
+    pub fn repack(path: impl AsRef<Path>, precision: Precision) -> Result<(), CheckpointError> {
+        let path = path.as_ref();
+        Self::load(path, &Device::flex())?.save(path, precision)
+    }
+
     /// The bytes of the file `path`.
     ///
     /// # Errors
