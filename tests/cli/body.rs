@@ -294,12 +294,19 @@ fn options_of_motions_are_told_or_refused_where_they_do_nothing() {
         );
         assert!(!fixture.path("rest.obj").exists(), "{option}");
     }
-    for option in ["--in-place", "--fps 10", "--ground"] {
+    for option in [
+        "--in-place",
+        "--fps 10",
+        "--ground",
+        "--keep-arms",
+        "--keep-flips",
+        "--pose-up z",
+    ] {
         let output = fixture.garnet(&format!("body --pose sit -o sits.obj {option}"));
         done(&output);
         let told = stderr(&output);
         assert!(
-            told.contains("`sit` is no motion: its place"),
+            told.contains("`sit` is no motion: its place, time and arms"),
             "{option}: {told}"
         );
     }

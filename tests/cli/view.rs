@@ -278,7 +278,7 @@ fn a_t_shirt_on_its_body_is_a_small_page() {
     let vertices = |scene: &Value| scene["meshes"][0]["vertices"].as_u64();
     assert_eq!(vertices(&described(&drawn)), Some(4_975));
     // And that of the repository.
-    let shipped = fs::read_to_string(models.join("tshirt/methods.html")).unwrap();
+    let shipped = fs::read_to_string(models.join("../docs/pictures/methods.html")).unwrap();
     check_alone(&shipped);
     assert!(shipped.len() < LARGEST, "{} bytes", shipped.len());
     assert_eq!(vertices(&described(&shipped)), Some(4_975));

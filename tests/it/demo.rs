@@ -3,7 +3,7 @@
 use garnet::io::{ObjFile, empty_sleeves, read_body};
 use garnet::{Garment, Point3};
 use garnet_tests::Judge;
-use garnet_tests::demo::{Demo, POSES};
+use garnet_tests::demo::Demo;
 
 use crate::held::{Bars, held};
 
@@ -14,8 +14,7 @@ const ROUNDING: f32 = 1e-4;
 fn committed_files_are_those_that_the_generator_writes() {
     let demo = Demo::new().unwrap();
     let folder = Demo::folder();
-    let texts = demo.posed.iter().map(|(name, text)| (*name, text));
-    for (name, text) in texts.chain([("tunic", &demo.tunic_obj)]) {
+    for (name, text) in [("reach", &demo.reach_obj), ("tunic", &demo.tunic_obj)] {
         let committed = ObjFile::read(folder.join(format!("{name}.obj"))).unwrap();
         let generated = ObjFile::parse(text.clone().into_bytes(), name).unwrap();
         assert_eq!(committed.triangles(), generated.triangles(), "{name}");
@@ -47,9 +46,8 @@ fn the_demo_drapes_well() {
     let mesh = file.mesh().unwrap();
     let judge = Judge::new(&mesh).with_edges(file.polygon_edges());
     let bound = Garment::new(mesh).bind(&body).unwrap();
-    for (name, _) in POSES {
-        let target = ObjFile::read(folder.join(format!("{name}.obj"))).unwrap();
-        let posed = body.fitted(target.positions()).unwrap();
+    for (name, places) in Demo::new().unwrap().posed().unwrap() {
+        let posed = body.fitted(&places).unwrap();
         held(name, &judge, &bound, &posed, Bars::default());
     }
 }

@@ -1,5 +1,5 @@
-//! The files in `models/demo`: a tunic on the built-in body, and that body in a few poses; and a
-//! larger scene to measure the command with.
+//! The files in `models/demo`: a tunic on the built-in body, and that body in a pose; and a larger
+//! scene to measure the command with.
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -16,12 +16,11 @@ use crate::{Form, mannequin, reach, tunic, tunic_on};
 /// About how many vertices the tunic of the demo has.
 const TUNIC_VERTICES: usize = 3_000;
 
-/// Posed bodies of the demo: file and pose of the library.
-pub const POSES: [(&str, &str); 3] = [
-    ("reach", "reach_front"),
-    ("throw", "throw"),
-    ("dance", "ballroom_frame"),
-];
+/// The pose of the library of `reach.obj`.
+const REACH: &str = "reach_front";
+
+/// Poses of the library in which the demo is tested, too.
+const OTHER_POSES: [&str; 2] = ["throw", "ballroom_frame"];
 
 /// Spacing of the vertices of a mannequin of 13 000, in metres.
 const FINE_SPACING: f32 = 0.0132;
@@ -36,8 +35,8 @@ pub struct Demo {
     pub body: Body,
     /// The text of `tunic.obj`.
     pub tunic_obj: String,
-    /// Name and text of each posed body.
-    pub posed: Vec<(&'static str, String)>,
+    /// The text of `reach.obj`.
+    pub reach_obj: String,
 }
 
 impl Demo {
@@ -52,15 +51,23 @@ impl Demo {
             .with_bmi(22.0);
         let body = ParametricBody::build(&parameters)?.into_body();
         let form = Form::of_body(&parameters, &body)?;
-        let mut posed = Vec::new();
-        for (name, pose) in POSES {
-            posed.push((name, body_text(&library_posed(&body, pose)?, &body)));
-        }
         Ok(Self {
             tunic_obj: tunic_on(&form, TUNIC_VERTICES).to_obj(),
+            reach_obj: body_text(&library_posed(&body, REACH)?, &body),
             body,
-            posed,
         })
+    }
+
+    /// The body `[vertex]` in each pose that the demo is tested in, with the name of the pose.
+    ///
+    /// # Errors
+    ///
+    /// What the built-in body refuses.
+    pub fn posed(&self) -> Result<Vec<(&'static str, Vec<Point3>)>, Box<dyn Error>> {
+        let poses = [REACH].into_iter().chain(OTHER_POSES);
+        poses
+            .map(|pose| Ok((pose, library_posed(&self.body, pose)?)))
+            .collect()
     }
 
     /// The folder of the committed files.
@@ -78,9 +85,7 @@ impl Demo {
     pub fn write(&self) -> Result<(), Box<dyn Error>> {
         let folder = Self::folder();
         write(&folder, "tunic.obj", &self.tunic_obj)?;
-        for (name, text) in &self.posed {
-            write(&folder, &format!("{name}.obj"), text)?;
-        }
+        write(&folder, "reach.obj", &self.reach_obj)?;
         write_rig_npz(folder.join("body.rig.npz"), &Rig::from(self.body.clone()))?;
         Ok(())
     }

@@ -1,16 +1,18 @@
 //! What deleting the skin under clothes does to drapes.
 //!
 //! Games delete skin that clothes hide. Drapes of the warp over such bodies are compared with those
-//! over whole ones, vertex by vertex.
+//! over whole ones, vertex by vertex. So are drapes over bodies without patches of skin anywhere,
+//! which tell how deep cloth sinks to where the skin was.
 
 use std::{error::Error, path::PathBuf};
 
 use clap::Args;
-use garnet::{Body, Draper, Garment, Point3, TriMesh};
+use garnet::{Body, Draper, Garment, Point3, PosedBody, TriMesh};
 use garnet_body::poses::{Poser, key_pose};
 use garnet_drape::Package;
 use garnet_knn::Surface;
 use garnet_mesh::{Topology, vertex_distances, vertex_normals};
+use garnet_stress::without_patches;
 use garnet_tests::without;
 
 use crate::Outcome;
@@ -38,9 +40,15 @@ pub(crate) struct Arguments {
     /// Garment packages.
     #[arg(required = true)]
     packages: Vec<PathBuf>,
+    /// Delete patches anywhere in place of what the garment hides.
+    #[arg(long)]
+    patches: bool,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    if arguments.patches {
+        return without_some(&arguments.packages);
+    }
     print!("| mm apart, mean | skin deleted |");
     for pose in POSES {
         print!(" `{pose}` |");
@@ -69,6 +77,48 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         all.extend(row);
     }
     println!("\nmean of all: {:.2} mm", mean(&all));
+    Ok(())
+}
+
+/// Shares of the faces that are deleted in patches, in percent.
+const PATCHES: [f64; 3] = [3.0, 5.0, 10.0];
+
+/// Cloth over bodies without patches of skin, beside that over whole ones.
+fn without_some(packages: &[PathBuf]) -> Outcome {
+    println!(
+        "| | skin deleted | drapes | with cloth where skin was | vertices there, of all | the \
+         deepest | mm apart, mean |\n|---|---|---|---|---|---|---|"
+    );
+    for folder in packages {
+        let package = Package::open(folder)?;
+        let (garment, whole) = (package.garment().mesh(), package.body());
+        for percent in PATCHES {
+            let (mut sunken, mut vertices, mut deepest) = (0, 0, 0.0_f32);
+            let mut apart = Vec::new();
+            for (seed, pose) in (0..).zip(POSES) {
+                let rest = without_patches(whole.rest(), percent, seed)?;
+                let open = Body::new(rest, whole.skeleton().clone(), whole.weights().clone())?;
+                let right = draped_on(whole, garment, pose)?;
+                let found = draped_on(&open, garment, pose)?;
+                let skin = posed_in(whole, pose)?.skin().clone();
+                let is_inside = skin.contains_all(&found);
+                let inside = found.iter().zip(&is_inside).filter(|(_, is_inside)| **is_inside);
+                let depths = inside.map(|(place, _)| (skin.closest(*place).point - place).norm());
+                let depths: Vec<f32> = depths.collect();
+                sunken += usize::from(!depths.is_empty());
+                vertices += depths.len();
+                deepest = depths.into_iter().fold(deepest, f32::max);
+                apart.extend(vertex_distances(&right, &found)?.into_iter().map(f64::from));
+            }
+            println!(
+                "| {} | {percent} % | {} | {sunken} | {vertices} | {:.1} mm | {:.2} |",
+                package.manifest().name,
+                POSES.len(),
+                1e3 * deepest,
+                1e3 * mean(&apart)
+            );
+        }
+    }
     Ok(())
 }
 
@@ -105,7 +155,10 @@ fn hidden(body: &Body, garment: &TriMesh) -> Vec<bool> {
 /// Positions of the garment `[vertex]`, by the warp.
 fn draped_on(body: &Body, garment: &TriMesh, pose: &str) -> Result<Vec<Point3>, Box<dyn Error>> {
     let bound = Garment::new(garment.clone()).bind(body)?;
+    Ok(Draper::new(bound).drape(&posed_in(body, pose)?)?.positions)
+}
+
+fn posed_in(body: &Body, pose: &str) -> Result<PosedBody, Box<dyn Error>> {
     let key = key_pose(pose).ok_or_else(|| format!("there is no pose `{pose}`"))?;
-    let posed = body.posed(&Poser::new(body.skeleton())?.pose(&key.angles))?;
-    Ok(Draper::new(bound).drape(&posed)?.positions)
+    Ok(body.posed(&Poser::new(body.skeleton())?.pose(&key.angles))?)
 }

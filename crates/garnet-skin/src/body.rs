@@ -332,6 +332,25 @@ impl Body {
         Ok((Self::new(mesh, skeleton, self.weights.clone())?, transforms))
     }
 
+    /// The body `times` as large, about the origin.
+    ///
+    /// # Errors
+    ///
+    /// [`SkinError::NonFiniteTarget`], or those of [`Body::new`].
+    ///
+    /// # Panics
+    ///
+    /// Never: the positions were checked.
+    pub fn scaled(&self, times: f32) -> Result<Self, SkinError> {
+        let places = self.rest.positions().iter().map(|place| place * times);
+        let places: Vec<Point3> = places.collect();
+        self.check_positions(&places)?;
+        let mesh = self.rest.with_positions(places);
+        let mesh = mesh.expect("positions are as many as vertices, and finite");
+        let skeleton = (self.skeleton).placed(|_, joint| joint.rest_position * times)?;
+        Self::new(mesh, skeleton, self.weights.clone())
+    }
+
     /// Those of `values` `[vertex]` whose vertices are named by a face: the others are no part of
     /// the skin.
     pub fn of_skin<'a, T>(&'a self, values: &'a [T]) -> impl Iterator<Item = &'a T> {

@@ -17,6 +17,10 @@ const PERSON: [f32; 2] = [0.06, 0.6];
 /// lengths.
 const SMALLEST_PERSON: f32 = 0.8;
 
+/// Whole figures that are taller than this have lengths by their height, too, in metres: the limbs
+/// of a giant are as thick as the trunk of a person. People and most characters are smaller.
+const LARGEST_PERSON: f32 = 2.6;
+
 /// Skeletons with as many joints are those of whole figures, and not of an arm alone.
 const FIGURE_JOINTS: usize = 12;
 
@@ -66,15 +70,16 @@ pub fn scale_of(skin: &Surface, places: &[ClosestPoint]) -> f32 {
     }
 }
 
-/// The same for cloth on a body, which may be a small figure.
+/// The same for cloth on a body, which may be a small or a large figure.
 pub(crate) fn scale_on(body: &Body, places: &[ClosestPoint]) -> f32 {
     let skin = body.skin();
     let scale = scale_of(skin, places);
     let (low, high) = skin.bounds();
     let extent = (high - low).max();
     let is_person = (scale - 1.0).abs() < f32::EPSILON;
-    let is_small = extent < SMALLEST_PERSON && body.skeleton().num_joints() >= FIGURE_JOINTS;
-    if is_person && is_small {
+    let is_figure = body.skeleton().num_joints() >= FIGURE_JOINTS;
+    let has_height_of_person = (SMALLEST_PERSON..=LARGEST_PERSON).contains(&extent);
+    if is_person && is_figure && !has_height_of_person {
         extent / STATURE
     } else {
         scale
@@ -102,10 +107,16 @@ mod tests {
     }
 
     #[test]
-    fn small_figures_have_lengths_by_their_height_and_arms_alone_do_not() {
-        let limb = capsule(0.035, 0.43, 48, 24);
-        let places: Vec<Point3> = limb.positions().iter().map(|p| p * 1.02).collect();
-        for (num_joints, expected) in [(2, 1.0), (FIGURE_JOINTS, 0.5 / STATURE)] {
+    fn small_and_large_figures_have_lengths_by_their_height_and_arms_alone_do_not() {
+        let (small, large) = ([0.035, 0.43], [0.2, 3.0]);
+        for (num_joints, [radius, length], expected) in [
+            (2, small, 1.0),
+            (FIGURE_JOINTS, small, 0.5 / STATURE),
+            (2, large, 1.0),
+            (FIGURE_JOINTS, large, 3.4 / STATURE),
+        ] {
+            let limb = capsule(radius, length, 48, 24);
+            let places: Vec<Point3> = limb.positions().iter().map(|p| p * 1.02).collect();
             let joint = |number: usize| Joint {
                 name: number.to_string(),
                 parent: number.checked_sub(1),

@@ -115,6 +115,15 @@ impl Skeleton {
         self.joints.len()
     }
 
+    /// The length of all bones together at rest, in metres.
+    pub fn length_of_bones(&self) -> f32 {
+        let bones = self.joints.iter().filter_map(|joint| {
+            let parent = &self.joints[joint.parent?];
+            Some((joint.rest_position - parent.rest_position).norm())
+        });
+        bones.sum()
+    }
+
     /// Joint numbers in an order in which every parent comes before its children.
     pub fn parents_first(&self) -> &[usize] {
         &self.parents_first

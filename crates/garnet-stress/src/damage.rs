@@ -6,7 +6,7 @@ use garnet_body::shape::{ParametricBody, tape_measures};
 use garnet_mesh::primitives::icosphere;
 use garnet_mesh::{Point3, Topology, TriMesh, subdivided, vertex_normals};
 use garnet_skin::{Body, SkinWeights};
-use rand::RngExt;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::StressError;
@@ -57,6 +57,15 @@ pub(crate) fn coarser_body(body: &Body, times: f64) -> Result<Option<Body>, Stre
     let rows = kept.map(|&vertex| body.weights().vertex(vertex as usize).collect::<Vec<_>>());
     let weights = SkinWeights::from_influences(body.skeleton().num_joints(), rows)?;
     Ok(Some(Body::new(rest, body.skeleton().clone(), weights)?))
+}
+
+/// Without so many percent of its faces, in patches; each seed takes others.
+///
+/// # Errors
+///
+/// [`StressError`], if no face is left.
+pub fn without_patches(mesh: &TriMesh, percent: f64, seed: u64) -> Result<TriMesh, StressError> {
+    with_holes(mesh, percent, &mut ChaCha8Rng::seed_from_u64(seed))
 }
 
 /// Without so many percent of its faces, in patches.
@@ -314,8 +323,6 @@ pub(crate) fn split(
 
 #[cfg(test)]
 mod tests {
-    use rand::SeedableRng;
-
     use super::*;
 
     #[test]

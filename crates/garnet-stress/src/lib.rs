@@ -16,6 +16,7 @@ mod suite;
 mod verdict;
 
 pub use axis::{AXES, Axis};
+pub use damage::without_patches;
 pub use error::StressError;
 pub use method::Method;
 pub use suite::{Cell, Hold, StressOptions, holds, run};

@@ -5,6 +5,7 @@
 //! fitted by ridge regression over bodies of the population (`garnet-lab make-joints`), which also
 //! tells how far they are off on other bodies.
 
+use std::borrow::Cow;
 use std::sync::OnceLock;
 
 use garnet_mesh::{Point3, TriMesh, Vector3};
@@ -155,6 +156,14 @@ fn with_joints(mesh: &TriMesh, joints: Vec<Point3>) -> Body {
     body.expect("the template has a weight for every vertex")
 }
 
+/// A shape is told from a pose so many times at most, each time from a body of the size of the one
+/// before.
+const MOST_ROUNDS: usize = 3;
+
+/// Bodies whose bones differ by a smaller share in length are of one size. A lower value takes more
+/// rounds.
+const SAME_LENGTH: f32 = 0.01;
+
 /// The built-in body at rest whose skin in some pose is at `target` `[vertex]`, in metres; `body`
 /// is the built-in body in any shape, at rest.
 ///
@@ -168,21 +177,20 @@ pub fn unposed(body: &Body, target: &[Point3]) -> Result<Option<Body>, SkinError
     if !is_ours(body.rest()) {
         return Ok(None);
     }
+    if stands_at_rest(body, target) {
+        return Ok(placed(body, target.to_vec()));
+    }
+    let found = at_rest(body, body.fitted(target)?)?;
+    Ok(found.and_then(|(places, _)| placed(body, symmetric(places))))
+}
+
+/// The built-in body at rest with its skin at `places`, its soles where those of `body` are.
+fn placed(body: &Body, places: Vec<Point3>) -> Option<Body> {
     let rest = body.rest();
-    let places = if stands_at_rest(body, target) {
-        target.to_vec()
-    } else {
-        let Some((places, _)) = at_rest(body, &body.fitted(target)?) else {
-            return Ok(None);
-        };
-        symmetric(places)
-    };
     let places = on_floor(places, floor(rest.positions()));
-    let Ok(mesh) = rest.with_positions(places) else {
-        return Ok(None);
-    };
+    let mesh = rest.with_positions(places).ok()?;
     let joints = joints_of(mesh.positions());
-    Ok(Some(with_joints(&mesh, joints)))
+    Some(with_joints(&mesh, joints))
 }
 
 /// Whether a target is another body than `body`, at rest, upright and facing +Z: its shape needs
@@ -209,9 +217,37 @@ fn stands_at_rest(body: &Body, target: &[Point3]) -> bool {
 /// Vertices and joints at rest of who stands in `posed`, which is `body` in a pose and another
 /// shape; none of the same shape, or of bodies of another topology.
 ///
+/// # Errors
+///
+/// Those of [`Body::fitted`].
+pub(crate) fn at_rest(
+    body: &Body,
+    mut posed: PosedBody,
+) -> Result<Option<(Vec<Point3>, Vec<Point3>)>, SkinError> {
+    let (own, mut base) = (body.skeleton(), Cow::Borrowed(body));
+    let mut found = None;
+    // Bones of another length pull turns and joints aside.
+    for round in 1..=MOST_ROUNDS {
+        let Some(next) = carried_to_rest(&base, &posed) else {
+            break;
+        };
+        let length = own.placed(|joint, _| next.1[joint])?.length_of_bones();
+        found = Some(next);
+        let change = length / base.skeleton().length_of_bones() - 1.0;
+        if change.abs() < SAME_LENGTH || round == MOST_ROUNDS {
+            break;
+        }
+        base = Cow::Owned(body.scaled(length / own.length_of_bones())?);
+        posed = base.fitted(posed.skin().positions())?;
+    }
+    Ok(found)
+}
+
+/// Vertices and joints at rest by the pose in which `body` was fitted to a skin.
+///
 /// The skin at rest follows joint by joint from the posed one, and the joints from the skin; then
 /// bones are put end to end, as long as they are in the pose.
-pub(crate) fn at_rest(body: &Body, posed: &PosedBody) -> Option<(Vec<Point3>, Vec<Point3>)> {
+fn carried_to_rest(body: &Body, posed: &PosedBody) -> Option<(Vec<Point3>, Vec<Point3>)> {
     let offsets = posed.shape_offsets()?;
     let places = body.rest().positions().iter().zip(offsets);
     let places: Vec<Point3> = places.map(|(place, offset)| place + offset).collect();
@@ -384,10 +420,10 @@ mod tests {
 
     /// The shape of a posed body is found back this well, but for where it stands: mean and largest
     /// distance, in metres. Where a leg ends and a foot begins is not told by a pose.
-    const UNPOSED: [f32; 2] = [3e-2, 7e-2];
+    const UNPOSED: [f32; 2] = [1.5e-2, 4e-2];
 
     /// And what the tape measures, in metres.
-    const MAX_MEASURE: f64 = 0.03;
+    const MAX_MEASURE: f64 = 0.015;
 
     #[test]
     fn the_shape_of_a_posed_body_is_found() {
@@ -418,6 +454,29 @@ mod tests {
             let off = (found[measure] - other[measure]).abs();
             println!("{measure:?} {off}");
             assert!(off < MAX_MEASURE, "{measure:?}: {off} m");
+        }
+    }
+
+    #[test]
+    fn who_is_much_shorter_or_taller_is_measured_in_a_pose_too() {
+        let own = ParametricBody::build(&crate::shape::BodyParameters::new(0.5)).unwrap();
+        let mut pose = garnet_skin::Pose::rest(NUM_JOINTS);
+        let at = |name: &str| JOINT_NAMES.iter().position(|other| *other == name).unwrap();
+        for (name, angle) in [("left_hip", -0.9), ("left_knee", 0.8), ("spine1", 0.2)] {
+            let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
+            pose.rotations[at(name)] = turn;
+        }
+        for (sex, stature) in [(0.0, 1.45), (0.5, 1.55), (1.0, 2.0)] {
+            let parameters = crate::shape::BodyParameters::new(sex);
+            let parameters = parameters.with(Measure::Stature, stature);
+            let other = ParametricBody::build(&parameters).unwrap();
+            let posed = other.body().posed(&pose).unwrap();
+            let found = unposed(own.body(), posed.skin().positions()).unwrap();
+            let found = tape_measures(&found.expect("it has another shape")).unwrap();
+            for measure in [Measure::Waist, Measure::Hip, Measure::Inseam] {
+                let off = (found[measure] - other.measures()[measure]).abs();
+                assert!(off < 0.02, "{stature} {measure:?}: {off} m");
+            }
         }
     }
 

@@ -160,7 +160,7 @@ impl Tape {
         if posed.shape_offsets().is_none() {
             return Some(own);
         }
-        let (places, joints) = at_rest(body, posed)?;
+        let (places, joints) = at_rest(body, posed.clone()).ok()??;
         let joints = joints.iter().map(|joint| joint.coords.cast());
         Some(Self::new(
             own.own_from_world,
@@ -324,8 +324,10 @@ mod tests {
     fn the_skin_of_a_person_fitted_on_another_body_tells_the_girths() {
         let rest = ParametricBody::build(&BodyParameters::new(0.5)).unwrap();
         let population = Population::new(5);
-        for number in 0..4 {
-            let person = ParametricBody::build(&population.sample(number)).unwrap();
+        let short = BodyParameters::new(1.0).with(Measure::Stature, 1.50);
+        let persons = (0..4).map(|number| population.sample(number));
+        for (number, person) in persons.chain([short]).enumerate() {
+            let person = ParametricBody::build(&person).unwrap();
             let mut pose = Pose::rest(NUM_JOINTS);
             pose.rotations[tape::index("left_hip")] =
                 UnitQuaternion::from_axis_angle(&nalgebra::Vector3::x_axis(), -0.5);

@@ -51,6 +51,8 @@ pub(crate) enum Problem {
     InsideOutGarment(f32),
     /// The body is so small, in metres, that its file may be in inches or feet.
     SmallBody(f32),
+    /// The body is smaller than any doll: its height in metres.
+    TinyBody(f32),
     /// So many faces of the body looked inwards.
     TurnedFaces(usize),
     /// A limb is out of the cloth that is round it at rest: its joint, and what share of it.
@@ -131,6 +133,7 @@ impl Problem {
             Self::InsideOutBody => "inside_out_body",
             Self::InsideOutGarment(_) => "inside_out_garment",
             Self::SmallBody(_) => "small_body",
+            Self::TinyBody(_) => "tiny_body",
             Self::TurnedFaces(_) => "turned_faces",
             Self::LimbOutside(..) => "limb_outside",
             Self::Torn(_) => "torn",
@@ -192,6 +195,7 @@ impl Problem {
             | Self::InsideOutGarment(_)
             | Self::EmptySleeve(..)
             | Self::SmallBody(_)
+            | Self::TinyBody(_)
             | Self::LimbOutside(..)
             | Self::Torn(_)
             | Self::TornWhereCaught(_)
@@ -285,6 +289,10 @@ impl fmt::Display for Warning {
                 "the body `{path}` is taken to be {:.0} cm tall; if its file is in inches or feet, \
                  say so by `--units in` or `--units ft`",
                 100.0 * height
+            ),
+            Problem::TinyBody(height) => format!(
+                "the body `{path}` is {:.1} mm tall: its file may be in another unit (`--units`)",
+                1000.0 * height
             ),
             Problem::TurnedFaces(count) => format!(
                 "{count} faces of the body `{path}` look inwards, and are taken the other way round"
@@ -502,14 +510,16 @@ const MAX_START_DEPTH: f32 = 0.03;
 /// A target that differs from the posed rest body by more than a change of shape does, in metres.
 const MAX_RESIDUAL: f32 = 0.15;
 
-/// What is unusual about a garment that was read from `path`, and about where it lies on its body.
-pub(crate) fn warnings_of(path: &Path, garment: &BoundGarment) -> Vec<WarningReport> {
+/// What is unusual about a garment and its body, read from `paths`, and about where it lies.
+pub(crate) fn warnings_of(paths: [&Path; 2], garment: &BoundGarment) -> Vec<WarningReport> {
     let problems = of_garment(garment.mesh()).into_iter();
     let problems = problems.chain(of_start(garment)).chain(of_holes(garment));
     let problems = problems.chain(of_openings(garment.mesh(), garment.body()));
     let problems = problems.chain(of_skin_at_rest(garment));
     let problems = problems.chain(of_sides(garment));
-    let warnings = problems.map(|problem| Warning {
+    let problems = problems.map(|problem| (paths[0], problem));
+    let of_body = of_height(garment.body()).map(|problem| (paths[1], problem));
+    let warnings = problems.chain(of_body).map(|(path, problem)| Warning {
         path: path.to_path_buf(),
         problem,
     });
@@ -521,6 +531,16 @@ pub(crate) fn warnings_of(path: &Path, garment: &BoundGarment) -> Vec<WarningRep
 /// Heights of bodies in metres, from the smallest that is taken for one, that are rather those of
 /// people in inches, read as centimetres, or in feet, read as decimetres.
 const SMALLEST_PERSON: [f32; 2] = [0.5, 0.85];
+
+/// Bodies that are smaller than this in all directions are smaller than any doll, in metres.
+const SMALLEST_DOLL: f32 = 0.03;
+
+/// Whether a body is rather one in another unit.
+fn of_height(body: &Body) -> Option<Problem> {
+    let bounds = Bounds::of_faces(body.rest().positions(), body.rest().faces());
+    let height = bounds.unwrap_or_default().extent().max();
+    (height < SMALLEST_DOLL).then_some(Problem::TinyBody(height))
+}
 
 /// What is unusual about a garment.
 pub(crate) fn of_garment(mesh: &TriMesh) -> Vec<Problem> {
@@ -560,6 +580,7 @@ pub(crate) fn of_body(body: &Body) -> Vec<Problem> {
     if (SMALLEST_PERSON[0]..SMALLEST_PERSON[1]).contains(&height) {
         problems.push(Problem::SmallBody(height));
     }
+    problems.extend(of_height(body));
     if body.num_turned_faces() > 0 {
         problems.push(Problem::TurnedFaces(body.num_turned_faces()));
     }

@@ -93,7 +93,7 @@ fn made_of(
     // What cannot be simulated can be neither drawn for data sets nor settle.
     Simulator::of_garment(bound.cloth().clone(), &body, &shape, &fabric.fabric())
         .with_context(cannot)?;
-    let warnings = warnings_of(&path, &bound);
+    let warnings = warnings_of([&path, &rest.path], &bound);
     let template = if garment_frame == Frame::OURS && !is_moved {
         garment_file
     } else {

@@ -221,7 +221,7 @@ impl fmt::Display for PoseNote {
             Self::Motion(text) => formatter.write_str(text),
             Self::NoMotion { path } => write!(
                 formatter,
-                "`{}` is no motion: its place and time are as they are, whatever is asked of motions",
+                "`{}` is no motion: its place, time and arms are as they are, whatever is asked of motions",
                 path.display()
             ),
             Self::ArmsTurned {
@@ -468,7 +468,8 @@ impl PoseSource {
         let mut posing = match key_pose(&name) {
             Some(pose) if !self.path.exists() => {
                 let mut posing = of_library(&name, &pose.angles, body)?;
-                posing.notes.extend(self.not_moved_by(of_motion));
+                let is_told = *of_motion != MotionOptions::default() || self.up.is_some();
+                posing.notes.extend(is_told.then(|| self.no_motion()));
                 posing
             }
             _ => self.read_take(body, of_motion)?,
@@ -479,12 +480,10 @@ impl PoseSource {
         Ok(posing)
     }
 
-    /// Options of motions that do nothing, as it is none.
-    fn not_moved_by(&self, options: &MotionOptions) -> Option<PoseNote> {
-        let is_told = options.on_ground || options.in_place || options.fps.is_some();
-        is_told.then(|| PoseNote::NoMotion {
+    fn no_motion(&self) -> PoseNote {
+        PoseNote::NoMotion {
             path: self.path.clone(),
-        })
+        }
     }
 
     /// The poses of a file.
@@ -506,8 +505,8 @@ impl PoseSource {
         let mut notes: Vec<PoseNote> = notes.map(PoseNote::Motion).collect();
         let mut poses = take.poses_of(skeleton, &moments.frames, &options)?;
         let is_motion = take.motion().is_some();
-        if !is_motion {
-            notes.extend(self.not_moved_by(of_motion));
+        if !is_motion && *of_motion != MotionOptions::default() {
+            notes.push(self.no_motion());
         }
         if is_motion && !of_motion.keep_arms {
             notes.extend(keep_apart(

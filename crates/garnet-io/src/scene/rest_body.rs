@@ -241,7 +241,10 @@ fn recovered(
     // Bones of other lengths pull the fitted joints apart: a pose does not. The more alike both are
     // in size, the better are the turns.
     let (first, _) = rig.unposed(mesh.positions(), &turns_of(&rest_from_zero))?;
-    let grown = scaled(rig, length(first.skeleton()) / length(rig.skeleton()))?;
+    let lengths = [first.skeleton(), rig.skeleton()].map(Skeleton::length_of_bones);
+    let times = lengths[0] / lengths[1];
+    let is_usable = times.is_finite() && times > 0.0;
+    let grown = rig.scaled(if is_usable { times } else { 1.0 })?;
     let fitted = grown.fitted(mesh.positions())?;
     let turns = turns_of(fitted.posed_from_rest());
     let (body, rest_from_zero) = grown.unposed(mesh.positions(), &turns)?;
@@ -258,34 +261,6 @@ fn turns_of(transforms: &[Isometry3<f32>]) -> Vec<UnitQuaternion<f32>> {
         .iter()
         .map(|transform| transform.rotation)
         .collect()
-}
-
-/// The length of all bones together, in metres.
-fn length(skeleton: &Skeleton) -> f32 {
-    let joints = skeleton.joints();
-    let bones = joints.iter().filter_map(|joint| {
-        let parent = &joints[joint.parent?];
-        Some((joint.rest_position - parent.rest_position).norm())
-    });
-    bones.sum()
-}
-
-/// A body that is so many times as large, about the origin.
-fn scaled(body: &Body, times: f32) -> Result<Body, SkinError> {
-    let times = if times.is_finite() && times > 0.0 {
-        times
-    } else {
-        1.0
-    };
-    let places = body.rest().positions().iter().map(|place| place * times);
-    let mesh = body.rest().with_positions(places.collect());
-    let skeleton = body
-        .skeleton()
-        .placed(|_, joint| joint.rest_position * times)?;
-    match mesh {
-        Ok(mesh) => Body::new(mesh, skeleton, body.weights().clone()),
-        Err(_) => Ok(body.clone()),
-    }
 }
 
 /// How far transforms pull joints from their parents at most, in metres.
