@@ -394,3 +394,75 @@ fn files_of_a_folder_that_is_no_package_are_not_written_over() {
     );
     assert_eq!(fixture.read("mine/template.obj"), b"v 0 0 0\n");
 }
+
+#[test]
+fn garments_are_cut_alike_wherever_their_body_stands_and_faces() {
+    let fixture = Fixture::new();
+    done(&fixture, "body --sex female --bmi 27 -o here.obj -q");
+    let (sine, cosine) = 0.8_f32.sin_cos();
+    let away = |p: &Point3| {
+        let [x, z] = [cosine * p.x + sine * p.z, cosine * p.z - sine * p.x];
+        Point3::new(x + 0.5, p.y + 0.1, z - 2.0)
+    };
+    fixture.moved("here.obj", "away.obj", away);
+    for (name, kind) in [("here", "tshirt"), ("away", "tshirt")] {
+        let made = format!("garment {kind} --vertices 800 --body {name}.obj -o {name} -q");
+        done(&fixture, &made);
+    }
+    let template = |name: &str| {
+        let file = ObjFile::read(fixture.path(&format!("{name}/template.obj"))).unwrap();
+        file.positions().to_vec()
+    };
+    let [here, found] = [template("here"), template("away")];
+    let apart: Vec<f32> = here
+        .iter()
+        .zip(&found)
+        .map(|(here, found)| (away(here) - found).norm())
+        .collect();
+    let mean = apart.iter().sum::<f32>() / apart.len() as f32;
+    // Rounding alone lets folds differ.
+    assert!(mean < 1e-2, "{mean}");
+}
+
+#[test]
+fn bodies_are_measured_in_any_unit_and_place() {
+    let fixture = Fixture::new();
+    done(&fixture, "body --sex female --bmi 27 -o here.obj -q");
+    fixture.moved("here.obj", "inches.obj", |p| p / 0.0254);
+    fixture.moved("here.obj", "feet.obj", |p| p / 0.3048);
+    fixture.moved("here.obj", "away.obj", |p| {
+        Point3::new(p.x - 0.5, p.y - 0.9, p.z + 30.0)
+    });
+    let measures = |name: &str| {
+        let output = fixture.garnet(&format!("info {name}.obj"));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let told = stdout(&output);
+        let of = |measure: &str| {
+            let line = told
+                .lines()
+                .find(|line| line.trim_start().starts_with(measure));
+            let line = line.unwrap_or_else(|| panic!("{name}: no {measure} in {told}"));
+            let number = line
+                .trim()
+                .trim_end_matches("cm")
+                .split_whitespace()
+                .last()
+                .unwrap();
+            number.parse::<f64>().unwrap()
+        };
+        ["stature", "chest", "inseam"].map(of)
+    };
+    let here = measures("here");
+    for name in ["inches", "feet", "away"] {
+        for (found, here) in measures(name).into_iter().zip(here) {
+            assert!((found - here).abs() < 0.15, "{name}: {found} {here}");
+        }
+    }
+}
+
+#[test]
+fn what_measures_leave_no_room_for_is_told() {
+    let fixture = Fixture::new();
+    let told = done(&fixture, "body --sex male --bmi 35 --waist 85 -o heavy.obj");
+    assert!(told.contains("not 35.0 as asked for"), "{told}");
+}

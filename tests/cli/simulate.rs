@@ -332,3 +332,28 @@ fn absurd_fabrics_are_refused() {
     fs::write(&manifest, text.replace(density, "density = -1.0")).unwrap();
     refused(&fixture, "simulate pack bent.obj -o out.obj", "density");
 }
+
+#[test]
+fn what_stays_strained_as_it_settles_is_simulated_from_rest() {
+    let fixture = Fixture::new();
+    let demo = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/demo");
+    let demo = demo.display();
+    let scene = format!("{demo}/tunic.obj --rig {demo}/body.rig.npz --pose upward_salute");
+    let report = |arguments: &str| -> (serde_json::Value, String) {
+        let output = fixture.garnet(&format!("drape {scene} {arguments} --report - -q"));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let report: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        (report["drapes"][0].clone(), stderr(&output))
+    };
+    let (warped, _) = report("-o warped.obj");
+    let (settled, _) = report("--settle 12 -o settled.obj");
+    let p99 = |drape: &serde_json::Value| drape["stretch"]["p99"].as_f64().unwrap();
+    assert!(p99(&warped) > 1.3, "{warped}");
+    assert!(p99(&settled) < 1.25, "{settled}");
+    let reason = settled["fallback"].as_str().unwrap();
+    assert!(
+        reason.starts_with("when it settled, 1 % of its edges"),
+        "{reason}"
+    );
+    assert_eq!(settled["untangle"]["inside"], 0, "{settled}");
+}

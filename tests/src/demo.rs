@@ -28,6 +28,9 @@ const FINE_SPACING: f32 = 0.0132;
 /// About how many vertices the tunic on it has.
 const FINE_TUNIC: usize = 10_000;
 
+/// The name of a pose, and the vertices of a body in it `[vertex]`.
+pub type Posed = (&'static str, Vec<Point3>);
+
 /// The contents of the demo.
 #[derive(Debug, Clone)]
 pub struct Demo {
@@ -58,12 +61,12 @@ impl Demo {
         })
     }
 
-    /// The body `[vertex]` in each pose that the demo is tested in, with the name of the pose.
+    /// Each pose that the demo is tested in, and the body in it.
     ///
     /// # Errors
     ///
     /// What the built-in body refuses.
-    pub fn posed(&self) -> Result<Vec<(&'static str, Vec<Point3>)>, Box<dyn Error>> {
+    pub fn posed(&self) -> Result<Vec<Posed>, Box<dyn Error>> {
         let poses = [REACH].into_iter().chain(OTHER_POSES);
         poses
             .map(|pose| Ok((pose, library_posed(&self.body, pose)?)))

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
-use garnet_body::shape::{ParametricBody, tape_measures};
+use garnet_body::shape::{ParametricBody, standing, tape_measures};
 use garnet_drape::{
     FinishedGirth, GarmentPackage, PackageParts, Region, Simulator, StoredFabric, StoredParameters,
     StoredPattern, check_stop, collider, stopping,
@@ -169,6 +169,12 @@ impl Tailor {
         wearer: &Wearer,
         stop: &AtomicBool,
     ) -> Result<Worn, DataError> {
+        // Patterns know bodies that stand at the origin.
+        if let Some((standing, back)) = standing(body) {
+            let Worn { sewn, positions } = self.dress(&standing, wearer, stop)?;
+            let positions = positions.iter().map(|place| back * place).collect();
+            return Ok(Worn { sewn, positions });
+        }
         let cut = self.size.map_or(wearer.measures, Size::measures);
         let sewn = self.template.sewn(&self.parameters, &cut, wearer)?;
         let rest = rest_of(&sewn);

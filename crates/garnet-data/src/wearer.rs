@@ -1,6 +1,6 @@
 //! A body as a tailor knows it.
 
-use garnet_body::shape::{BodyParameters, Measure, Measures, tape_measures};
+use garnet_body::shape::{BodyParameters, Measure, Measures, standing, tape_measures};
 use garnet_drape::GarmentPackage;
 
 use garnet_pattern::{
@@ -10,13 +10,16 @@ use garnet_skin::Body;
 
 use crate::{DataError, Tailor};
 
-/// Measures and landmarks of a built-in body at rest; none for bodies of another topology.
+/// Measures and landmarks of a built-in body at rest, in the frame of built-in bodies wherever it
+/// stands and faces; none for bodies of another topology.
 ///
 /// # Errors
 ///
 /// [`PatternError::BadWearer`] if a joint is missing.
 pub fn wearer_of(body: &Body) -> Option<Result<Wearer, PatternError>> {
     let measures = tape_measures(body)?;
+    let standing = standing(body);
+    let body = standing.as_ref().map_or(body, |(body, _)| body);
     Some(wearer(body, &measures))
 }
 

@@ -35,6 +35,9 @@ pub struct DrapeOptions {
     /// For how many frames of a sixtieth of a second the cloth is simulated where it was brought;
     /// `None` leaves that to what brings it. Only garments with a simulator are relaxed.
     pub relax_frames: Option<u32>,
+    /// Whether warped cloth that is still strained when it has settled is simulated all the way
+    /// from the body at rest, which takes seconds. Neighbouring frames of a motion would jump.
+    pub simulates_strained: bool,
 }
 
 impl Default for DrapeOptions {
@@ -43,6 +46,7 @@ impl Default for DrapeOptions {
             warp: Warp::Shape,
             untangle: Some(UntangleOptions::default()),
             relax_frames: None,
+            simulates_strained: false,
         }
     }
 }
@@ -95,6 +99,15 @@ impl DrapeOptions {
     pub fn without_untangling(self) -> Self {
         Self {
             untangle: None,
+            ..self
+        }
+    }
+
+    /// The same, with warped cloth that stays strained simulated from rest.
+    #[must_use]
+    pub fn simulating_strained(self) -> Self {
+        Self {
+            simulates_strained: true,
             ..self
         }
     }
@@ -263,6 +276,14 @@ pub enum Fallback {
         /// Its longest edge over that at rest.
         stretch: f32,
     },
+    /// What was warped stayed strained when it settled: the garment was simulated all the way from
+    /// the body at rest.
+    Strained {
+        /// What 1 % of the edges exceeded, over their length at rest.
+        p99: f32,
+        /// The longest edge, over its length at rest.
+        longest: f32,
+    },
 }
 
 impl Fallback {
@@ -272,7 +293,7 @@ impl Fallback {
         match self {
             #[cfg(feature = "package")]
             Self::Unfamiliar(reason) => !matches!(reason, crate::Unfamiliar::Torn { .. }),
-            Self::OnTheWay | Self::Torn { .. } => false,
+            Self::OnTheWay | Self::Torn { .. } | Self::Strained { .. } => false,
         }
     }
 }
@@ -286,6 +307,11 @@ impl fmt::Display for Fallback {
             Self::Torn { stretch } => write!(
                 formatter,
                 "what is midway was caught on the body, an edge {stretch:.1} times as long"
+            ),
+            Self::Strained { p99, longest } => write!(
+                formatter,
+                "when it settled, 1 % of its edges stayed more than {p99:.2} times as long, the \
+                 longest {longest:.1} times"
             ),
         }
     }

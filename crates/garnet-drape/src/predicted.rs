@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use garnet_knn::TORN_STRETCH;
-use garnet_mesh::{Point3, edge_stretch};
+use garnet_mesh::{Point3, StretchSummary, edge_stretch};
 use garnet_net::ReferenceCase;
 use garnet_sim::{DrapeReport, Event, Moment, Quality};
 use garnet_skin::{BodyAtHome, PosedBody, Warp};
@@ -23,6 +23,14 @@ use crate::{
 /// would have to go through: half as much again as torn, so that what a contact strains for a
 /// moment does not count. Lower, more drapes are simulated from rest, which takes seconds.
 const CAUGHT_STRETCH: f32 = 1.5 * TORN_STRETCH;
+
+/// Warped cloth that has settled is strained if 1 % of its edges are longer than this over their
+/// length at rest, or one is torn: simulated cloth has 1.02 to 1.1. Lower, more drapes are
+/// simulated from rest.
+const STRAINED: f32 = 1.2;
+
+/// How strained cloth is, less of which is better.
+type Measure = fn(&StretchSummary) -> f32;
 
 /// What stands between warp and untangling.
 #[derive(Debug, Clone, Default)]
@@ -172,6 +180,7 @@ impl Draper {
         };
         let relaxation = self.relaxation();
         let is_on_way = relaxation.from.is_on_way();
+        let is_at_rest = relaxation.from == Moment::Rest;
         let relaxed = match (&brought.provenance.fallback, &self.learned.simulator) {
             (_, None) => None,
             (None, _) if !relaxation.takes_time() => None,
@@ -205,8 +214,7 @@ impl Draper {
                     brought.provenance.fallback = brought.provenance.fallback.or(fallback);
                     let before = std::mem::replace(&mut brought.nodes, settled);
                     // What was to rest already is a drape.
-                    let was_drape = relaxation.from == Moment::Rest;
-                    brought.unrelaxed = was_drape.then_some((before, brought.by));
+                    brought.unrelaxed = is_at_rest.then_some((before, brought.by));
                     brought.by = if relaxation.finds_folds() {
                         PlacedBy::Simulation
                     } else {
@@ -260,24 +268,17 @@ impl Draper {
             })
         };
         let first = settle(from, relaxation)?;
-        let is_of_network = relaxation.from.is_on_way() && relaxation.from != Moment::Start;
-        if !(is_of_network && relaxation.finds_folds()) {
-            return Ok(first);
-        }
-        let Some(stretch) = self.torn(&first.nodes) else {
+        let Some((reason, measure)) = self.unfit(&first, relaxation) else {
             return Ok(first);
         };
         let relaxation = Settling {
             from: Moment::Start,
             ..relaxation
         };
-        let is_better = |again: &Settled| {
-            let torn = self.torn(&again.nodes);
-            torn.is_none_or(|again| again < stretch)
-        };
         match settle(self.garment.mesh().positions(), relaxation) {
-            Ok(again) if is_better(&again) => {
-                let reason = Fallback::Torn { stretch };
+            Ok(again)
+                if measure(&self.stretch(&again.nodes)) < measure(&self.stretch(&first.nodes)) =>
+            {
                 info!(%reason, "simulated from the body at rest");
                 Ok(Settled {
                     fallback: Some(reason),
@@ -289,13 +290,31 @@ impl Draper {
         }
     }
 
-    /// How many times as long as at rest the longest edge of simulated cloth `[node]` is, if no
-    /// cloth is like that.
-    fn torn(&self, nodes: &[Point3]) -> Option<f32> {
+    /// Why cloth that has settled is to be simulated from the body at rest instead, and by what
+    /// that is to be better.
+    fn unfit(&self, settled: &Settled, by: Settling) -> Option<(Fallback, Measure)> {
+        let stretch = self.stretch(&settled.nodes);
+        let is_of_network = by.from.is_on_way() && by.from != Moment::Start;
+        if is_of_network && by.finds_folds() {
+            let is_caught = stretch.max > CAUGHT_STRETCH;
+            let stretch = stretch.max;
+            return is_caught.then_some((Fallback::Torn { stretch }, |found| found.max));
+        }
+        let is_warped = self.network().is_none() && by.from == Moment::Rest;
+        let may_simulate = is_warped && self.options.simulates_strained;
+        let strain: Measure = |found| (found.p99 / STRAINED).max(found.max / TORN_STRETCH);
+        let reason = Fallback::Strained {
+            p99: stretch.p99,
+            longest: stretch.max,
+        };
+        (may_simulate && strain(&stretch) > 1.0).then_some((reason, strain))
+    }
+
+    /// How much longer the edges of cloth `[node]` are than at rest.
+    fn stretch(&self, nodes: &[Point3]) -> StretchSummary {
         let cloth = self.garment.cloth();
-        let stretch = edge_stretch(cloth.rest_nodes(), nodes, cloth.topology().edges());
-        let longest = stretch.map_or(1.0, |found| found.max);
-        (longest > CAUGHT_STRETCH).then_some(longest)
+        let found = edge_stretch(cloth.rest_nodes(), nodes, cloth.topology().edges());
+        found.unwrap_or_default()
     }
 
     /// What the network is told of a body and what it says, for other implementations: see

@@ -102,7 +102,10 @@ fn without_some(packages: &[PathBuf]) -> Outcome {
                 let found = draped_on(&open, garment, pose)?;
                 let skin = posed_in(whole, pose)?.skin().clone();
                 let is_inside = skin.contains_all(&found);
-                let inside = found.iter().zip(&is_inside).filter(|(_, is_inside)| **is_inside);
+                let inside = found
+                    .iter()
+                    .zip(&is_inside)
+                    .filter(|(_, is_inside)| **is_inside);
                 let depths = inside.map(|(place, _)| (skin.closest(*place).point - place).norm());
                 let depths: Vec<f32> = depths.collect();
                 sunken += usize::from(!depths.is_empty());

@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use garnet_mesh::{Point3, TriMesh};
 use garnet_skin::{Body, SkinWeights};
+use nalgebra::Isometry3;
 
 use super::carry::Carrier;
 use super::fit::fitted;
@@ -11,6 +12,7 @@ use super::measure::Measures;
 use super::primitives::Vec3;
 use super::surface::BodySurface;
 use super::tape::{self, BODY_DENSITY};
+use super::tape_on::own_frame;
 use super::template::Template;
 use super::{BodyParameters, NUM_JOINTS, ShapeError};
 
@@ -150,17 +152,24 @@ impl ParametricBody {
     }
 }
 
-/// What the tape measures on a body at rest, if it has the built-in topology and joints.
+/// What the tape measures on a body at rest, wherever it stands and faces, if it has the built-in
+/// topology and joints.
 pub fn tape_measures(body: &Body) -> Option<Measures> {
     let template = Template::stored();
     if body.rest().faces() != template.faces || body.skeleton().num_joints() != NUM_JOINTS {
         return None;
     }
     let joints = body.skeleton().joints().iter();
-    let joints: Vec<Vec3> = joints
+    let mut joints: Vec<Vec3> = joints
         .map(|joint| joint.rest_position.coords.cast())
         .collect();
-    let positions = tape::doubled(body.rest().positions());
+    let mut positions = tape::doubled(body.rest().positions());
+    let own = own_frame(&positions, &joints);
+    if own != Isometry3::identity() {
+        for place in positions.iter_mut().chain(&mut joints) {
+            *place = (own * nalgebra::Point3::from(*place)).coords;
+        }
+    }
     Some(tape::measured(
         &positions,
         &template.faces,

@@ -143,6 +143,25 @@ fn is_ours(mesh: &TriMesh) -> bool {
     has_vertices && mesh.faces() == Template::stored().faces
 }
 
+/// How many times as large a mesh of the built-in body is as one of 1.72 m, in any pose: by the
+/// edges of one half. None of other meshes.
+pub fn times_as_large(mesh: &TriMesh) -> Option<f32> {
+    let template = Template::stored();
+    if !is_ours(mesh) {
+        return None;
+    }
+    let half = template.half.len() as u32;
+    let of_half = |face: &&[u32; 3]| face.iter().all(|&vertex| vertex < half);
+    let faces = || template.faces.iter().filter(of_half);
+    let of_template = |vertex: u32| Vector3::from(template.half[vertex as usize].map(|x| x as f32));
+    let of_mesh = |vertex: u32| mesh.positions()[vertex as usize].coords;
+    let around = |place: &dyn Fn(u32) -> Vector3| -> f32 {
+        let edges = faces().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        edges.map(|[a, b]| (place(a) - place(b)).norm()).sum()
+    };
+    Some(around(&of_mesh) / around(&of_template))
+}
+
 /// The built-in body of a mesh at rest and its joints.
 fn with_joints(mesh: &TriMesh, joints: Vec<Point3>) -> Body {
     let named = JOINT_NAMES.iter().zip(JOINT_PARENTS).zip(joints);
@@ -155,6 +174,9 @@ fn with_joints(mesh: &TriMesh, joints: Vec<Point3>) -> Body {
     let body = Body::new(mesh.clone(), skeleton, shared().weights.clone());
     body.expect("the template has a weight for every vertex")
 }
+
+/// The trunk of who stands at rest points up: the cosine of 25 degrees.
+const UPRIGHT: f32 = 0.9;
 
 /// A shape is told from a pose so many times at most, each time from a body of the size of the one
 /// before.
@@ -208,11 +230,14 @@ fn stands_at_rest(body: &Body, target: &[Point3]) -> bool {
     let across = at("left_hip") - at("right_hip");
     let middle = &target[..Template::stored().num_middle];
     let aside = middle.iter().map(|place| place.x.abs());
-    trunk.y > 0.0
+    trunk.y > UPRIGHT * trunk.norm()
         && across.x > 0.0
         && aside.fold(0.0, f32::max) < MAX_ASYMMETRY * trunk.norm()
         && is_at_rest(target, &joints)
 }
+
+/// Places of vertices `[vertex]` and joints `[joint]`, in metres.
+type SkinAndJoints = (Vec<Point3>, Vec<Point3>);
 
 /// Vertices and joints at rest of who stands in `posed`, which is `body` in a pose and another
 /// shape; none of the same shape, or of bodies of another topology.
@@ -223,7 +248,7 @@ fn stands_at_rest(body: &Body, target: &[Point3]) -> bool {
 pub(crate) fn at_rest(
     body: &Body,
     mut posed: PosedBody,
-) -> Result<Option<(Vec<Point3>, Vec<Point3>)>, SkinError> {
+) -> Result<Option<SkinAndJoints>, SkinError> {
     let (own, mut base) = (body.skeleton(), Cow::Borrowed(body));
     let mut found = None;
     // Bones of another length pull turns and joints aside.
@@ -247,7 +272,7 @@ pub(crate) fn at_rest(
 ///
 /// The skin at rest follows joint by joint from the posed one, and the joints from the skin; then
 /// bones are put end to end, as long as they are in the pose.
-fn carried_to_rest(body: &Body, posed: &PosedBody) -> Option<(Vec<Point3>, Vec<Point3>)> {
+fn carried_to_rest(body: &Body, posed: &PosedBody) -> Option<SkinAndJoints> {
     let offsets = posed.shape_offsets()?;
     let places = body.rest().positions().iter().zip(offsets);
     let places: Vec<Point3> = places.map(|(place, offset)| place + offset).collect();

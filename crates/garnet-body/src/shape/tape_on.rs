@@ -86,20 +86,43 @@ fn lowest(positions: &[Vec3]) -> f64 {
 /// which is turned by less, stands where the built-in bodies do; in metres, and as a tangent.
 const AT_HOME: f64 = 1e-3;
 
+/// How far forward the hips of built-in bodies are, to within [`NEAR_HOME`], in metres.
+const HIPS: f64 = -0.006;
+const NEAR_HOME: f64 = 0.01;
+
 /// From the world to the frame of a body at rest that stands or faces elsewhere: x to its left, y
 /// up from its soles.
-fn own_frame(positions: &[Vec3], joints: &[Vec3]) -> Isometry3<f64> {
+pub(super) fn own_frame(positions: &[Vec3], joints: &[Vec3]) -> Isometry3<f64> {
     let [left, right] = ["left_hip", "right_hip"].map(|name| joints[tape::index(name)]);
     let (across, floor) = (left - right, lowest(positions));
     let middle = (left + right) / 2.0;
     let is_turned = across.x <= 0.0 || across.z.abs() > AT_HOME * across.x;
-    if !is_turned && floor.abs() < AT_HOME && middle.x.abs() < AT_HOME {
+    let is_near = (middle.z - HIPS).abs() < NEAR_HOME;
+    if !is_turned && floor.abs() < AT_HOME && middle.x.abs() < AT_HOME && is_near {
         return Isometry3::identity();
     }
     // A turn about y by an angle takes x to (cos, 0, -sin).
     let turn = UnitQuaternion::from_axis_angle(&Vec3::y_axis(), across.z.atan2(across.x));
     let origin = Vec3::new(middle.x, floor, middle.z);
-    Isometry3::from_parts(Translation3::from(turn * -origin), turn)
+    let hips = Vec3::new(0.0, 0.0, HIPS);
+    Isometry3::from_parts(Translation3::from(hips - turn * origin), turn)
+}
+
+/// A built-in body at rest that stands or faces elsewhere, brought to where built-in bodies stand,
+/// and the way back; none of bodies that stand there, or are none of ours.
+pub fn standing(body: &Body) -> Option<(Body, Isometry3<f32>)> {
+    let own = Tape::around(body)?.own_from_world;
+    if own == Isometry3::identity() {
+        return None;
+    }
+    let moved = |place: &Point3| -> Point3 { (own * place.cast::<f64>()).cast() };
+    let places = body.rest().positions().iter().map(moved).collect();
+    let mesh = body.rest().with_positions(places).ok()?;
+    let skeleton = body
+        .skeleton()
+        .placed(|_, joint| moved(&joint.rest_position));
+    let standing = Body::new(mesh, skeleton.ok()?, body.weights().clone()).ok()?;
+    Some((standing, own.inverse().cast()))
 }
 
 impl TapePlane {
@@ -258,7 +281,7 @@ impl Tape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::{BodyParameters, ParametricBody, Population};
+    use crate::shape::{BodyParameters, ParametricBody, Population, tape_measures};
     use garnet_skin::Pose;
 
     /// Girths of a person in a pose are found this well, relative: that of the chest depends on how
@@ -306,7 +329,21 @@ mod tests {
                 .unwrap(),
             built.body().weights().clone(),
         );
-        let tape = Tape::around(&body.unwrap()).unwrap();
+        let body = body.unwrap();
+        let measured = tape_measures(&body).unwrap();
+        for (measure, truth) in built.measures().iter() {
+            let found = measured[measure];
+            assert!((found - truth).abs() < 2e-3, "{measure}: {found}, {truth}");
+        }
+        let (standing, back) = standing(&body).unwrap();
+        let pairs = standing.rest().positions().iter();
+        let pairs = pairs.zip(built.body().rest().positions());
+        let farthest = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
+        assert!(farthest < 2e-3, "{farthest}");
+        let turned = (back.rotation * nalgebra::Vector3::z())
+            .angle(&(away.rotation * nalgebra::Vector3::z()));
+        assert!(turned < 1e-3, "{turned}");
+        let tape = Tape::around(&body).unwrap();
         for measure in Measure::GIRTHS {
             let [found, truth] = [&tape, &own].map(|tape| tape.girth(&tape.plane(measure)));
             assert!(

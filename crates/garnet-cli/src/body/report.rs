@@ -8,6 +8,9 @@ use serde::Serialize;
 /// A given length that is missed by more is told, in metres.
 const NOTABLE_LENGTH: f64 = 0.005;
 
+/// A given body mass index that is missed by more is told.
+const NOTABLE_BMI: f64 = 0.5;
+
 /// The document of `body`: `garnet.body/1`.
 #[derive(Debug, Serialize)]
 pub(crate) struct BodyReport {
@@ -42,6 +45,8 @@ pub(crate) struct Tape {
     pub(crate) volume_m3: f64,
     /// Mass over squared stature, in kg/m².
     pub(crate) bmi: f64,
+    /// What was asked for; none if it was predicted.
+    pub(crate) asked_bmi: Option<f64>,
     pub(crate) measures: Vec<MeasuredLength>,
 }
 
@@ -67,6 +72,7 @@ impl Tape {
             mass_kg: built.mass(),
             volume_m3: built.volume(),
             bmi: built.mass() / (stature * stature),
+            asked_bmi: parameters.bmi(),
             measures: measured.collect(),
         }
     }
@@ -74,7 +80,7 @@ impl Tape {
     /// What is said of the measures that could not be met beside the others. A girth that cannot be
     /// met is an error; a length is not.
     pub(crate) fn conflicts(&self) -> impl Iterator<Item = String> + '_ {
-        self.measures.iter().filter_map(|measure| {
+        let lengths = self.measures.iter().filter_map(|measure| {
             let asked = measure.asked_m?;
             let is_off = (measure.m - asked).abs() > NOTABLE_LENGTH;
             is_off.then(|| {
@@ -85,7 +91,17 @@ impl Tape {
                     100.0 * asked
                 )
             })
-        })
+        });
+        let asked = self.asked_bmi;
+        let bmi = asked.filter(|asked| (self.bmi - asked).abs() > NOTABLE_BMI);
+        let bmi = bmi.map(|asked| {
+            format!(
+                "the body mass index is {:.1}, not {asked:.1} as asked for: the measures leave no \
+                 room for it",
+                self.bmi
+            )
+        });
+        lengths.chain(bmi)
     }
 }
 

@@ -130,8 +130,8 @@ pub(crate) struct DrapeArgs {
     /// in millimetres.
     #[arg(long, value_name = "MM", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Simulate the cloth for so many frames of 1/60 s from where it was put
-    /// [default: by the method, see docs/reference/options.md].
+    /// Simulate the cloth for so many frames of 1/60 s from where it was put; a single warp that
+    /// stays strained, from rest [default: by the method, see docs/reference/options.md].
     #[arg(long, value_name = "FRAMES", value_parser = settle_frames, allow_negative_numbers = true)]
     settle: Option<u32>,
     /// Fabric of all that is simulated: silk, jersey, interlock, cotton, knit or denim

@@ -12,20 +12,26 @@ const LEAST_AGREEMENT: f32 = 0.6;
 /// How far upwards that mean may still look, of its length: the sine of 25 degrees.
 const MOST_UPRIGHT: f32 = 0.42;
 
-/// Whether a body that stands at rest lies along z: it is longer along z than it is high, and its
-/// joints look along z. A file with z up, read with y up, looks like that.
+/// The same of a body that is not clearly longer along z than it is high, as of one that lies on its
+/// side with its arms stretched out.
+const CLEAR_AGREEMENT: f32 = 0.85;
+
+/// Whether a body that stands at rest lies along z: its joints look along z. A file with z up, read
+/// with y up, looks like that.
 pub(super) fn lies_along_z(posed: &PosedBody) -> bool {
     let extent = Bounds::of(posed.skin().positions())
         .unwrap_or_default()
         .extent();
-    if guess_up_axis(extent) != Some(UpAxis::Z) {
-        return false;
-    }
+    let least = match guess_up_axis(extent) {
+        Some(UpAxis::Z) => LEAST_AGREEMENT,
+        Some(UpAxis::Y) => return false,
+        None => CLEAR_AGREEMENT,
+    };
     let turns = posed.posed_from_rest();
     let upwards = turns.iter().map(|turn| turn.rotation * Vector3::y());
     let mean = upwards.sum::<Vector3>() / turns.len().max(1) as f32;
     let length = mean.norm();
-    length > LEAST_AGREEMENT && mean.y.abs() < MOST_UPRIGHT * length && mean.z.abs() > mean.x.abs()
+    length > least && mean.y.abs() < MOST_UPRIGHT * length && mean.z.abs() > mean.x.abs()
 }
 
 /// Cloth may hang or lie so much lower than the body, in metres.

@@ -343,6 +343,11 @@ impl Ready {
             let scale = bound.garment.cloth().scale();
             job.options.with_clearance_scaled(scale)
         };
+        let options = match bound.targets.len() {
+            1 => options.simulating_strained(),
+            // Frames would jump.
+            _ => options,
+        };
         let mut draper = Draper::new(bound.garment.clone()).with_options(options);
         if let Some(refit) = &bound.refit {
             draper = draper.with_refit(refit.clone());

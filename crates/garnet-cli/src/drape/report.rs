@@ -118,6 +118,9 @@ pub(crate) struct CutReport {
     /// Girths and inner leg of the wearer, if these are known.
     #[serde(flatten)]
     pub(crate) wearer: Option<WearerReport>,
+    /// Whether these were told from the skin in a pose, and may be some centimetres off.
+    #[serde(rename = "told_from_pose")]
+    pub(crate) is_told: bool,
     /// How long it took to cut it and to put it on.
     pub(crate) seconds: f64,
 }
@@ -143,6 +146,7 @@ impl CutReport {
             second_size: None,
             choice: None,
             parameters: BTreeMap::new(),
+            is_told: false,
             wearer: measures.map(|measures| WearerReport {
                 chest: measures[Measure::Chest],
                 waist: measures[Measure::Waist],

@@ -65,7 +65,12 @@ fn cut_for(cut: &CutReport) -> String {
             ("inseam", wearer.inseam),
         ];
         let measures = measures.map(|(name, metres)| format!("{name} {:.0}", 100.0 * metres));
-        format!(": {} cm", measures.join(", "))
+        let told = if cut.is_told {
+            " as told from its pose, some centimetres off (its rig beside it tells them)"
+        } else {
+            ""
+        };
+        format!(": {} cm{told}", measures.join(", "))
     });
     let (target, time) = (&cut.target, readable(cut.seconds));
     let line = format!("cut{size}{changed} for `{target}`{measures}, in {time}");

@@ -11,7 +11,7 @@ use std::{
 use anyhow::Context;
 use garnet::{
     Body,
-    body::shape::{Tape, tape_measures, unposed},
+    body::shape::{Recognized, Tape, recognized, tape_measures, unposed},
     data::{CutOptions, Tailor, wearer_of},
     drape::Refit,
     io::{Target, TargetSource, largest_distance},
@@ -417,6 +417,8 @@ enum Wearer {
     Own,
     /// One of another shape, at rest.
     Other(Box<Body>),
+    /// The same, told from the skin in a pose: some centimetres off in girths.
+    Told(Box<Body>),
     /// One whose measures cannot be told.
     Unknown,
 }
@@ -437,7 +439,11 @@ impl Wearer {
             });
         }
         if let Some(other) = unposed(body, places).with_context(cannot)? {
-            return Ok(Self::Other(Box::new(other)));
+            let rest = body.rest().with_positions(places.clone())?;
+            return Ok(match recognized(&rest) {
+                Recognized::Posed => Self::Told(Box::new(other)),
+                Recognized::Rest(_) | Recognized::Stranger => Self::Other(Box::new(other)),
+            });
         }
         let has_other_shape = target.posed(body)?.shape_offsets().is_some();
         Ok(if has_other_shape {
@@ -450,7 +456,7 @@ impl Wearer {
     fn is_like(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Own, Self::Own) => true,
-            (Self::Other(a), Self::Other(b)) => {
+            (Self::Other(a) | Self::Told(a), Self::Other(b) | Self::Told(b)) => {
                 largest_distance(a.rest().positions(), b.rest().positions()) < SAME_WEARER
             }
             _ => false,
@@ -488,7 +494,7 @@ impl Prepared {
     fn body_of<'a>(&'a self, wearer: &'a Wearer) -> Option<&'a Body> {
         match wearer {
             Wearer::Own => Some(&self.body),
-            Wearer::Other(body) => Some(body),
+            Wearer::Other(body) | Wearer::Told(body) => Some(body),
             Wearer::Unknown => None,
         }
     }
@@ -498,7 +504,7 @@ impl Prepared {
         match wearer {
             // The target is a pose of it.
             Wearer::Own => self.rest.path.clone(),
-            Wearer::Other(_) | Wearer::Unknown => target.path.clone(),
+            Wearer::Other(_) | Wearer::Told(_) | Wearer::Unknown => target.path.clone(),
         }
     }
 
@@ -540,6 +546,7 @@ impl Prepared {
     /// Cuts the garment for a wearer of all targets.
     fn dress(&mut self, wearer: Wearer, tailoring: &mut Tailoring) -> anyhow::Result<()> {
         let worn_by = (self.targets.first()).map(|target| self.path_of(&wearer, target));
+        let is_told = matches!(wearer, Wearer::Told(_));
         let wearer = match wearer {
             Wearer::Unknown if tailoring.is_asked_for() && !tailoring.is_chosen() => None,
             Wearer::Unknown => {
@@ -549,12 +556,12 @@ impl Prepared {
             // It lies there already.
             Wearer::Own if !self.is_on_other && !tailoring.is_asked_for() => return Ok(()),
             Wearer::Own => Some(self.body.clone()),
-            Wearer::Other(body) => Some(*body),
+            Wearer::Other(body) | Wearer::Told(body) => Some(*body),
         };
         let Some(target) = self.targets.first() else {
             return Ok(());
         };
-        let path = target.path.clone();
+        let path = worn_by.clone().unwrap_or_else(|| target.path.clone());
         let cannot = || {
             let garment = self.garment_file.path().display();
             format!("cannot cut `{garment}` for `{}`", path.display())
@@ -570,6 +577,7 @@ impl Prepared {
             let cut = tailoring.cut_for(wearer.as_ref(), &path);
             cut.with_context(cannot)?
         };
+        cut.report.is_told = is_told;
         let paths = self.targets.iter().map(|target| target.path.clone());
         let worn = paths.filter_map(|path| Some((path, Arc::clone(tape.as_ref()?))));
         cut.wearers = worn.collect();

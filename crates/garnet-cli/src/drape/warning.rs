@@ -356,16 +356,18 @@ impl fmt::Display for Warning {
             ),
             Problem::Lies => format!(
                 "the body of `{path}` lies along z, and gravity pulls along -y; if it stands, name the \
-                 axis that points up in its file: `--up z` or `--up y`"
+                 axis that points up in its file by `--up`"
             ),
             Problem::Beyond(ref reason) => format!(
                 "the network knows the body of `{path}` in part: {reason}; it predicts the nearest that \
                  it knows, which is less accurate"
             ),
-            Problem::Fallback(ref reason, is_simulated) => {
-                let instead = in_place_of_network(is_simulated);
-                format!("the network is not used on `{path}`, and {instead}: {reason}")
+            Problem::Fallback(ref reason, true) => {
+                format!("`{path}` is simulated all the way from the body at rest: {reason}")
             }
+            Problem::Fallback(ref reason, false) => format!(
+                "the network is not used on `{path}`, and the warp by pose and shape is: {reason}"
+            ),
             Problem::Unsettled(ref reason) => {
                 format!("`{path}` is not settled by simulation: {reason}")
             }
@@ -471,14 +473,6 @@ fn empty_sleeve(path: &Path, joint: &str, Point3 { coords }: Point3) -> String {
          `{joint}` of the rest body: `--place` brings sleeves to their limbs, or `--rest-body` names \
          the body that the garment was made on"
     )
-}
-
-fn in_place_of_network(is_simulated: bool) -> &'static str {
-    if is_simulated {
-        "the garment is simulated all the way from the body at rest"
-    } else {
-        "the warp by pose and shape is"
-    }
 }
 
 /// Millimetres without a decimal where they are many.

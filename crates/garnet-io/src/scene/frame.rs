@@ -1,5 +1,6 @@
 //! Units and axes of files, and the way from them to metres with y up and back.
 
+use garnet_body::shape::times_as_large;
 use garnet_mesh::{Bounds, Point3, TriMesh, Unit, UpAxis, Vector3};
 
 use crate::{guess_body_unit, guess_up_axis};
@@ -67,6 +68,9 @@ pub(super) fn detected_up(mesh: &TriMesh) -> UpAxis {
 
 /// The unit in which a rest body has the height of a body; metres in doubt.
 pub(super) fn detected_unit(mesh: &TriMesh) -> Unit {
+    if let Some(unit) = times_as_large(mesh).and_then(|times| unit_of(Unit::Metre, times)) {
+        return unit;
+    }
     let extent = extent(mesh);
     guess_body_unit(extent.y.max(extent.z)).unwrap_or(Unit::Metre)
 }
