@@ -12,8 +12,8 @@ const LEAST_AGREEMENT: f32 = 0.6;
 /// How far upwards that mean may still look, of its length: the sine of 25 degrees.
 const MOST_UPRIGHT: f32 = 0.42;
 
-/// The same of a body that is not clearly longer along z than it is high, as of one that lies on its
-/// side with its arms stretched out.
+/// The same of a body that is not clearly longer along z than it is high, as of one that lies on
+/// its side with its arms stretched out.
 const CLEAR_AGREEMENT: f32 = 0.85;
 
 /// Whether a body that stands at rest lies along z: its joints look along z. A file with z up, read
