@@ -90,7 +90,10 @@ fn sim(criterion: &mut Criterion) {
             let schedule = Schedule::after(
                 Moment::Arrival,
                 cloth.mean_edge_length(),
-                Moment::Arrival.settle_frames(),
+                [
+                    Moment::Arrival.settle_frames(),
+                    Moment::Arrival.frames_at_once(),
+                ],
             );
             bencher.iter(|| settle(&on_body, &schedule, &mut |_| ControlFlow::Continue(())));
         });

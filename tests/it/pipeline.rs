@@ -90,8 +90,8 @@ fn dolls_and_giants_are_simulated_as_people() {
         let home = posed.at_home(&body).unwrap();
         let from = bound.warped(home.body(), Warp::Shape).unwrap();
         let settling = Settling {
-            from: Moment::Rest,
             frames: 12,
+            ..Settling::of(Moment::Rest)
         };
         let never = AtomicBool::new(false);
         let places = simulator.settled(&body, home.body(), &from, settling, &never);

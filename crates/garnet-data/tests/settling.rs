@@ -51,8 +51,8 @@ impl Scene {
         let stop = AtomicBool::new(false);
         let body = &self.package.body;
         let settling = Settling {
-            from: moment,
             frames,
+            ..Settling::of(moment)
         };
         self.simulator
             .settled(body, &self.posed, from, settling, &stop)

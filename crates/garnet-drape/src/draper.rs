@@ -225,9 +225,9 @@ const USUAL_STRETCH: f32 = 1.3;
 /// and is faster.
 const USUAL_P99: f32 = 1.1;
 
-/// Predicted cloth that has settled is not compared with what it was for so few faces in the skin:
-/// to untangle that, too, takes longer than `fast`. More is faster, and leaves some of them.
-const MOST_CROSSING: usize = 5;
+/// Predicted cloth that has settled is not compared with what it was for so small a share of faces
+/// in the skin: to untangle that, too, takes longer than `fast`. More is faster, and leaves some.
+const MOST_CROSSING: f32 = 1e-3;
 
 /// Of a garment of which more than this share would go back it is told that it was not relaxed.
 const MOST_UNRELAXED: f32 = 0.5;
@@ -237,13 +237,14 @@ const LONGER: f32 = 1.02;
 
 impl DrapeQuality {
     /// Whether nothing is wrong with it that the drape before it settled might do better, which was
-    /// brought there by a warp or a network.
-    fn is_sound(&self, before: PlacedBy) -> bool {
+    /// brought there by a warp or a network; of cloth with so many faces.
+    fn is_sound(&self, before: PlacedBy, faces: usize) -> bool {
         let is_free = self.inside == 0;
+        let most_crossing = MOST_CROSSING * faces as f32;
         match before {
             // Settling is known to bring it nearer, and to take faces out of the skin.
             PlacedBy::Network => {
-                is_free && self.crossing <= MOST_CROSSING && self.longest <= TORN_STRETCH
+                is_free && self.crossing as f32 <= most_crossing && self.longest <= TORN_STRETCH
             }
             PlacedBy::Warp | PlacedBy::Simulation => {
                 is_free
@@ -566,7 +567,8 @@ impl Draper {
         let mut untangled = freed(&nodes, by)?;
         let settled = unrelaxed.map(|unrelaxed| (unrelaxed, self.quality(&untangled)));
         // To untangle the drape before, too, takes as long again.
-        let doubtful = settled.filter(|((_, was_by), first)| !first.is_sound(*was_by));
+        let faces = self.garment.mesh().num_faces();
+        let doubtful = settled.filter(|((_, was_by), first)| !first.is_sound(*was_by, faces));
         if let Some(((unrelaxed, was_by), first)) = doubtful {
             let before = freed(&unrelaxed, was_by)?;
             let was = self.quality(&before);
@@ -709,7 +711,7 @@ mod tests {
             p99: 1.05,
             longest: 1.25,
         };
-        assert!(sound.is_sound(PlacedBy::Warp));
+        assert!(sound.is_sound(PlacedBy::Warp, 10_000));
         for faulty in [
             DrapeQuality { inside: 1, ..sound },
             DrapeQuality {
@@ -722,9 +724,17 @@ mod tests {
                 ..sound
             },
         ] {
-            assert!(!faulty.is_sound(PlacedBy::Warp), "{faulty:?}");
+            assert!(!faulty.is_sound(PlacedBy::Warp, 10_000), "{faulty:?}");
             assert!(faulty.is_worse_than(&sound), "{faulty:?}");
         }
+        let some = DrapeQuality {
+            crossing: 10,
+            p99: 1.2,
+            longest: 1.9,
+            ..sound
+        };
+        assert!(some.is_sound(PlacedBy::Network, 10_000));
+        assert!(!some.is_sound(PlacedBy::Network, 9_000));
         // What is sound is worse than nothing but what has less strain yet.
         let slack = DrapeQuality { p99: 1.0, ..sound };
         assert!(sound.is_worse_than(&slack) && !slack.is_worse_than(&sound));

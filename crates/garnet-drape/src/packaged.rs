@@ -334,7 +334,7 @@ impl Manifest {
     /// How what a variant predicts at a moment is relaxed: as the variant says, or as is said here.
     pub fn relaxation(&self, name: &str, moment: Moment, is_relaxed: Option<bool>) -> Settling {
         let variant = self.variant(name);
-        let by_default = Settling::of(moment);
+        let by_default = Settling::of_predicted(moment);
         let own = variant.map_or(by_default, |variant| variant.settling(moment));
         let frames = variant.and_then(|variant| variant.settle_frames);
         match is_relaxed {

@@ -127,9 +127,12 @@ impl Draper {
     /// a network not at all, unless the [options](crate::DrapeOptions::relax_frames) say so.
     pub fn relaxation(&self) -> Settling {
         let network = self.learned.network.as_ref();
+        let known = network.map_or(Settling::of(Moment::Rest), |network| {
+            Settling::of_predicted(network.moment())
+        });
         Settling {
-            from: network.map_or(Moment::Rest, |network| network.moment()),
             frames: (self.options.relax_frames).unwrap_or(self.learned.relax_frames),
+            ..known
         }
     }
 
@@ -191,10 +194,7 @@ impl Draper {
             // Of a motion that is simulated in any case the network would have told the first half.
             (Some(_), Some(simulator)) if is_on_way => {
                 let from = self.garment.mesh().positions().to_vec();
-                let relaxation = Settling {
-                    from: Moment::Start,
-                    ..relaxation
-                };
+                let relaxation = relaxation.begun_again();
                 Some((simulator, from, relaxation))
             }
             // What fell back to the warp is far from where cloth rests.
@@ -215,10 +215,9 @@ impl Draper {
                     let before = std::mem::replace(&mut brought.nodes, settled);
                     // What was to rest already is a drape.
                     brought.unrelaxed = is_at_rest.then_some((before, brought.by));
-                    brought.by = if relaxation.finds_folds() {
-                        PlacedBy::Simulation
-                    } else {
-                        PlacedBy::Network
+                    brought.by = match brought.by {
+                        PlacedBy::Warp if !relaxation.finds_folds() => PlacedBy::Network,
+                        _ => PlacedBy::Simulation,
                     };
                     brought.provenance.relaxed_from = Some(relaxation.from);
                     brought.seconds.relax = start.elapsed().as_secs_f64();
@@ -271,10 +270,7 @@ impl Draper {
         let Some((reason, measure)) = self.unfit(&first, relaxation) else {
             return Ok(first);
         };
-        let relaxation = Settling {
-            from: Moment::Start,
-            ..relaxation
-        };
+        let relaxation = relaxation.begun_again();
         match settle(self.garment.mesh().positions(), relaxation) {
             Ok(again)
                 if measure(&self.stretch(&again.nodes)) < measure(&self.stretch(&first.nodes)) =>

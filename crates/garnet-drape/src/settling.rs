@@ -9,7 +9,15 @@ pub struct Settling {
     pub from: Moment,
     /// For about how many frames of a sixtieth of a second, after the motion if there is one.
     pub frames: u32,
+    /// How many of them are simulated as one, at most. Contacts are looked for once in each: more
+    /// cost less, and miss the contacts of cloth that moves far.
+    pub at_once: u32,
 }
+
+/// [`Settling::at_once`] of cloth that a network predicts at rest: it lies where it rests but for
+/// millimetres. More take less time, and more of the cloth crosses itself
+/// (docs/experiments/087-long-frames-at-rest.md).
+const PREDICTED_AT_ONCE: u32 = 3;
 
 impl Settling {
     /// For as long as cloth does by default from that moment on.
@@ -17,6 +25,27 @@ impl Settling {
         Self {
             from,
             frames: from.settle_frames(),
+            at_once: from.frames_at_once(),
+        }
+    }
+
+    /// The same for cloth that a network predicts at that moment.
+    pub const fn of_predicted(from: Moment) -> Self {
+        let known = Self::of(from);
+        match from {
+            Moment::Rest => Self {
+                at_once: PREDICTED_AT_ONCE,
+                ..known
+            },
+            _ => known,
+        }
+    }
+
+    /// For as long, but from the body at rest.
+    pub(crate) const fn begun_again(self) -> Self {
+        Self {
+            frames: self.frames,
+            ..Self::of(Moment::Start)
         }
     }
 
@@ -37,7 +66,11 @@ mod tests {
 
     #[test]
     fn what_was_not_predicted_of_the_motion_takes_time() {
-        let takes_time = |from, frames| Settling { from, frames }.takes_time();
+        let settling = |from, frames| Settling {
+            frames,
+            ..Settling::of(from)
+        };
+        let takes_time = |from, frames| settling(from, frames).takes_time();
         assert!(!takes_time(Moment::Arrival, 0));
         assert!(takes_time(Moment::Midway, 0));
         assert!(takes_time(Moment::Start, 0));

@@ -408,7 +408,8 @@ impl Simulator {
         }
         let moment = settling.from;
         let edge_length = self.cloth.mean_edge_length();
-        let schedule = self.layered(Schedule::after(moment, edge_length, settling.frames));
+        let frames = [settling.frames, settling.at_once];
+        let schedule = self.layered(Schedule::after(moment, edge_length, frames));
         let at_nodes = self.garment.weld().gather(from);
         let start = self.simulated(&at_nodes);
         let run = |scene: &Scene<'_>| settled(scene, &schedule, stop);

@@ -45,9 +45,9 @@ pub(crate) struct Continuation {
     /// For how many frames of a sixtieth of a second the cloth settles by default, after the motion
     /// if there is any left. More take longer and end nearer to the teacher.
     pub(crate) frames: u32,
-    /// How long a frame is at most, in sixtieths of a second. Contacts are looked for
-    /// [`refreshes`](Self::refreshes) times in each: longer ones cost less and miss more.
-    pub(crate) frame: u32,
+    /// How many frames are simulated as one, at most. Contacts are looked for
+    /// [`refreshes`](Self::refreshes) times in each: more cost less and miss more.
+    pub(crate) at_once: u32,
     /// `[rate, drag, friction]` of each stage: substeps a second for each metre of 1/Δx, more for
     /// stiffer cloth; velocity lost beyond that to the air in 1/s, more for cloth that swings less
     /// and falls slower; and the share of the friction on skin, less for cloth that slides to where
@@ -84,7 +84,7 @@ const TABLE: [Continuation; 5] = [
     Continuation {
         motion_share: 0.0,
         frames: 46,
-        frame: 2,
+        at_once: 2,
         stages: FOLDING,
         over_relaxation: 1.0,
         length_share: 1.0,
@@ -98,7 +98,7 @@ const TABLE: [Continuation; 5] = [
     Continuation {
         motion_share: 0.5,
         frames: 46,
-        frame: 2,
+        at_once: 2,
         stages: FOLDING,
         over_relaxation: 1.0,
         length_share: 1.0,
@@ -112,7 +112,7 @@ const TABLE: [Continuation; 5] = [
     Continuation {
         motion_share: 1.0,
         frames: 30,
-        frame: 1,
+        at_once: 1,
         stages: FOLDING,
         over_relaxation: 1.0,
         length_share: 1.0,
@@ -128,7 +128,7 @@ const TABLE: [Continuation; 5] = [
     Continuation {
         motion_share: 1.0,
         frames: 6,
-        frame: 3,
+        at_once: 3,
         stages: &[[20.0, 10.0, 1.0], [28.0, 25.0, 1.0]],
         over_relaxation: 1.2,
         length_share: 0.995,
@@ -142,7 +142,7 @@ const TABLE: [Continuation; 5] = [
     Continuation {
         motion_share: 1.0,
         frames: 6,
-        frame: 1,
+        at_once: 1,
         stages: &[[40.0, 60.0, SHAKEN]],
         over_relaxation: 1.0,
         length_share: 1.0,
@@ -204,6 +204,11 @@ impl Moment {
     /// there is any left.
     pub const fn settle_frames(self) -> u32 {
         self.continuation().frames
+    }
+
+    /// How many of these frames are simulated as one by default, at most.
+    pub const fn frames_at_once(self) -> u32 {
+        self.continuation().at_once
     }
 
     /// Whether the cloth lies about as it will in the end: on the skin that it lies on at rest.

@@ -471,10 +471,11 @@ impl Variant {
     /// bring nothing.
     pub fn settling(&self, from: Moment) -> Settling {
         let settles = self.gains_by_settling() || !from.is_rest();
-        let frames = self.settle_frames.unwrap_or(from.settle_frames());
+        let known = Settling::of_predicted(from);
+        let frames = self.settle_frames.unwrap_or(known.frames);
         Settling {
-            from,
             frames: if settles { frames } else { 0 },
+            ..known
         }
     }
 }

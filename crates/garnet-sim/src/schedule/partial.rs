@@ -38,9 +38,9 @@ impl Schedule {
         }
     }
 
-    /// The rest of the motion, and settling for about so many frames of a sixtieth of a second, for
-    /// cloth that something else has put where it is at a moment: a few times faster than the
-    /// teacher.
+    /// The rest of the motion, and settling, for cloth that something else has put where it is at a
+    /// moment: a few times faster than the teacher. `frames` are of a sixtieth of a second: for
+    /// about how many it settles, and how many are simulated as one, at most.
     ///
     /// # Examples
     ///
@@ -48,17 +48,19 @@ impl Schedule {
     /// use garnet_sim::{Moment, Schedule};
     ///
     /// let moment = Moment::Midway;
-    /// let schedule = Schedule::after(moment, 0.016, moment.settle_frames());
+    /// let frames = [moment.settle_frames(), moment.frames_at_once()];
+    /// let schedule = Schedule::after(moment, 0.016, frames);
     /// assert_eq!(schedule.motion_part, [0.5, 1.0]);
     /// ```
-    pub fn after(moment: Moment, edge_length: f32, frames: u32) -> Self {
+    pub fn after(moment: Moment, edge_length: f32, [frames, at_once]: [u32; 2]) -> Self {
         let row = moment.continuation();
         let whole = Self::for_quality(Quality::Teacher, edge_length);
-        let mut left = frames.div_ceil(row.frame);
+        let at_once = at_once.max(1);
+        let mut left = frames.div_ceil(at_once);
         // The last frames are as long as those of the motion, if there is any; else all are as much
         // shorter as fits.
         let length = if moment.is_on_way() {
-            row.frame as f32
+            at_once as f32
         } else {
             frames.max(1) as f32 / left.max(1) as f32
         };
@@ -79,7 +81,7 @@ impl Schedule {
                 friction,
             });
         }
-        let motion_frames = frames_left(whole.motion_frames / row.frame, row.motion_share);
+        let motion_frames = frames_left(whole.motion_frames / at_once, row.motion_share);
         Self {
             frame_seconds: length * whole.frame_seconds,
             motion_frames,
@@ -89,7 +91,8 @@ impl Schedule {
             },
             stages,
             refreshes_per_frame: row.refreshes,
-            pair_interval: row.pair_interval,
+            // As often in a second, if frames are longer.
+            pair_interval: (row.pair_interval * row.at_once / at_once).max(1),
             bending_interval: row.bending_interval,
             patches: PATCHES,
             length_share: row.length_share,
@@ -113,12 +116,16 @@ mod tests {
     use super::*;
     use crate::SimError;
 
+    fn after(moment: Moment, edge_length: f32, frames: u32) -> Schedule {
+        Schedule::after(moment, edge_length, [frames, moment.frames_at_once()])
+    }
+
     #[test]
     fn schedules_after_each_moment_are_those_that_networks_were_measured_with() {
         let mut found = String::new();
         for moment in Moment::ALL {
             for frames in [0, moment.settle_frames(), 25] {
-                let schedule = Schedule::after(moment, 0.0151, frames);
+                let schedule = after(moment, 0.0151, frames);
                 writeln!(found, "{} {frames} {schedule:?}", moment.name()).unwrap();
             }
         }
@@ -129,7 +136,7 @@ mod tests {
     fn cloth_settles_for_as_long_as_is_asked_for() {
         for moment in Moment::ALL {
             for frames in [0, 1, 2, 3, 7, 8, 12, 24, 30, 46] {
-                let schedule = Schedule::after(moment, 0.016, frames);
+                let schedule = after(moment, 0.016, frames);
                 assert_eq!(schedule.check(), Ok(()));
                 let asked = (frames + moment.motion_frames()) as f32;
                 let found = 60.0 * schedule.seconds();
@@ -145,9 +152,20 @@ mod tests {
     #[test]
     fn what_falls_settles_in_few_frames() {
         for frames in [0, 1, 2, 3, 7, 8, 46] {
-            let schedule = Schedule::after(Moment::Falling, 0.016, frames);
+            let schedule = after(Moment::Falling, 0.016, frames);
             assert_eq!(schedule.num_frames(), u64::from(frames.div_ceil(3)));
         }
+    }
+
+    #[test]
+    fn long_frames_are_fewer_and_cloth_near_cloth_is_looked_for_as_often() {
+        let [short, long] =
+            [1, 3].map(|at_once| Schedule::after(Moment::Rest, 0.016, [6, at_once]));
+        assert_eq!([short.num_frames(), long.num_frames()], [6, 2]);
+        assert!((short.seconds() - long.seconds()).abs() < 1e-6);
+        assert_eq!([short.pair_interval, long.pair_interval], [2, 1]);
+        assert_eq!(short.stages.len(), 1);
+        assert!((short.stages[0].rate - long.stages[0].rate).abs() < 1e-3);
     }
 
     #[test]
@@ -157,7 +175,7 @@ mod tests {
         assert_eq!(2 * until.num_frames(), u64::from(whole.motion_frames));
         assert_eq!(until.midway_frame(), until.motion_frames);
         assert_eq!(until.check(), Ok(()));
-        let after = Schedule::after(Moment::Midway, 0.016, 24);
+        let after = after(Moment::Midway, 0.016, 24);
         assert_eq!(after.midway_frame(), 0);
         let nothing = Schedule {
             motion_part: [0.5, 0.5],
