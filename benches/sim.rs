@@ -7,8 +7,8 @@ use std::ops::ControlFlow;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use garnet::sim::{
-    Cloth, Collider, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, SelfContact, Stage,
-    drape, settle,
+    Cloth, Collider, Fabric, MovingBody, Quality, RestShape, Scene, Schedule, SelfContact,
+    SettleFrames, Stage, drape, settle,
 };
 use garnet::{Point3, package::Moment};
 use garnet_benches::{Scene as Mannequin, group};
@@ -90,10 +90,10 @@ fn sim(criterion: &mut Criterion) {
             let schedule = Schedule::after(
                 Moment::Arrival,
                 cloth.mean_edge_length(),
-                [
-                    Moment::Arrival.settle_frames(),
-                    Moment::Arrival.frames_at_once(),
-                ],
+                SettleFrames {
+                    count: Moment::Arrival.settle_frames(),
+                    at_once: Moment::Arrival.frames_at_once(),
+                },
             );
             bencher.iter(|| settle(&on_body, &schedule, &mut |_| ControlFlow::Continue(())));
         });

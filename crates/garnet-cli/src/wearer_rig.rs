@@ -8,6 +8,10 @@ use garnet::{
     io::{read_rig, rig_beside},
 };
 
+/// What is said of the measures of a posed body whose rig is not beside it.
+pub(crate) const TOLD: &str =
+    "as told from its pose, some centimetres off (its rig beside it tells them)";
+
 /// The built-in body at rest whose rig lies beside the file of a body, if that body is the same in
 /// a pose: its vertices are at `positions` `[vertex]`, in metres.
 ///

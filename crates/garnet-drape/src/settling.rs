@@ -14,11 +14,6 @@ pub struct Settling {
     pub at_once: u32,
 }
 
-/// [`Settling::at_once`] of cloth that a network predicts at rest: it lies where it rests but for
-/// millimetres. More take less time, and more of the cloth crosses itself
-/// (docs/experiments/087-long-frames-at-rest.md).
-const PREDICTED_AT_ONCE: u32 = 3;
-
 impl Settling {
     /// For as long as cloth does by default from that moment on.
     pub const fn of(from: Moment) -> Self {
@@ -31,13 +26,9 @@ impl Settling {
 
     /// The same for cloth that a network predicts at that moment.
     pub const fn of_predicted(from: Moment) -> Self {
-        let known = Self::of(from);
-        match from {
-            Moment::Rest => Self {
-                at_once: PREDICTED_AT_ONCE,
-                ..known
-            },
-            _ => known,
+        Self {
+            at_once: from.predicted_frames_at_once(),
+            ..Self::of(from)
         }
     }
 

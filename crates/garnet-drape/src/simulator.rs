@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use garnet_mesh::{Bounds, Point3};
 use garnet_sim::{
     Cloth, Collider, Drape, Event, Fabric, Motion, MovingBody, RestShape, STANDARD_GRAVITY, Scene,
-    Schedule, SimError, Wind, drape, settle,
+    Schedule, SettleFrames, SimError, Wind, drape, settle,
 };
 use garnet_skin::{Body, BoundGarment, Garment, PosedBody};
 
@@ -408,7 +408,10 @@ impl Simulator {
         }
         let moment = settling.from;
         let edge_length = self.cloth.mean_edge_length();
-        let frames = [settling.frames, settling.at_once];
+        let frames = SettleFrames {
+            count: settling.frames,
+            at_once: settling.at_once,
+        };
         let schedule = self.layered(Schedule::after(moment, edge_length, frames));
         let at_nodes = self.garment.weld().gather(from);
         let start = self.simulated(&at_nodes);

@@ -36,6 +36,7 @@ mod noise_floor;
 mod pattern_sheet;
 mod physics;
 mod pose_sheet;
+mod posed_measures;
 mod repack;
 mod report;
 mod sampled;
@@ -91,6 +92,8 @@ enum Instrument {
     Instructions(instructions::Arguments),
     /// Measure what deleting the skin under clothes does to drapes.
     HiddenSkin(hidden_skin::Arguments),
+    /// Measure how far off the measures of posed bodies are that are told from their skin.
+    PosedMeasures(posed_measures::Arguments),
     /// Time a network, and write a case of it for other implementations.
     TorchCase(torch_case::Arguments),
     /// Measure networks that are told sewing parameters against a regression onto principal shapes.
@@ -140,6 +143,7 @@ fn main() -> ExitCode {
         Instrument::Expect(arguments) => expect::run(&arguments),
         Instrument::Instructions(arguments) => instructions::run(&arguments),
         Instrument::HiddenSkin(arguments) => hidden_skin::run(&arguments),
+        Instrument::PosedMeasures(arguments) => posed_measures::run(&arguments),
         Instrument::TorchCase(arguments) => torch_case::run(&arguments),
         Instrument::Sewing(arguments) => sewing::run(&arguments),
         Instrument::BodySheet(arguments) => body_sheet::run(&arguments),

@@ -35,4 +35,6 @@ pub use report::{
 };
 pub use rest_shape::{GRIP, RestShape};
 pub use scene::{MovingBody, Scene, Wind};
-pub use schedule::{MAX_SUBSTEPS, Quality, STANDARD_GRAVITY, Schedule, SelfContact, Stage};
+pub use schedule::{
+    MAX_SUBSTEPS, Quality, STANDARD_GRAVITY, Schedule, SelfContact, SettleFrames, Stage,
+};

@@ -48,6 +48,10 @@ pub(crate) struct Continuation {
     /// How many frames are simulated as one, at most. Contacts are looked for
     /// [`refreshes`](Self::refreshes) times in each: more cost less and miss more.
     pub(crate) at_once: u32,
+    /// The same of cloth that a network predicts: at rest it lies where it rests but for
+    /// millimetres. More take less time, and more of the cloth crosses itself
+    /// (docs/experiments/087-long-frames-at-rest.md).
+    pub(crate) predicted_at_once: u32,
     /// `[rate, drag, friction]` of each stage: substeps a second for each metre of 1/Δx, more for
     /// stiffer cloth; velocity lost beyond that to the air in 1/s, more for cloth that swings less
     /// and falls slower; and the share of the friction on skin, less for cloth that slides to where
@@ -85,6 +89,7 @@ const TABLE: [Continuation; 5] = [
         motion_share: 0.0,
         frames: 46,
         at_once: 2,
+        predicted_at_once: 2,
         stages: FOLDING,
         over_relaxation: 1.0,
         length_share: 1.0,
@@ -99,6 +104,7 @@ const TABLE: [Continuation; 5] = [
         motion_share: 0.5,
         frames: 46,
         at_once: 2,
+        predicted_at_once: 2,
         stages: FOLDING,
         over_relaxation: 1.0,
         length_share: 1.0,
@@ -113,6 +119,7 @@ const TABLE: [Continuation; 5] = [
         motion_share: 1.0,
         frames: 30,
         at_once: 1,
+        predicted_at_once: 1,
         stages: FOLDING,
         over_relaxation: 1.0,
         length_share: 1.0,
@@ -129,6 +136,7 @@ const TABLE: [Continuation; 5] = [
         motion_share: 1.0,
         frames: 6,
         at_once: 3,
+        predicted_at_once: 3,
         stages: &[[20.0, 10.0, 1.0], [28.0, 25.0, 1.0]],
         over_relaxation: 1.2,
         length_share: 0.995,
@@ -143,6 +151,7 @@ const TABLE: [Continuation; 5] = [
         motion_share: 1.0,
         frames: 6,
         at_once: 1,
+        predicted_at_once: 3,
         stages: &[[40.0, 60.0, SHAKEN]],
         over_relaxation: 1.0,
         length_share: 1.0,
@@ -209,6 +218,11 @@ impl Moment {
     /// How many of these frames are simulated as one by default, at most.
     pub const fn frames_at_once(self) -> u32 {
         self.continuation().at_once
+    }
+
+    /// The same of cloth that a network predicts.
+    pub const fn predicted_frames_at_once(self) -> u32 {
+        self.continuation().predicted_at_once
     }
 
     /// Whether the cloth lies about as it will in the end: on the skin that it lies on at rest.

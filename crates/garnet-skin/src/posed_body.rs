@@ -113,24 +113,48 @@ impl Body {
             });
         }
         let skin = self.skin().moved(target.to_vec())?;
-        let (method, max_residual) = [Method::Linear, Method::DualQuaternion]
-            .map(|method| {
-                let posed = self.transformed_positions(&posed_from_rest, method);
-                (method, max_distance(self, &posed, target))
-            })
-            .into_iter()
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .unwrap_or((Method::Linear, 0.0));
-        let shape_offsets = (max_residual > SAME_SHAPE).then(|| {
-            let rest = self.rest().positions();
-            shape_offsets(rest, target, self.weights(), &posed_from_rest, method)
-        });
+        let residual = |method| {
+            let posed = self.transformed_positions(&posed_from_rest, method);
+            max_distance(self, &posed, target)
+        };
+        let residuals = [Method::Linear, Method::DualQuaternion].map(residual);
+        let (shape_offsets, max_residual) = if residuals[0].min(residuals[1]) > SAME_SHAPE {
+            let (offsets, method) = self.smoothest_offsets(target, &posed_from_rest);
+            (Some(offsets), residuals[method])
+        } else {
+            (None, residuals[0].min(residuals[1]))
+        };
         Ok(PosedBody {
             skin,
             posed_from_rest,
             shape_offsets,
             max_residual,
         })
+    }
+
+    /// The shape offsets `[vertex]` at rest of a target, in metres, as linear or dual-quaternion
+    /// skinning carries them there, and which of the two: 0 or 1.
+    ///
+    /// How a target was skinned is not known. The other method would need ridges and dents in the
+    /// skin where joints bend, and so a larger sum of differences along the edges.
+    fn smoothest_offsets(
+        &self,
+        target: &[Point3],
+        posed_from_rest: &[Isometry3<f32>],
+    ) -> (Vec<Vector3>, usize) {
+        let (rest, faces) = (self.rest().positions(), self.rest().faces());
+        let offsets = |method| shape_offsets(rest, target, self.weights(), posed_from_rest, method);
+        let [linear, dual] = [Method::Linear, Method::DualQuaternion].map(offsets);
+        let variation = |offsets: &[Vector3]| -> f64 {
+            let edges = faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+            let apart = edges.map(|edge| edge.map(|vertex| offsets[vertex as usize]));
+            apart.map(|[a, b]| f64::from((a - b).norm())).sum()
+        };
+        if variation(&dual) < variation(&linear) {
+            (dual, 1)
+        } else {
+            (linear, 0)
+        }
     }
 }
 

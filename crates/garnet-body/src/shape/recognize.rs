@@ -506,6 +506,39 @@ mod tests {
     }
 
     #[test]
+    fn who_spreads_the_legs_is_measured_however_the_skin_was_bent() {
+        let own = ParametricBody::build(&crate::shape::BodyParameters::new(0.5)).unwrap();
+        // Slim ones: the two methods differ most where their legs bend.
+        let others = [(1.0, 1.66, 21.0), (1.0, 1.55, 18.5), (0.0, 1.79, 21.0)];
+        for (sex, stature, bmi) in others {
+            let parameters = crate::shape::BodyParameters::new(sex).with_bmi(bmi);
+            let parameters = parameters.with(Measure::Stature, stature);
+            let other = ParametricBody::build(&parameters).unwrap();
+            let body = other.body();
+            let poser = crate::poses::Poser::new(body.skeleton()).unwrap();
+            for name in ["goddess", "warrior_two", "squat"] {
+                let pose = poser.pose(&crate::poses::key_pose(name).unwrap().angles);
+                for method in [
+                    garnet_skin::Method::Linear,
+                    garnet_skin::Method::DualQuaternion,
+                ] {
+                    let skin = body.posed_positions(&pose, method).unwrap();
+                    let found = unposed(own.body(), &skin).unwrap();
+                    let found = tape_measures(&found.expect("it has another shape")).unwrap();
+                    for measure in [Measure::Hip, Measure::Thigh, Measure::Inseam] {
+                        let off = (found[measure] - other.measures()[measure]).abs();
+                        println!("{name} {stature} {method:?} {measure:?} {off:.4}");
+                        assert!(
+                            off < 0.03,
+                            "{name} {stature} {method:?} {measure:?}: {off} m"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
     fn who_stands_at_rest_is_measured_as_it_is() {
         let own = ParametricBody::build(&Population::new(78).sample(0)).unwrap();
         for (sex, stature, bmi) in [(0.0, 2.05, 24.0), (0.0, 1.98, 20.0), (1.0, 1.50, 30.0)] {

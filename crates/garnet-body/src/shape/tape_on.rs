@@ -1,6 +1,6 @@
 //! The tape around a built-in body at rest, laid wherever one likes.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, f64::consts::PI};
 
 use garnet_mesh::Point3;
 use garnet_skin::{Body, PosedBody};
@@ -90,22 +90,44 @@ const AT_HOME: f64 = 1e-3;
 const HIPS: f64 = -0.006;
 const NEAR_HOME: f64 = 0.01;
 
-/// From the world to the frame of a body at rest that stands or faces elsewhere: x to its left, y
-/// up from its soles.
+/// From the world to the frame of a body at rest that stands, lies or faces elsewhere: x to its
+/// left, y up from its soles.
 pub(super) fn own_frame(positions: &[Vec3], joints: &[Vec3]) -> Isometry3<f64> {
-    let [left, right] = ["left_hip", "right_hip"].map(|name| joints[tape::index(name)]);
-    let (across, floor) = (left - right, lowest(positions));
+    let upright = upright(joints);
+    let [left, right] = ["left_hip", "right_hip"].map(|name| upright * joints[tape::index(name)]);
+    let across = left - right;
+    let floor = positions
+        .iter()
+        .map(|place| (upright * place).y)
+        .fold(f64::MAX, f64::min);
     let middle = (left + right) / 2.0;
     let is_turned = across.x <= 0.0 || across.z.abs() > AT_HOME * across.x;
     let is_near = (middle.z - HIPS).abs() < NEAR_HOME;
-    if !is_turned && floor.abs() < AT_HOME && middle.x.abs() < AT_HOME && is_near {
+    let is_upright = upright == UnitQuaternion::identity();
+    let stands = is_upright && floor.abs() < AT_HOME;
+    if !is_turned && stands && middle.x.abs() < AT_HOME && is_near {
         return Isometry3::identity();
     }
     // A turn about y by an angle takes x to (cos, 0, -sin).
     let turn = UnitQuaternion::from_axis_angle(&Vec3::y_axis(), across.z.atan2(across.x));
     let origin = Vec3::new(middle.x, floor, middle.z);
     let hips = Vec3::new(0.0, 0.0, HIPS);
-    Isometry3::from_parts(Translation3::from(hips - turn * origin), turn)
+    Isometry3::from_parts(Translation3::from(hips - turn * origin), turn * upright)
+}
+
+/// The turn that stands a body up which lies along another axis, or on its head.
+fn upright(joints: &[Vec3]) -> UnitQuaternion<f64> {
+    let [neck, pelvis] = ["neck", "pelvis"].map(|name| joints[tape::index(name)]);
+    let trunk = neck - pelvis;
+    let longest = trunk.iamax();
+    let mut up = Vec3::zeros();
+    up[longest] = trunk[longest].signum();
+    if up == Vec3::y() {
+        return UnitQuaternion::identity();
+    }
+    // None about an axis across takes up to down: any does.
+    UnitQuaternion::rotation_between(&up, &Vec3::y())
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vec3::x_axis(), PI))
 }
 
 /// A built-in body at rest that stands or faces elsewhere, brought to where built-in bodies stand,

@@ -33,6 +33,7 @@ use super::{
         Stretch,
     },
     sink::{Sink, note_of_time, write_files},
+    strained,
     timing::timed,
     viewing::Viewing,
     warning::{self, Problem, Warning},
@@ -561,8 +562,9 @@ impl Frame<'_> {
         problems.extend(warning::of_falling(provenance));
         let back = provenance.unrelaxed_share;
         problems.extend((back > 0.0).then_some(Problem::PartlySettled(back)));
-        problems.extend(warning::of_stretch(&stretch));
-        problems.extend(warning::of_caught(&stretch_at_trapped));
+        let draped = self.ready.draped(provenance.relaxed_from.is_some());
+        problems.extend(strained::of_stretch(&stretch, draped));
+        problems.extend(strained::of_caught(&stretch_at_trapped));
         let balance = (simulated.as_ref()).and_then(|simulated| simulated.balance.as_ref());
         let of_rest = simulated.as_ref().and_then(warning::of_rest);
         problems.extend(of_rest.map(|moving| fallen(&drape.positions, &posed).unwrap_or(moving)));
@@ -631,7 +633,8 @@ impl Frame<'_> {
                 edges: stretch.count,
                 max_at_trapped: (!trapped.is_empty()).then_some(stretch_at_trapped.max),
             },
-            fit,
+            is_fit_told: fit.as_ref().is_some_and(|fit| fit.is_told),
+            fit: fit.map(|fit| fit.regions),
             seconds: time,
             repeated,
         };

@@ -1,8 +1,10 @@
 //! Whether the garment fits, in reports and as a line for people.
 
+use std::{f32::consts::FRAC_PI_8, sync::Arc};
+
 use garnet::{
     BoundGarment, Point3, PosedBody,
-    body::shape::{Tape, unposed},
+    body::shape::{Recognized, Tape, recognized, unposed},
     data::finished_girths,
     drape::{FitLines, NoFit, RegionFit, fit_map, wearer_tape},
     io::Target,
@@ -12,7 +14,7 @@ use garnet::{
 use serde::Serialize;
 
 use super::{Bound, args::Source, ready::package_of};
-use crate::wearer_rig::wearer_of_rig;
+use crate::wearer_rig::{TOLD, wearer_of_rig};
 
 /// The lines at which a garment is measured, and the girths of the rest body.
 pub(super) struct Fitting {
@@ -20,6 +22,35 @@ pub(super) struct Fitting {
     at_rest: Tape,
     /// The cloth as it was cut.
     rest: Option<RestShape>,
+}
+
+/// The girths of who wears a garment.
+#[derive(Debug, Clone)]
+pub(super) struct Girths {
+    pub(super) tape: Arc<Tape>,
+    /// Whether they were told from the skin in a pose, and may be some centimetres off.
+    pub(super) is_told: bool,
+}
+
+/// How a garment fits its wearer.
+#[derive(Debug)]
+pub(super) struct FoundFit {
+    pub(super) regions: Vec<RegionReport>,
+    /// Whether the girths of the wearer were told from the skin in a pose.
+    pub(super) is_told: bool,
+}
+
+/// Bodies of other topologies stand in a pose where a joint is turned farther than this against
+/// the first. A larger value takes more of them for bodies at rest.
+const POSED: f32 = FRAC_PI_8;
+
+/// Whether a body stands in a pose, by its joints.
+fn is_posed(body: &PosedBody) -> bool {
+    let mut turns = body.posed_from_rest().iter().map(|it| it.rotation);
+    let Some(first) = turns.next() else {
+        return false;
+    };
+    turns.any(|turn| turn.angle_to(&first) > POSED)
 }
 
 /// How a garment fits in one region. SI units.
@@ -105,29 +136,36 @@ impl Fitting {
     }
 
     /// The girths of a body at rest; none where they cannot be found.
-    fn wearer(&self, (bound, target): (&Bound, &Target), body: &PosedBody) -> Option<Tape> {
-        let of_rig = || {
-            let wearer = wearer_of_rig(&target.path, body.skin().positions());
-            wearer.as_ref().and_then(Tape::around)
-        };
-        let cut = bound.cut.as_ref();
-        if let Some(known) = cut.and_then(|cut| cut.wearers.get(&target.path)) {
-            return Some((**known).clone());
+    fn wearer(&self, (bound, target): (&Bound, &Target), body: &PosedBody) -> Option<Girths> {
+        let known = bound
+            .cut
+            .as_ref()
+            .and_then(|cut| cut.wearers.get(&target.path));
+        if known.is_some() {
+            return known.cloned();
         }
-        let unposed = || {
-            let wearer = unposed(bound.garment.body(), body.skin().positions()).ok()??;
-            Tape::around(&wearer)
+        let girths = |tape, is_told| Girths {
+            tape: Arc::new(tape),
+            is_told,
         };
-        match (body.shape_offsets(), &bound.refit) {
-            (None, _) => Some(self.at_rest.clone()),
-            (Some(_), None) => {
-                (of_rig().or_else(unposed)).or_else(|| wearer_tape(bound.garment.body(), body))
-            }
-            (Some(_), Some(refit)) => {
-                let stand_in = refit.stand_in(body.skin().positions()).ok()?;
-                wearer_tape(refit.own(), &stand_in)
-            }
+        if body.shape_offsets().is_none() {
+            return Some(girths(self.at_rest.clone(), false));
         }
+        let skin = body.skin().positions();
+        if let Some(refit) = &bound.refit {
+            let stand_in = refit.stand_in(skin).ok()?;
+            let tape = wearer_tape(refit.own(), &stand_in)?;
+            return Some(girths(tape, is_posed(body)));
+        }
+        if let Some(tape) = wearer_of_rig(&target.path, skin).and_then(|it| Tape::around(&it)) {
+            return Some(girths(tape, false));
+        }
+        let own = bound.garment.body();
+        let mesh = own.rest().with_positions(skin.to_vec()).ok()?;
+        let is_told = matches!(recognized(&mesh), Recognized::Posed);
+        let at_rest = unposed(own, skin).ok().flatten();
+        let tape = at_rest.and_then(|it| Tape::around(&it));
+        Some(girths(tape.or_else(|| wearer_tape(own, body))?, is_told))
     }
 
     /// How the garment fits on a body, with its vertices at `positions` `[vertex]`, in metres; none
@@ -137,17 +175,20 @@ impl Fitting {
         on: (&Bound, &Target),
         positions: &[Point3],
         body: &PosedBody,
-    ) -> Option<Vec<RegionReport>> {
+    ) -> Option<FoundFit> {
         let wearer = self.wearer(on, body)?;
         let nodes = garment(on.0).cloth().weld().gather(positions);
-        let fits = self.lines.fit(&wearer, &nodes);
-        Some(fits.into_iter().map(RegionReport::from).collect())
+        let fits = self.lines.fit(&wearer.tape, &nodes);
+        Some(FoundFit {
+            regions: fits.into_iter().map(RegionReport::from).collect(),
+            is_told: wearer.is_told,
+        })
     }
 
     /// The same at each vertex `[vertex]`, as a heat map.
     pub(super) fn levels(&self, on: (&Bound, &Target), body: &PosedBody) -> Option<Vec<f32>> {
         let wearer = self.wearer(on, body)?;
-        fit_map(garment(on.0), self.rest.as_ref(), &wearer).ok()
+        fit_map(garment(on.0), self.rest.as_ref(), &wearer.tape).ok()
     }
 }
 
@@ -156,13 +197,18 @@ fn garment(bound: &Bound) -> &BoundGarment {
     (bound.refit.as_ref()).map_or(&*bound.garment, |refit| refit.garment())
 }
 
-/// One line for all regions.
-pub(super) fn line(regions: &[RegionReport]) -> String {
+/// One line for all regions, `is_told` of girths that were told from the skin in a pose.
+pub(super) fn line(regions: &[RegionReport], is_told: bool) -> String {
     let shown = regions.iter().map(|found| {
         let centimetres = (100.0 * found.ease_m).round() as i64;
         format!("{} {} ({centimetres:+} cm)", found.region, found.fit)
     });
-    format!("fit: {}", shown.collect::<Vec<_>>().join(", "))
+    let shown = shown.collect::<Vec<_>>().join(", ");
+    if is_told {
+        format!("fit: {shown}; {TOLD}")
+    } else {
+        format!("fit: {shown}")
+    }
 }
 
 #[cfg(test)]
@@ -186,8 +232,10 @@ mod tests {
             found("hip", "tight", -0.004),
         ];
         assert_eq!(
-            line(&regions),
+            line(&regions, false),
             "fit: chest regular (+9 cm), waist tight (-2 cm), hip tight (+0 cm)"
         );
+        let told = line(&regions[..1], true);
+        assert!(told.starts_with("fit: chest regular (+9 cm); as told from its pose"));
     }
 }

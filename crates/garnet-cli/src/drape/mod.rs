@@ -19,6 +19,7 @@ mod ready;
 mod report;
 mod simulated;
 mod sink;
+mod strained;
 mod summary;
 mod tailored;
 mod timing;

@@ -20,6 +20,7 @@ use super::{
     method_name,
     report::{NetworkReport, SimulationReport},
     simulated::{Simulated, simulator_of},
+    strained::{Draped, Remedy},
     tailored::Cut,
     warning::{Problem, Warning},
 };
@@ -327,6 +328,19 @@ fn simulation_of(
 }
 
 impl Ready {
+    /// How drapes come about whose cloth was simulated after the network or the warp, or was not.
+    pub(super) fn draped(&self, has_settled: bool) -> Draped {
+        let cut = self.bound.cut.as_ref();
+        Draped {
+            is_cut_for_wearer: cut.is_some_and(|cut| cut.report.size.is_none()),
+            remedy: match &self.method {
+                Method::Simulation(_) => Remedy::Nothing,
+                Method::Warp if !has_settled => Remedy::Settle,
+                Method::Warp | Method::Network(_) => Remedy::Simulate,
+            },
+        }
+    }
+
     /// Brings a bound garment and what was read for it together.
     pub(super) fn new(
         mut bound: Bound,

@@ -236,6 +236,10 @@ pub(crate) struct DrapeOutput {
     pub(crate) stretch: Stretch,
     /// How the garment fits by region of the body; none where that is not known.
     pub(crate) fit: Option<Vec<RegionReport>>,
+    /// Whether the girths of the body there were told from its skin in a pose, and may be some
+    /// centimetres off.
+    #[serde(rename = "fit_told_from_pose")]
+    pub(crate) is_fit_told: bool,
     /// Times of this drape; of the last one, if it was repeated.
     pub(crate) seconds: DrapeSeconds,
     /// Times of all repetitions; none if there is but one.

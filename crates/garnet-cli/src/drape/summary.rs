@@ -7,7 +7,7 @@ use super::{
     report::{CutReport, DrapeOutput, DrapeReport, RepeatedSeconds, WarningReport},
     timing::{Repeated, readable},
 };
-use crate::console::Console;
+use crate::{console::Console, wearer_rig::TOLD};
 
 /// Tells what was draped, what it is like, what may be wrong, and how long it took.
 pub(crate) fn tell(report: &DrapeReport, folder: Option<&Path>, console: &Console) {
@@ -66,9 +66,9 @@ fn cut_for(cut: &CutReport) -> String {
         ];
         let measures = measures.map(|(name, metres)| format!("{name} {:.0}", 100.0 * metres));
         let told = if cut.is_told {
-            " as told from its pose, some centimetres off (its rig beside it tells them)"
+            format!(" {TOLD}")
         } else {
-            ""
+            String::new()
         };
         format!(": {} cm{told}", measures.join(", "))
     });
@@ -252,7 +252,7 @@ fn stretch(drapes: &[DrapeOutput]) -> String {
 fn fit_line(report: &DrapeReport) -> Option<String> {
     let is_one = report.drapes.len() == 1 || report.pose.is_some();
     let first = report.drapes.first().filter(|_| is_one)?;
-    Some(fit::line(first.fit.as_ref()?))
+    Some(fit::line(first.fit.as_ref()?, first.is_fit_told))
 }
 
 /// Of garments of one layer more pairs than this for each of their faces are told: a few are in

@@ -24,6 +24,7 @@ use rayon::prelude::*;
 use super::{
     all::Part,
     args::{Job, Source, SourceFiles},
+    fit::Girths,
     prepared::Prepared,
     report::CutReport,
     timing::timed,
@@ -58,7 +59,7 @@ pub(crate) struct Cut {
     /// Where what was asked for does not fit the wearer.
     pub(super) misfit: Option<String>,
     /// The girths of those who wear it, by the files of their bodies, where they are known.
-    pub(super) wearers: BTreeMap<PathBuf, Arc<Tape>>,
+    pub(super) wearers: BTreeMap<PathBuf, Girths>,
     /// Whether variants have learned another cut.
     pub(super) is_unknown: bool,
     /// Whether that is because of its size alone.
@@ -453,6 +454,10 @@ impl Wearer {
         })
     }
 
+    fn is_told(&self) -> bool {
+        matches!(self, Self::Told(_))
+    }
+
     fn is_like(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Own, Self::Own) => true,
@@ -511,7 +516,7 @@ impl Prepared {
     /// Cuts the garment once for all targets, of whatever shape they are.
     fn dress_all(&mut self, tailoring: &mut Tailoring) -> anyhow::Result<()> {
         let wearers = self.wearers()?;
-        let mut tapes: BTreeMap<PathBuf, Arc<Tape>> = BTreeMap::new();
+        let mut tapes: BTreeMap<PathBuf, Girths> = BTreeMap::new();
         let mut misfits = Vec::new();
         let mut before: Option<(&Wearer, Option<Arc<Tape>>)> = None;
         for (at, (wearer, target)) in wearers.iter().zip(&self.targets).enumerate() {
@@ -528,7 +533,9 @@ impl Prepared {
                 }
                 Tape::around(body).map(Arc::new)
             };
-            tapes.extend(tape.clone().map(|tape| (target.path.clone(), tape)));
+            let is_told = wearer.is_told();
+            let girths = tape.clone().map(|tape| Girths { tape, is_told });
+            tapes.extend(girths.map(|girths| (target.path.clone(), girths)));
             before = Some((wearer, tape));
         }
         for (misfit, path) in misfits {
@@ -546,7 +553,7 @@ impl Prepared {
     /// Cuts the garment for a wearer of all targets.
     fn dress(&mut self, wearer: Wearer, tailoring: &mut Tailoring) -> anyhow::Result<()> {
         let worn_by = (self.targets.first()).map(|target| self.path_of(&wearer, target));
-        let is_told = matches!(wearer, Wearer::Told(_));
+        let is_told = wearer.is_told();
         let wearer = match wearer {
             Wearer::Unknown if tailoring.is_asked_for() && !tailoring.is_chosen() => None,
             Wearer::Unknown => {
@@ -579,7 +586,8 @@ impl Prepared {
         };
         cut.report.is_told = is_told;
         let paths = self.targets.iter().map(|target| target.path.clone());
-        let worn = paths.filter_map(|path| Some((path, Arc::clone(tape.as_ref()?))));
+        let girths = tape.map(|tape| Girths { tape, is_told });
+        let worn = paths.filter_map(|path| Some((path, girths.clone()?)));
         cut.wearers = worn.collect();
         self.warn_of_misfit(cut.misfit.clone(), &worn_by.unwrap_or_default());
         self.put_on(cut)

@@ -10,13 +10,16 @@ use garnet::{
     Body, BoundGarment, Point3, Provenance, TriMesh,
     data::{Limits, SceneReport},
     io::{empty_sleeves, threaded_openings},
-    knn::{Surface, TORN_STRETCH},
-    mesh::{Bounds, MeshDiagnosis, StretchSummary, diagnose},
+    knn::Surface,
+    mesh::{Bounds, MeshDiagnosis, diagnose},
     package::Moment,
     untangle::{UntangleReport, free_crossing_faces},
 };
 
-use super::report::{PenetrationReport, WarningReport};
+use super::{
+    report::{PenetrationReport, WarningReport},
+    strained::{Strained, torn_where_caught},
+};
 
 /// What may be wrong with a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,11 +61,11 @@ pub(crate) enum Problem {
     /// A limb is out of the cloth that is round it at rest: its joint, and what share of it.
     LimbOutside(String, f32),
     /// Edges are longer than cloth can be, over their length at rest.
-    Torn(f32),
+    Torn(Strained),
     /// The same of an edge at a vertex that is caught where the body runs through itself.
     TornWhereCaught(f32),
     /// What 1 % of the edges exceed, over their length at rest.
-    Tight(f32),
+    Tight(Strained),
     /// The garment starts inside the rest body: how many vertices deeper than the limit, and the
     /// deepest in metres.
     StartsInside {
@@ -218,9 +221,10 @@ impl Problem {
     /// How bad it is beside others of its kind.
     fn severity(&self) -> f64 {
         match *self {
-            Self::Torn(value)
-            | Self::TornWhereCaught(value)
-            | Self::Tight(value)
+            Self::Torn(Strained { stretch, .. }) | Self::Tight(Strained { stretch, .. }) => {
+                stretch.into()
+            }
+            Self::TornWhereCaught(value)
             | Self::Moving(value)
             | Self::PoorFit(value)
             | Self::Inside(_, value)
@@ -302,9 +306,9 @@ impl fmt::Display for Warning {
                  its skin",
                 100.0 * share
             ),
-            Problem::Torn(stretch) => torn(&self.path, stretch),
+            Problem::Torn(strained) => strained.torn(&self.path),
             Problem::TornWhereCaught(stretch) => torn_where_caught(&self.path, stretch),
-            Problem::Tight(stretch) => tight(&self.path, stretch),
+            Problem::Tight(strained) => strained.tight(&self.path),
             Problem::StartsInside {
                 count,
                 limit,
@@ -413,30 +417,6 @@ fn too_deep(limit: f32, deepest: f32) -> String {
          another body",
         short_millimetres(limit),
         millimetres(deepest)
-    )
-}
-
-fn torn(path: &Path, stretch: f32) -> String {
-    let path = path.display();
-    format!(
-        "an edge of `{path}` is {stretch:.1} times as long as in the garment: cloth would tear, and the body may be of \
-         another size than it or the clearance too wide"
-    )
-}
-
-fn torn_where_caught(path: &Path, stretch: f32) -> String {
-    let path = path.display();
-    format!(
-        "an edge of `{path}` is {stretch:.1} times as long as in the garment where it is caught: parts \
-         of the body run through each other there, which a pose that keeps them apart mends"
-    )
-}
-
-fn tight(path: &Path, stretch: f32) -> String {
-    let path = path.display();
-    format!(
-        "1 % of the edges of `{path}` are more than {stretch:.2} times as long as in the garment: it may be too small for \
-         the body, or the pose strains it, which gives way if it settles (`--settle`) or is simulated"
     )
 }
 
@@ -694,28 +674,12 @@ fn of_skin_at_rest(garment: &BoundGarment) -> Option<Problem> {
     (crossing > 0).then_some(Problem::CrossingAtRest(crossing))
 }
 
-/// A garment of which 1 % of the edges are longer than this, over their length at rest, is
-/// strained.
-const TIGHT_STRETCH: f32 = 1.25;
-
 /// More of settled cloth that falls is told, from 0 to 1: corners that swing are less.
 pub(crate) const MOST_FALLING: f32 = 0.1;
-
-/// Whether cloth is longer than it can be, or much of it longer than it should be.
-pub(crate) fn of_stretch(stretch: &StretchSummary) -> Vec<Problem> {
-    let torn = (stretch.max > TORN_STRETCH).then_some(Problem::Torn(stretch.max));
-    let tight = (stretch.p99 > TIGHT_STRETCH).then_some(Problem::Tight(stretch.p99));
-    torn.into_iter().chain(tight).collect()
-}
 
 /// What is wrong with the fit of a target.
 pub(crate) fn of_fit(residual: f32) -> Option<Problem> {
     (residual > MAX_RESIDUAL).then_some(Problem::PoorFit(residual))
-}
-
-/// The same of edges at vertices that are caught.
-pub(crate) fn of_caught(stretch: &StretchSummary) -> Option<Problem> {
-    (stretch.max > TORN_STRETCH).then_some(Problem::TornWhereCaught(stretch.max))
 }
 
 /// Whether simulated cloth has not come to rest.
@@ -772,18 +736,5 @@ mod tests {
         assert_eq!(text(one), "1 vertex of `tee.obj` belongs to no face");
         let expected = "2 faces of `tee.obj` cross the skin between vertices that are outside";
         assert_eq!(text(many), expected);
-    }
-
-    #[test]
-    fn tight_cloth_and_torn_cloth_are_told_apart() {
-        let kinds = |p99, max| {
-            let mut stretch = StretchSummary::default();
-            (stretch.p99, stretch.max, stretch.count) = (p99, max, 100);
-            let problems = of_stretch(&stretch);
-            problems.iter().map(Problem::kind).collect::<Vec<_>>()
-        };
-        assert!(kinds(1.2, 1.9).is_empty());
-        assert_eq!(kinds(1.3, 1.9), ["tight"]);
-        assert_eq!(kinds(1.3, 2.1), ["torn", "tight"]);
     }
 }

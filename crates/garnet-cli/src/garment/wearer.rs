@@ -21,12 +21,32 @@ pub(super) fn read(path: &Path) -> anyhow::Result<Body> {
     if is_obj && !beside.is_file() {
         check_known(path)?;
     }
+    if let Some(body) = elsewhere(path, &beside) {
+        return Ok(body);
+    }
     let OwnBody { body, shown, .. } = OwnBody::read(path, None)?;
     if is_obj && beside.is_file() {
         let shown = shown.as_ref().map(|(positions, _)| positions.as_slice());
         check_rest(path, &beside, shown.unwrap_or(body.rest().positions()))?;
     }
     Ok(body)
+}
+
+/// The built-in body at rest that an OBJ shows, if the rig beside it has it in another place: the
+/// OBJ was turned or moved, and stands for itself.
+fn elsewhere(path: &Path, beside: &Path) -> Option<Body> {
+    let in_metres = |mesh: &TriMesh| {
+        let places = Frame::detected(mesh).to_metres(mesh.positions().to_vec());
+        mesh.with_positions(places).ok()
+    };
+    let of_rig = in_metres(&read_rig(beside).ok()?.rest?)?;
+    let shown = in_metres(&ObjFile::read(path).ok()?.mesh().ok()?)?;
+    let is_same = shown.num_vertices() == of_rig.num_vertices()
+        && largest_distance(shown.positions(), of_rig.positions()) <= SAME;
+    match recognized(&shown) {
+        Recognized::Rest(body) if !is_same => Some(*body),
+        _ => None,
+    }
 }
 
 /// What is told of the coarse level of the built-in body, and what to do about it.

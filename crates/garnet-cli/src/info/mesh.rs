@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use garnet::{
     Rig, TriMesh,
-    body::shape::{Recognized, recognized},
+    body::shape::{Recognized, recognized, times_as_large},
     io::{
         Frame, ObjFile, RigOptions, guess_body_unit, guess_garment_units, guess_up_axis, read_rig,
         rig_beside,
@@ -76,6 +76,23 @@ fn built_in(mesh: &TriMesh) -> Option<Rig> {
     }
 }
 
+/// The axis along which a mesh stands, head last, if it is the built-in body at rest.
+fn up_of_built_in(mesh: &TriMesh) -> Option<&'static str> {
+    let Recognized::Rest(body) = recognized(mesh) else {
+        return None;
+    };
+    let skeleton = body.skeleton();
+    let at = |name| Some(skeleton.joints()[skeleton.find(name)?].rest_position);
+    let trunk = at("neck")? - at("pelvis")?;
+    let axis = trunk.iamax();
+    let names = if trunk[axis] > 0.0 {
+        ["x", "y", "z"]
+    } else {
+        ["-x", "-y", "-z"]
+    };
+    Some(names[axis])
+}
+
 impl MeshInfo {
     pub(crate) fn read(path: &Path) -> anyhow::Result<Self> {
         let moving = Moving::read(path, &RigOptions::default(), UpAxis::Y)?;
@@ -90,12 +107,17 @@ impl MeshInfo {
         } else {
             built_in(&mesh)
         };
+        let found = Self::new(file, &diagnose(&mesh));
+        let unit = times_as_large(&mesh).map(|_| Frame::detected(&mesh).unit.to_string());
+        let up = up_of_built_in(&mesh).map(str::to_owned);
         Ok(Self {
+            unit_if_body: unit.or(found.unit_if_body),
+            up_if_body: up.or(found.up_if_body),
             left_out: left_out.map(PartInfo::new).collect(),
             tape_cm: rig.as_ref().and_then(tape),
             is_inside_out: is_inside_out(mesh.positions(), mesh.faces()),
             frames: moving.num_frames(),
-            ..Self::new(file, &diagnose(&mesh))
+            ..found
         })
     }
 

@@ -5,7 +5,7 @@ use std::{ops::RangeInclusive, path::Path};
 use anyhow::Context;
 use garnet::{
     Body, Garment, Point3,
-    body::shape::{Tape, unposed},
+    body::shape::{Recognized, Tape, recognized, unposed},
     data::{CutOptions, Tailor, wearer_of},
     drape::{fit_map, wearer_tape},
     io::ObjFile,
@@ -16,7 +16,7 @@ use garnet::{
 use crate::{
     cut_args::{SizeChoice, check_size, chosen_size, cut_on, in_size},
     failure::{Hint, refused},
-    wearer_rig::wearer_of_rig,
+    wearer_rig::{TOLD, wearer_of_rig},
 };
 
 /// Cloth that is draped in the size of its package mostly has faces within these shares of its own:
@@ -91,12 +91,18 @@ pub(super) fn levels(
     let (found, rest) = (file.positions(), package.mesh.positions());
     let larger = times_as_large(found, rest, package.mesh.faces());
     // Files in other units are as large in other ways.
-    let note = if ANY_UNIT.contains(&larger) {
+    let of_size = if ANY_UNIT.contains(&larger) {
         let likelier = likelier_size((folder, &own), found, larger).with_context(cannot)?;
         doubt(file.path(), folder, likelier, larger)
     } else {
         None
     };
+    let body = package.body.rest().with_positions(positions.clone()).ok();
+    let is_posed = body.is_some_and(|body| matches!(recognized(&body), Recognized::Posed));
+    let is_told = of_rig.is_none() && is_posed;
+    let of_pose = is_told.then(|| format!("the girths of `{}` are {TOLD}", path.display()));
+    let notes: Vec<String> = of_size.into_iter().chain(of_pose).collect();
+    let note = (!notes.is_empty()).then(|| notes.join("; "));
     let fitted = package.body.fitted(&positions);
     let not_built_in =
         || "the girths of the built-in body alone are known: a body of `garnet body`".to_owned();

@@ -4,6 +4,7 @@ mod check;
 mod partial;
 
 pub use self::check::MAX_SUBSTEPS;
+pub use self::partial::SettleFrames;
 
 /// How accurate a drape has to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -14,6 +14,15 @@ const FOLDING_FRAMES: f32 = 20.0;
 /// The other half of [`FOLDING_FRAMES`].
 const FOLDING_SHARE: f32 = 2.0 / 3.0;
 
+/// For how long cloth settles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SettleFrames {
+    /// For about how many frames of a sixtieth of a second.
+    pub count: u32,
+    /// How many of them are simulated as one, at most.
+    pub at_once: u32,
+}
+
 impl Schedule {
     /// The same up to a moment. Cloth that is [falling](Moment::Falling) is no state of a
     /// simulation: it is found between its arrival and rest, so the schedule is the whole one.
@@ -39,30 +48,32 @@ impl Schedule {
     }
 
     /// The rest of the motion, and settling, for cloth that something else has put where it is at a
-    /// moment: a few times faster than the teacher. `frames` are of a sixtieth of a second: for
-    /// about how many it settles, and how many are simulated as one, at most.
+    /// moment: a few times faster than the teacher.
     ///
     /// # Examples
     ///
     /// ```
-    /// use garnet_sim::{Moment, Schedule};
+    /// use garnet_sim::{Moment, Schedule, SettleFrames};
     ///
     /// let moment = Moment::Midway;
-    /// let frames = [moment.settle_frames(), moment.frames_at_once()];
+    /// let frames = SettleFrames {
+    ///     count: moment.settle_frames(),
+    ///     at_once: moment.frames_at_once(),
+    /// };
     /// let schedule = Schedule::after(moment, 0.016, frames);
     /// assert_eq!(schedule.motion_part, [0.5, 1.0]);
     /// ```
-    pub fn after(moment: Moment, edge_length: f32, [frames, at_once]: [u32; 2]) -> Self {
+    pub fn after(moment: Moment, edge_length: f32, frames: SettleFrames) -> Self {
         let row = moment.continuation();
         let whole = Self::for_quality(Quality::Teacher, edge_length);
-        let at_once = at_once.max(1);
-        let mut left = frames.div_ceil(at_once);
+        let at_once = frames.at_once.max(1);
+        let mut left = frames.count.div_ceil(at_once);
         // The last frames are as long as those of the motion, if there is any; else all are as much
         // shorter as fits.
         let length = if moment.is_on_way() {
             at_once as f32
         } else {
-            frames.max(1) as f32 / left.max(1) as f32
+            frames.count.max(1) as f32 / left.max(1) as f32
         };
         let last = row.stages.len() - 1;
         let mut stages = Vec::with_capacity(row.stages.len());
@@ -116,8 +127,9 @@ mod tests {
     use super::*;
     use crate::SimError;
 
-    fn after(moment: Moment, edge_length: f32, frames: u32) -> Schedule {
-        Schedule::after(moment, edge_length, [frames, moment.frames_at_once()])
+    fn after(moment: Moment, edge_length: f32, count: u32) -> Schedule {
+        let at_once = moment.frames_at_once();
+        Schedule::after(moment, edge_length, SettleFrames { count, at_once })
     }
 
     #[test]
@@ -159,8 +171,9 @@ mod tests {
 
     #[test]
     fn long_frames_are_fewer_and_cloth_near_cloth_is_looked_for_as_often() {
-        let [short, long] =
-            [1, 3].map(|at_once| Schedule::after(Moment::Rest, 0.016, [6, at_once]));
+        let [short, long] = [1, 3].map(|at_once| {
+            Schedule::after(Moment::Rest, 0.016, SettleFrames { count: 6, at_once })
+        });
         assert_eq!([short.num_frames(), long.num_frames()], [6, 2]);
         assert!((short.seconds() - long.seconds()).abs() < 1e-6);
         assert_eq!([short.pair_interval, long.pair_interval], [2, 1]);
