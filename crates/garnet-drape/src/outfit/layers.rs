@@ -55,8 +55,8 @@ const TOLERANCE: f32 = 1e-4;
 /// stretch cloth that settled.
 const LONGEST: f32 = 1.1;
 
-/// The last rounds, in which they do. More keep folds of the inner cloth in the outer one; with none
-/// parting leaves edges twice as long. See docs/experiments/089-strain-of-parted-layers.md.
+/// The last rounds, in which they do. More keep folds of the inner cloth in the outer one, fewer
+/// leave edges twice as long. See docs/experiments/089-strain-of-parted-layers.md.
 const LAST_ROUNDS: usize = 2;
 
 /// How often edges draw together in such a round. More let fewer of them stay long.
