@@ -182,6 +182,8 @@ struct Bound {
     frame_time: Option<f64>,
     /// The garment as it was cut for its wearer, if it was.
     cut: Option<Arc<Cut>>,
+    /// Whether it is cut to the measures of its wearer, and no otherwise.
+    is_made_for_wearer: bool,
     warnings: Vec<Warning>,
 }
 
@@ -199,6 +201,7 @@ impl Bound {
             motion,
             frame_time,
             cut,
+            is_made_for_wearer,
             warnings,
             notes: _,
             tailoring: _,
@@ -250,6 +253,7 @@ impl Bound {
         let of_body = of_body.map(at(&rest.path));
         let warnings = warnings.into_iter().chain(of_garment).chain(of_body);
         Ok(Self {
+            is_made_for_wearer,
             warnings: warnings.collect(),
             garment: Arc::new(garment),
             refit: refit.map(Arc::new),

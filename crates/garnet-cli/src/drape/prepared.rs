@@ -45,6 +45,8 @@ pub(crate) struct Prepared {
     pub(super) is_unit_named: bool,
     /// The garment as it was cut for its wearer.
     pub(super) cut: Option<Arc<Cut>>,
+    /// Whether it is cut to the measures of its wearer, and no otherwise.
+    pub(super) is_made_for_wearer: bool,
     /// What is wrong already.
     pub(super) warnings: Vec<Warning>,
 }
@@ -135,6 +137,7 @@ impl Prepared {
             is_on_other: false,
             is_unit_named: false,
             cut: None,
+            is_made_for_wearer: false,
             warnings: Vec::new(),
         }
     }
@@ -157,6 +160,7 @@ impl Prepared {
             is_on_other: self.is_on_other,
             is_unit_named: self.is_unit_named,
             cut: None,
+            is_made_for_wearer: false,
             warnings: Vec::new(),
         }
     }

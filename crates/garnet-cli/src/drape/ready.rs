@@ -330,9 +330,8 @@ fn simulation_of(
 impl Ready {
     /// How drapes come about whose cloth was simulated after the network or the warp, or was not.
     pub(super) fn draped(&self, has_settled: bool) -> Draped {
-        let cut = self.bound.cut.as_ref();
         Draped {
-            is_cut_for_wearer: cut.is_some_and(|cut| cut.report.size.is_none()),
+            is_cut_for_wearer: self.bound.is_made_for_wearer,
             remedy: match &self.method {
                 Method::Simulation(_) => Remedy::Nothing,
                 Method::Warp if !has_settled => Remedy::Settle,

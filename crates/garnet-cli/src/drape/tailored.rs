@@ -561,7 +561,10 @@ impl Prepared {
                 return Ok(());
             }
             // It lies there already.
-            Wearer::Own if !self.is_on_other && !tailoring.is_asked_for() => return Ok(()),
+            Wearer::Own if !self.is_on_other && !tailoring.is_asked_for() => {
+                self.is_made_for_wearer = true;
+                return Ok(());
+            }
             Wearer::Own => Some(self.body.clone()),
             Wearer::Other(body) | Wearer::Told(body) => Some(*body),
         };
@@ -611,6 +614,7 @@ impl Prepared {
                 other => other,
             };
         }
+        self.is_made_for_wearer = cut.report.size.is_none() && cut.report.parameters.is_empty();
         self.cut = Some(Arc::new(cut));
         Ok(())
     }
